@@ -1,0 +1,25 @@
+//! Physical tire and rig models as FMI 2.0 co-simulation units.
+//!
+//! See ARCHITECTURE.md for the map of the code. SI units inside and at every interface; signs and
+//! axes at every interface are ISO 8855 / TYDEX (C, H, W).
+#![deny(unsafe_code)]
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+mod error;
+#[allow(unsafe_code)]
+pub mod fmi;
+pub mod model;
+//#[cfg]
+//pub mod recording;
+//#[cfg]
+//pub mod report;
+pub mod rig;
+//#[cfg]
+//pub mod simulate;
+pub mod solver;
+pub mod tire;
+
+pub use error::{Error, ErrorKind, Result};
+
+/// The version of the library: part of every FMU's GUID.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");

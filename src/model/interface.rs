@@ -1,0 +1,256 @@
+//! What the outside sees of a slave: its variables without their Rust types.
+
+use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
+
+/// Who gives a variable its value; the words are those of FMI 2.0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Causality {
+    /// Set by the user before the run.
+    Parameter,
+    /// Computed from parameters before the run.
+    CalculatedParameter,
+    /// Set by the master during the run.
+    Input,
+    /// Computed for the master.
+    Output,
+    /// Computed, inside the model.
+    Local,
+    /// Time.
+    Independent,
+}
+
+/// When a variable may change; the words are those of FMI 2.0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Variability {
+    /// Never.
+    Constant,
+    /// Not after initialization.
+    Fixed,
+    /// Between communication points, by the user.
+    Tunable,
+    /// At communication points.
+    Discrete,
+    /// Always.
+    Continuous,
+}
+
+/// How a variable gets its first value; the words are those of FMI 2.0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Initial {
+    /// From its start value.
+    Exact,
+    /// From an iteration that begins at its start value.
+    Approx,
+    /// From the other variables.
+    Calculated,
+}
+
+/// The type of a variable.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Kind {
+    /// Real number.
+    Real,
+    /// Whole number.
+    Integer,
+    /// Switch.
+    Boolean,
+    /// Text.
+    Text,
+    /// One of the named values 1, 2, ...: (name, description) each.
+    Enumeration(Vec<(String, String)>),
+}
+
+/// A value of any type.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Value {
+    /// Switch.
+    Boolean(bool),
+    /// Whole number or item of an enumeration.
+    Integer(i32),
+    /// Real number.
+    Real(f64),
+    /// Text.
+    Text(String),
+}
+
+impl std::fmt::Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Value::Boolean(v) => write!(f, "{v}"),
+            Value::Integer(v) => write!(f, "{v}"),
+            // Debug prints the shortest text that reads back as the same number, and switches to an
+            // exponent where that is shorter.
+            Value::Real(v) => write!(f, "{v:?}"),
+            Value::Text(v) => write!(f, "{v}"),
+        }
+    }
+}
+
+/// One variable as the outside sees it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VariableInfo {
+    /// Its name, unique within the slave.
+    pub name: String,
+    /// FMI value reference.
+    pub reference: u32,
+    /// What it means.
+    pub description: String,
+    /// Unit of a real variable, in FMI notation.
+    pub unit: Option<String>,
+    /// Type.
+    pub kind: Kind,
+    /// Who sets it.
+    pub causality: Causality,
+    /// When it may change.
+    pub variability: Variability,
+    /// How it starts; `None` where FMI forbids the attribute.
+    pub initial: Option<Initial>,
+    /// Start value; `None` when calculated.
+    pub start: Option<Value>,
+    /// Smallest value accepted.
+    pub min: Option<f64>,
+    /// Largest value accepted.
+    pub max: Option<f64>,
+    /// Typical size.
+    pub nominal: Option<f64>,
+}
+
+impl VariableInfo {
+    /// True for real variables.
+    pub fn is_real(&self) -> bool {
+        self.kind == Kind::Real
+    }
+
+    /// The value, if this variable takes it: right type, finite, within min and max.
+    ///
+    /// # Errors
+    /// A sentence that names the variable, the value and what is accepted.
+    pub fn accept(&self, value: &Value) -> Result<Value> {
+        let wrong = |what: &str| Err(Error::variable(format!("{} = {value}: {what}", self.name)));
+        let in_range = |v: f64| {
+            let low = self.min.is_none_or(|min| v >= min);
+            let high = self.max.is_none_or(|max| v <= max);
+            if low && high {
+                return Ok(());
+            }
+            let unit = self.unit.as_deref().map(|u| format!(" {u}")).unwrap_or_default();
+            Err(Error::variable(match (self.min, self.max) {
+                (Some(min), Some(max)) => {
+                    format!("{} = {v:?}{unit} is outside its range {min:?} to {max:?}{unit}", self.name)
+                }
+                (Some(min), None) => {
+                    format!("{} = {v:?}{unit} is below its minimum {min:?}{unit}", self.name)
+                }
+                (_, max) => format!(
+                    "{} = {v:?}{unit} is above its maximum {:?}{unit}",
+                    self.name,
+                    max.unwrap_or(f64::INFINITY)
+                ),
+            }))
+        };
+        let real = |v: f64| {
+            if !v.is_finite() {
+                return wrong("a finite number is needed");
+            }
+            in_range(v)?;
+            Ok(Value::Real(v))
+        };
+        match (&self.kind, value) {
+            (Kind::Real, Value::Real(v)) => real(*v),
+            (Kind::Real, Value::Integer(v)) => real(f64::from(*v)),
+            (Kind::Integer, Value::Integer(v)) => {
+                in_range(f64::from(*v))?;
+                Ok(value.clone())
+            }
+            (Kind::Enumeration(items), Value::Integer(v)) => {
+                if *v < 1 || *v as usize > items.len() {
+                    return wrong(&format!("the items are numbered 1 to {}", items.len()));
+                }
+                Ok(value.clone())
+            }
+            (Kind::Enumeration(items), Value::Text(text)) => {
+                match items.iter().position(|(name, _)| name == text) {
+                    Some(i) => Ok(Value::Integer(i as i32 + 1)),
+                    None => wrong(&format!(
+                        "one of {} is needed",
+                        items.iter().map(|(n, _)| n.as_str()).collect::<Vec<_>>().join(", ")
+                    )),
+                }
+            }
+            (Kind::Boolean, Value::Boolean(_)) | (Kind::Text, Value::Text(_)) => Ok(value.clone()),
+            (Kind::Real, _) => wrong("a number is needed"),
+            (Kind::Integer | Kind::Enumeration(_), _) => wrong("a whole number is needed"),
+            (Kind::Boolean, _) => wrong("true or false is needed"),
+            (Kind::Text, _) => wrong("a text in quotes is needed"),
+        }
+    }
+}
+
+/// All that the outside needs to know of a slave before it runs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Interface {
+    /// Name of the model.
+    pub name: String,
+    /// What it models.
+    pub description: String,
+    /// Communication step that suits it \[s\].
+    pub communication_step: f64,
+    /// Start of its default experiment \[s\].
+    pub start_time: f64,
+    /// End of its default experiment \[s\].
+    pub stop_time: f64,
+    /// The variables; a variable's position is its index in every call of [`Slave`](super::Slave).
+    pub variables: Vec<VariableInfo>,
+}
+
+impl Interface {
+    /// A number that changes with any variable, start value or text of the interface, and with the
+    /// version of the library.
+    pub fn fingerprint(&self) -> uuid::Uuid {
+        // Plain data without maps: it always serialises, and always in the same way.
+        let bytes = postcard::to_stdvec(&(crate::VERSION, self)).unwrap_or_default();
+        uuid::Uuid::new_v5(&uuid::Uuid::NAMESPACE_OID, &bytes)
+    }
+
+    /// Index of the variable called `name`.
+    pub fn index(&self, name: &str) -> Option<usize> {
+        self.variables.iter().position(|v| v.name == name)
+    }
+
+    /// Index of the variable called `name`.
+    ///
+    /// # Errors
+    /// No such variable; the message offers similar names.
+    pub fn find(&self, name: &str) -> Result<usize> {
+        self.index(name).ok_or_else(|| {
+            Error::variable(format!("{} has no variable {name:?}{}", self.name, self.similar(name)))
+        })
+    }
+
+    /// A hint `; did you mean ...?` for a name that is not there, or nothing.
+    #[cfg(feature = "host")]
+    fn similar(&self, name: &str) -> String {
+        let mut near: Vec<(f64, &str)> = self
+            .variables
+            .iter()
+            .map(|v| (strsim::jaro_winkler(name, &v.name), v.name.as_str()))
+            .filter(|(score, _)| *score > 0.8)
+            .collect();
+        near.sort_by(|a, b| b.0.total_cmp(&a.0));
+        match near.first() {
+            Some((_, best)) => format!("; did you mean {best:?}?"),
+            None => String::new(),
+        }
+    }
+
+    #[cfg(not(feature = "host"))]
+    fn similar(&self, _name: &str) -> String {
+        String::new()
+    }
+
+    /// Indices of all variables of one causality.
+    pub fn with(&self, causality: Causality) -> impl Iterator<Item = usize> + '_ {
+        self.variables.iter().enumerate().filter(move |(_, v)| v.causality == causality).map(|(i, _)| i)
+    }
+}

@@ -1,0 +1,64 @@
+//! What a model is: its variable table, its plain state, and how anything is run.
+//!
+//! [`Model`] is how one writes a model, [`Slave`] is how one runs anything. [`Native`] makes a
+//! slave of a model; everything else (simulation, export, the FMI interface) knows only slaves.
+
+mod interface;
+mod native;
+mod settings;
+mod slave;
+pub mod unit;
+mod variable;
+
+pub use interface::{Causality, Initial, Interface, Kind, Value, Variability, VariableInfo};
+pub use native::Native;
+pub use settings::Settings;
+pub use slave::{Slave, Snapshot};
+pub use variable::{
+    Access, Start, Variable, boolean_parameter, input, integer_parameter, local, output, parameter,
+    text_parameter,
+};
+
+use crate::Result;
+use serde::{Serialize, de::DeserializeOwned};
+
+/// A model: one plain value that holds parameters, inputs, states and outputs.
+///
+/// Whoever clones the value has saved the state; whoever serialises it can continue elsewhere. The
+/// table [`VARIABLES`](Model::VARIABLES) declares every variable once; the FMI description, the
+/// command line, CSV columns and parameter files are derived from it.
+///
+/// A model is made in this order: `default()`, then every start value of the table and every
+/// setting of the user is written, then [`initialize`](Model::initialize), then steps.
+pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Send + 'static {
+    /// The name that users type and that model files carry, in kebab-case.
+    const NAME: &'static str;
+    /// What it models, in one sentence.
+    const DESCRIPTION: &'static str;
+    /// Every variable. The position in the table is the FMI value reference: append, do not insert.
+    const VARIABLES: &'static [Variable<Self>];
+    /// The communication step that suits the model \[s\].
+    const COMMUNICATION_STEP: f64 = 1e-3;
+    /// The length of an experiment that shows what the model does \[s\].
+    const STOP_TIME: f64 = 1.0;
+
+    /// The step h of the model's own time grid t0 + n h \[s\].
+    fn step_size(&self) -> f64;
+
+    /// Checks the parameters against each other and finds the state at the start from parameters
+    /// and inputs. May be called again with other inputs until the first step.
+    ///
+    /// # Errors
+    /// Parameters that contradict each other.
+    fn initialize(&mut self) -> Result<()> {
+        Ok(())
+    }
+
+    /// Advances by `length` seconds (the step size, or less to reach a point between grid points).
+    /// The inputs hold their values at the end of the step.
+    ///
+    /// # Errors
+    /// A state outside the model's validity. The state is then undefined; the caller rolls back or
+    /// gives up.
+    fn step(&mut self, length: f64) -> Result<()>;
+}

@@ -1,0 +1,487 @@
+//! [`Native`]: a [`Model`] as a [`Slave`], with the time grid, the inputs' courses and saved states.
+
+use super::slave::wrong_order;
+use super::{Access, Causality, Initial, Interface, Kind, Model, Settings, Slave, Snapshot, Value};
+use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
+use uuid::Uuid;
+
+/// How far from a grid point, in steps, a communication point still counts as lying on it.
+const GRID_TOLERANCE: f64 = 1e-6;
+/// How far from the end of the last step, in steps of the grid, a master's clock may be.
+const CLOCK_TOLERANCE: f64 = 1e-3;
+/// More grid steps than this in one communication step are taken for a mistake.
+const MAX_TICKS_PER_STEP: f64 = 1e9;
+
+/// A model that runs in this process.
+///
+/// The model steps on the grid t0 + n h, whatever the master's communication points are: a point on
+/// the grid (to 1e-6 h) gives the same bits however the time between was cut, as long as the inputs
+/// are the same functions of time. At a point between grid points the outputs come from a copy that
+/// is stepped the remaining fraction of h; the state on the grid is not touched by that.
+///
+/// An input is held from the point where it was set, or, once [`Slave::set_rate`] gave it a
+/// derivative, runs on linearly until the next value or derivative is set.
+pub struct Native<M: Model> {
+    interface: Interface,
+    settings: Vec<(usize, Value)>,
+    data: Data<M>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+enum Phase {
+    /// Made; parameters can be set.
+    New,
+    /// Started; parameters and inputs can be set, outputs read.
+    Starting,
+    /// Ready to step.
+    Running,
+    /// A step failed; only restore and reset help.
+    Failed,
+}
+
+/// Everything that changes: what a snapshot holds.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Data<M> {
+    clock: Clock,
+    signals: Vec<Signal>,
+    /// The state at the last grid point.
+    grid: M,
+    /// The state at the communication point, where `clock.off_grid`.
+    between: M,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Clock {
+    phase: Phase,
+    /// Something was set after the last `initialize`.
+    stale: bool,
+    start: f64,
+    stop: Option<f64>,
+    /// The last communication point.
+    time: f64,
+    /// Grid steps since the start.
+    ticks: u64,
+    step_size: f64,
+    /// Communication steps since the start.
+    steps: u64,
+    /// The communication point lies between grid points.
+    off_grid: bool,
+}
+
+/// The course of one input.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Signal {
+    variable: usize,
+    value: f64,
+    since: f64,
+    rate: Option<f64>,
+    /// The communication step before which the rate was set.
+    rate_set_in: u64,
+}
+
+impl Signal {
+    fn at(&self, time: f64) -> f64 {
+        self.value + self.rate.unwrap_or(0.0) * (time - self.since)
+    }
+}
+
+// Written out for `clone_from`, which must not allocate: it runs inside steps.
+impl<M: Clone> Clone for Data<M> {
+    fn clone(&self) -> Self {
+        Self {
+            clock: self.clock,
+            signals: self.signals.clone(),
+            grid: self.grid.clone(),
+            between: self.between.clone(),
+        }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.clock = source.clock;
+        self.signals.clone_from(&source.signals);
+        self.grid.clone_from(&source.grid);
+        self.between.clone_from(&source.between);
+    }
+}
+
+impl<M: Model> Native<M> {
+    /// The interface of the model with the start values of its variable table.
+    pub fn table() -> Interface {
+        Interface {
+            name: M::NAME.into(),
+            description: M::DESCRIPTION.into(),
+            communication_step: M::COMMUNICATION_STEP,
+            start_time: 0.0,
+            stop_time: M::STOP_TIME,
+            variables: (0..).zip(M::VARIABLES).map(|(i, v)| v.info(i)).collect(),
+        }
+    }
+
+    /// A slave of the model with `settings` in place of the table's start values.
+    ///
+    /// # Errors
+    /// Settings of another model, or with names or values that the model does not accept.
+    pub fn new(settings: &Settings) -> Result<Self> {
+        let mut interface = Self::table();
+        let settings = settings.check(&interface)?;
+        for (index, value) in &settings {
+            interface.variables[*index].start = Some(value.clone());
+        }
+        let data = Data::new(&settings);
+        Ok(Self { interface, settings, data })
+    }
+
+    /// The model at the last communication point.
+    pub fn model(&self) -> &M {
+        if self.data.clock.off_grid { &self.data.between } else { &self.data.grid }
+    }
+
+    /// The last communication point \[s\].
+    pub fn time(&self) -> f64 {
+        self.data.clock.time
+    }
+
+    fn fingerprint(&self) -> Uuid {
+        // The table, not the interface: start values travel inside the state.
+        Self::table().fingerprint()
+    }
+
+    /// Fails unless a variable of this causality can be set now.
+    fn settable(&self, index: usize) -> Result<()> {
+        let variable = &self.interface.variables[index];
+        let name = &variable.name;
+        match (variable.causality, self.data.clock.phase) {
+            (_, Phase::Failed) => Err(wrong_order(&format!("setting {name}"), "after a failed step")),
+            (Causality::Input, _) | (Causality::Parameter, Phase::New | Phase::Starting) => Ok(()),
+            (Causality::Parameter, _) => {
+                Err(wrong_order(&format!("setting the fixed parameter {name}"), "after initialization"))
+            }
+            _ => Err(Error::variable(format!("{name} is computed by the model; it cannot be set"))),
+        }
+    }
+
+    fn write(&mut self, index: usize, value: &Value) -> Result<()> {
+        self.settable(index)?;
+        let value = self.interface.variables[index].accept(value)?;
+        let clock = &mut self.data.clock;
+        if let (Some(signal), Value::Real(value)) =
+            (self.data.signals.iter_mut().find(|s| s.variable == index), &value)
+        {
+            signal.value = *value;
+            signal.since = clock.time;
+            if signal.rate_set_in != clock.steps {
+                signal.rate = None;
+            }
+        }
+        if matches!(clock.phase, Phase::New | Phase::Starting) {
+            clock.stale = true;
+            put(&mut self.data.grid, index, &value);
+        }
+        Ok(())
+    }
+
+    fn refresh(&mut self) -> Result<()> {
+        if self.data.clock.stale {
+            self.data.grid.initialize()?;
+            self.data.clock.stale = false;
+        }
+        Ok(())
+    }
+
+    /// The model to read from; brings it up to date during initialization.
+    fn readable(&mut self, index: usize) -> Result<&M> {
+        let clock = self.data.clock;
+        match clock.phase {
+            Phase::New => {
+                let name = &self.interface.variables[index].name;
+                return Err(wrong_order(&format!("reading {name}"), "before initialization"));
+            }
+            Phase::Starting if self.interface.variables[index].initial != Some(Initial::Exact) => {
+                self.refresh()?;
+            }
+            _ => {}
+        }
+        Ok(self.model())
+    }
+
+    fn advance(&mut self, target: f64) -> Result<()> {
+        let Data { clock, signals, grid, between } = &mut self.data;
+        let h = clock.step_size;
+        let position = (target - clock.start) / h;
+        // Times of long runs are rounded more coarsely than the grid tolerance.
+        let tolerance = GRID_TOLERANCE.max(4.0 * f64::EPSILON * position);
+        let ticks = (position + tolerance).floor() as u64;
+        while clock.ticks < ticks {
+            clock.ticks += 1;
+            feed(grid, signals, clock.start + clock.ticks as f64 * h);
+            grid.step(h)?;
+        }
+        let rest = target - (clock.start + clock.ticks as f64 * h);
+        clock.off_grid = rest > tolerance * h;
+        if clock.off_grid {
+            between.clone_from(grid);
+            feed(between, signals, target);
+            between.step(rest)?;
+        }
+        clock.time = target;
+        clock.steps += 1;
+        Ok(())
+    }
+}
+
+impl<M: Model> Data<M> {
+    fn new(settings: &[(usize, Value)]) -> Self {
+        let mut grid = M::default();
+        let mut signals = Vec::new();
+        for (index, row) in M::VARIABLES.iter().enumerate() {
+            let info = row.info(0);
+            let set = settings.iter().find(|(i, _)| *i == index).map(|(_, v)| v);
+            let Some(value) = set.or(info.start.as_ref()) else { continue };
+            put(&mut grid, index, value);
+            if let (Causality::Input, Value::Real(value)) = (info.causality, value) {
+                signals.push(Signal {
+                    variable: index,
+                    value: *value,
+                    since: 0.0,
+                    rate: None,
+                    rate_set_in: u64::MAX,
+                });
+            }
+        }
+        let clock = Clock {
+            phase: Phase::New,
+            stale: true,
+            start: 0.0,
+            stop: None,
+            time: 0.0,
+            ticks: 0,
+            step_size: 0.0,
+            steps: 0,
+            off_grid: false,
+        };
+        Self { clock, signals, between: grid.clone(), grid }
+    }
+}
+
+/// Writes a value that was accepted for the variable.
+fn put<M: Model>(model: &mut M, index: usize, value: &Value) {
+    match (M::VARIABLES[index].access(), value) {
+        (Access::Real(_, set), Value::Real(v)) => set(model, *v),
+        (Access::Rated(_, set), Value::Real(v)) => set(model, *v, None),
+        (Access::Integer(_, set), Value::Integer(v)) => set(model, *v),
+        (Access::Boolean(_, set), Value::Boolean(v)) => set(model, *v),
+        (Access::Text(_, set), Value::Text(v)) => set(model, v),
+        // `VariableInfo::accept` lets no other pair through.
+        _ => debug_assert!(false, "{} = {value:?}", M::VARIABLES[index].name()),
+    }
+}
+
+/// Writes the inputs' values at `time`.
+fn feed<M: Model>(model: &mut M, signals: &[Signal], time: f64) {
+    for signal in signals {
+        match M::VARIABLES[signal.variable].access() {
+            Access::Real(_, set) => set(model, signal.at(time)),
+            Access::Rated(_, set) => set(model, signal.at(time), signal.rate),
+            _ => {}
+        }
+    }
+}
+
+impl<M: Model> Slave for Native<M> {
+    fn interface(&self) -> &Interface {
+        &self.interface
+    }
+
+    fn get(&mut self, variable: usize) -> Result<f64> {
+        if self.data.clock.phase != Phase::New
+            && let Some(signal) = self.data.signals.iter().find(|s| s.variable == variable)
+        {
+            // What was set, even before a step passes it on to the model.
+            return Ok(signal.at(self.data.clock.time));
+        }
+        let model = self.readable(variable)?;
+        match M::VARIABLES[variable].access() {
+            Access::Real(get, _) | Access::Rated(get, _) => Ok(get(model)),
+            Access::Integer(get, _) => Ok(f64::from(get(model))),
+            Access::Boolean(get, _) => Ok(f64::from(u8::from(get(model)))),
+            Access::Text(..) => Err(Error::variable(format!("{} is a text", M::VARIABLES[variable].name()))),
+        }
+    }
+
+    fn set(&mut self, variable: usize, value: f64) -> Result<()> {
+        let info = &self.interface.variables[variable];
+        let value = match info.kind {
+            Kind::Integer | Kind::Enumeration(_) if value.fract() == 0.0 && value.abs() < 2e9 => {
+                Value::Integer(value as i32)
+            }
+            Kind::Boolean if value == 0.0 || value == 1.0 => Value::Boolean(value == 1.0),
+            _ => Value::Real(value),
+        };
+        self.write(variable, &value)
+    }
+
+    fn text(&mut self, variable: usize) -> Result<String> {
+        let model = self.readable(variable)?;
+        match M::VARIABLES[variable].access() {
+            Access::Text(get, _) => Ok(get(model).into()),
+            _ => Err(Error::variable(format!("{} is not a text", M::VARIABLES[variable].name()))),
+        }
+    }
+
+    fn set_text(&mut self, variable: usize, text: &str) -> Result<()> {
+        self.write(variable, &Value::Text(text.into()))
+    }
+
+    fn set_rate(&mut self, variable: usize, rate: f64) -> Result<()> {
+        self.settable(variable)?;
+        let name = &self.interface.variables[variable].name;
+        if !rate.is_finite() {
+            return Err(Error::variable(format!("derivative of {name} = {rate}: a finite number is needed")));
+        }
+        let clock = &self.data.clock;
+        let Some(signal) = self.data.signals.iter_mut().find(|s| s.variable == variable) else {
+            return Err(Error::variable(format!("{name} is not a real input; it has no derivative")));
+        };
+        // A value set in an earlier step runs on from where it is now.
+        signal.value = signal.at(clock.time);
+        signal.since = clock.time;
+        signal.rate = Some(rate);
+        signal.rate_set_in = clock.steps;
+        Ok(())
+    }
+
+    fn start(&mut self, start: f64, stop: Option<f64>) -> Result<()> {
+        let clock = &mut self.data.clock;
+        if clock.phase != Phase::New {
+            return Err(wrong_order("a start", "twice without a reset"));
+        }
+        if !start.is_finite() || stop.is_some_and(|stop| !stop.is_finite()) {
+            return Err(Error::call(format!("start time {start} and stop time {stop:?} have to be finite")));
+        }
+        if let Some(stop) = stop
+            && stop <= start
+        {
+            return Err(Error::call(format!("the stop time {stop} is not after the start time {start}")));
+        }
+        clock.start = start;
+        clock.stop = stop;
+        clock.time = start;
+        clock.phase = Phase::Starting;
+        for signal in &mut self.data.signals {
+            signal.since = start;
+        }
+        Ok(())
+    }
+
+    fn finish_start(&mut self) -> Result<()> {
+        if self.data.clock.phase != Phase::Starting {
+            return Err(wrong_order("the end of initialization", "outside initialization"));
+        }
+        self.refresh()?;
+        let h = self.data.grid.step_size();
+        if !(h.is_finite() && h > 0.0) {
+            return Err(Error::numeric(format!("the model's step size {h} is not a positive time")));
+        }
+        let clock = &mut self.data.clock;
+        clock.step_size = h;
+        clock.phase = Phase::Running;
+        self.data.between.clone_from(&self.data.grid);
+        Ok(())
+    }
+
+    fn step(&mut self, time: f64, length: f64) -> Result<()> {
+        let clock = self.data.clock;
+        match clock.phase {
+            Phase::Running => {}
+            Phase::Failed => {
+                return Err(wrong_order("a step", "after a failed step; restore or reset first"));
+            }
+            _ => return Err(wrong_order("a step", "before the end of initialization")),
+        }
+        if !time.is_finite() || !length.is_finite() {
+            return Err(Error::call(format!("a step from {time} s by {length} s: finite times are needed")));
+        }
+        if length <= 0.0 {
+            return Err(Error::call(format!("a step of {length} s: the length has to be positive")));
+        }
+        let slack = CLOCK_TOLERANCE * clock.step_size;
+        if (time - clock.time).abs() > slack {
+            return Err(Error::call(format!(
+                "a step from {time} s: the last one ended at {} s, and time can only go back by restoring a state",
+                clock.time
+            )));
+        }
+        let target = time + length;
+        if target <= clock.time {
+            return Err(Error::call(format!("a step of {length} s is too short to move the time {time} s")));
+        }
+        if let Some(stop) = clock.stop
+            && target > stop + slack
+        {
+            return Err(Error::call(format!("a step to {target} s would pass the stop time {stop} s")));
+        }
+        if length > MAX_TICKS_PER_STEP * clock.step_size {
+            return Err(Error::call(format!(
+                "a step of {length} s is more than {MAX_TICKS_PER_STEP:e} steps of {} s",
+                clock.step_size
+            )));
+        }
+        self.advance(target).inspect_err(|_| self.data.clock.phase = Phase::Failed)
+    }
+
+    fn save(&mut self) -> Result<Snapshot> {
+        Ok(Box::new(self.data.clone()))
+    }
+
+    fn save_into(&mut self, snapshot: &mut Snapshot) -> Result<()> {
+        match snapshot.downcast_mut::<Data<M>>() {
+            Some(data) => data.clone_from(&self.data),
+            None => *snapshot = self.save()?,
+        }
+        Ok(())
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        match snapshot.downcast_ref::<Data<M>>() {
+            Some(data) => {
+                self.data.clone_from(data);
+                Ok(())
+            }
+            None => Err(Error::call("the saved state belongs to another model")),
+        }
+    }
+
+    fn serialize(&mut self, snapshot: &Snapshot) -> Result<Vec<u8>> {
+        let data = snapshot
+            .downcast_ref::<Data<M>>()
+            .ok_or_else(|| Error::call("the saved state belongs to another model"))?;
+        let payload = postcard::to_stdvec(data)
+            .map_err(|e| Error::numeric(format!("the state cannot be written: {e}")))?;
+        let fingerprint = self.fingerprint();
+        let digest = Uuid::new_v5(&fingerprint, &payload);
+        Ok([fingerprint.as_bytes(), digest.as_bytes(), payload.as_slice()].concat())
+    }
+
+    fn deserialize(&mut self, bytes: &[u8]) -> Result<Snapshot> {
+        let fingerprint = self.fingerprint();
+        let (Some(head), Some(digest), Some(payload)) = (bytes.get(..16), bytes.get(16..32), bytes.get(32..))
+        else {
+            return Err(Error::call(format!("{} bytes are too few for a saved state", bytes.len())));
+        };
+        if head != fingerprint.as_bytes() {
+            return Err(Error::call("the bytes are not a state of this model in this version"));
+        }
+        if digest != Uuid::new_v5(&fingerprint, payload).as_bytes() {
+            return Err(Error::call("the bytes of the saved state are damaged"));
+        }
+        let data: Data<M> = postcard::from_bytes(payload)
+            .map_err(|e| Error::call(format!("the bytes of the saved state cannot be read: {e}")))?;
+        Ok(Box::new(data))
+    }
+
+    fn reset(&mut self) -> Result<()> {
+        self.data = Data::new(&self.settings);
+        Ok(())
+    }
+}

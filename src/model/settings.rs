@@ -1,0 +1,161 @@
+//! Values for a model from a TOML file: a tire file, or the `resources/model.toml` of an FMU.
+
+use super::{Causality, Interface, Value};
+use crate::{Error, Result};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use toml::Spanned;
+
+/// Values that replace start values of a model's variable table.
+///
+/// As a file:
+///
+/// ```toml
+/// model = "ring-brush-flat-track" # optional in a tire file
+/// version = "0.1.0"               # optional in a tire file
+///
+/// [parameters]
+/// belt_mass = 8.8                 # SI units
+///
+/// [inputs]                        # start values of inputs
+/// deflection = 0.02
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Settings {
+    /// The model that the values are for, if the file says.
+    pub model: Option<String>,
+    /// The version of the library that wrote the file, if the file says.
+    pub version: Option<String>,
+    /// Values by name of variable, in the order of the file's sections and names.
+    pub values: Vec<Setting>,
+}
+
+/// One value and where it came from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// Name of the variable.
+    pub name: String,
+    /// Its value.
+    pub value: Value,
+    /// The section it stood in.
+    pub causality: Causality,
+    /// `file:line`, for messages.
+    pub place: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    model: Option<String>,
+    version: Option<String>,
+    #[serde(default)]
+    parameters: BTreeMap<Spanned<String>, toml::Value>,
+    #[serde(default)]
+    inputs: BTreeMap<Spanned<String>, toml::Value>,
+}
+
+impl Settings {
+    /// Reads TOML; `place` names the file in messages.
+    ///
+    /// # Errors
+    /// Not TOML, unknown sections, or values that are neither number, switch nor text. Names and
+    /// ranges are checked by [`check`](Settings::check).
+    pub fn parse(text: &str, place: &str) -> Result<Self> {
+        let file: File = toml::from_str(text).map_err(|e| {
+            let line = e.span().map_or(1, |span| line_of(text, span.start));
+            Error::file(format!("{place}:{line}: {}", e.message()))
+        })?;
+        let mut values = Vec::new();
+        for (section, causality) in [(file.parameters, Causality::Parameter), (file.inputs, Causality::Input)]
+        {
+            for (name, value) in section {
+                let place = format!("{place}:{}", line_of(text, name.span().start));
+                let name = name.into_inner();
+                let value = match value {
+                    toml::Value::Float(v) => Value::Real(v),
+                    toml::Value::Integer(v) => match i32::try_from(v) {
+                        Ok(v) => Value::Integer(v),
+                        Err(_) => Value::Real(v as f64),
+                    },
+                    toml::Value::Boolean(v) => Value::Boolean(v),
+                    toml::Value::String(v) => Value::Text(v),
+                    other => {
+                        return Err(Error::file(format!(
+                            "{place}: {name} is a {}; a number, true, false or a text is needed",
+                            other.type_str()
+                        )));
+                    }
+                };
+                values.push(Setting { name, value, causality, place });
+            }
+        }
+        Ok(Self { model: file.model, version: file.version, values })
+    }
+
+    /// Checks the values against a model's interface and gives them with the variables' indices.
+    ///
+    /// # Errors
+    /// Another model, an unknown name, a name in the wrong section, a value that is not accepted.
+    pub fn check(&self, interface: &Interface) -> Result<Vec<(usize, Value)>> {
+        if let Some(model) = &self.model
+            && *model != interface.name
+        {
+            return Err(Error::file(format!(
+                "the values are for the model {model:?}, not for {:?}",
+                interface.name
+            )));
+        }
+        self.values
+            .iter()
+            .map(|setting| {
+                let at = |e: Error| Error::file(e.to_string()).at(&setting.place);
+                let index = interface.find(&setting.name).map_err(at)?;
+                let variable = &interface.variables[index];
+                if variable.causality != setting.causality {
+                    return Err(Error::file(format!(
+                        "{}: {} is {}",
+                        setting.place,
+                        setting.name,
+                        match variable.causality {
+                            Causality::Parameter => "a parameter; it belongs under [parameters]",
+                            Causality::Input => "an input; it belongs under [inputs]",
+                            _ => "computed by the model; it cannot be set",
+                        }
+                    )));
+                }
+                Ok((index, variable.accept(&setting.value).map_err(at)?))
+            })
+            .collect()
+    }
+
+    /// The complete file of a model: every parameter and input with its unit and description, with
+    /// these settings in place of the table's start values.
+    ///
+    /// # Errors
+    /// As [`check`](Settings::check).
+    pub fn to_file(&self, interface: &Interface) -> Result<String> {
+        let set: BTreeMap<usize, Value> = self.check(interface)?.into_iter().collect();
+        let mut text =
+            format!("model = \"{}\"\nversion = \"{}\"\n", interface.name, env!("CARGO_PKG_VERSION"));
+        for (section, causality) in [("parameters", Causality::Parameter), ("inputs", Causality::Input)] {
+            let _ = write!(text, "\n[{section}]\n");
+            for index in interface.with(causality) {
+                let variable = &interface.variables[index];
+                let value = set.get(&index).or(variable.start.as_ref());
+                let Some(value) = value else { continue };
+                let value = match value {
+                    Value::Text(t) => toml::Value::String(t.clone()).to_string(),
+                    other => other.to_string(),
+                };
+                let unit = variable.unit.as_deref().map(|u| format!(" [{u}]")).unwrap_or_default();
+                let _ = writeln!(text, "{} = {value} # {}{unit}", variable.name, variable.description);
+            }
+        }
+        Ok(text)
+    }
+}
+
+fn line_of(text: &str, offset: usize) -> usize {
+    text.as_bytes().iter().take(offset).filter(|b| **b == b'\n').count() + 1
+}

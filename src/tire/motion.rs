@@ -1,0 +1,122 @@
+//! Rigid-body kinematics in Cardan angles: steer about z, then camber about x, then spin about y.
+
+use crate::solver::Real;
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Pose and velocity of a rim or belt against the road (frame 0: z up, road at z = 0).
+///
+/// `A = Rz(angles.z) Rx(angles.x) Ry(angles.y)` turns body components into frame 0 (source:
+/// definitions 17 and 18). Singular at angles.x = ±90 degrees.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Motion<T: Real> {
+    /// Centre \[m\].
+    pub position: Vector3<T>,
+    /// Its velocity \[m/s\].
+    pub velocity: Vector3<T>,
+    /// Cardan angles: x camber, y spin (unbounded), z steer \[rad\].
+    pub angles: Vector3<T>,
+    /// Their rates \[rad/s\].
+    pub rates: Vector3<T>,
+}
+
+impl<T: Real> Default for Motion<T> {
+    fn default() -> Self {
+        let zero = Vector3::from_element(T::zero());
+        Self { position: zero, velocity: zero, angles: zero, rates: zero }
+    }
+}
+
+/// A force and a moment about a named point.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Wrench<T: Real> {
+    /// Force \[N\].
+    pub force: Vector3<T>,
+    /// Moment \[N.m\].
+    pub moment: Vector3<T>,
+}
+
+impl<T: Real> Default for Wrench<T> {
+    fn default() -> Self {
+        let zero = Vector3::from_element(T::zero());
+        Self { force: zero, moment: zero }
+    }
+}
+
+impl<T: Real> Motion<T> {
+    /// A: body components to frame 0.
+    pub fn rotation(&self) -> Matrix3<T> {
+        rotation_z(self.angles.z) * rotation_x(self.angles.x) * rotation_y(self.angles.y)
+    }
+
+    /// Omega(angles), which maps Cardan rates to the angular velocity in frame 0 (4.11).
+    pub fn rate_map(&self) -> Matrix3<T> {
+        let ((sx, cx), (sz, cz)) = (self.angles.x.sin_cos(), self.angles.z.sin_cos());
+        let (zero, one) = (T::zero(), T::one());
+        Matrix3::new(cz, -sz * cx, zero, sz, cz * cx, zero, zero, sx, one)
+    }
+
+    /// The inverse of [`rate_map`](Self::rate_map) (C.151).
+    pub fn rate_map_inverse(&self) -> Matrix3<T> {
+        let ((sx, cx), (sz, cz)) = (self.angles.x.sin_cos(), self.angles.z.sin_cos());
+        let (zero, one) = (T::zero(), T::one());
+        Matrix3::new(cz, sz, zero, -sz / cx, cz / cx, zero, sx * sz / cx, -sx * cz / cx, one)
+    }
+
+    /// The time derivative of [`rate_map`](Self::rate_map).
+    pub fn rate_map_derivative(&self) -> Matrix3<T> {
+        let ((sx, cx), (sz, cz)) = (self.angles.x.sin_cos(), self.angles.z.sin_cos());
+        let (dx, dz) = (self.rates.x, self.rates.z);
+        let zero = T::zero();
+        Matrix3::new(
+            -sz * dz,
+            -cz * cx * dz + sz * sx * dx,
+            zero,
+            cz * dz,
+            -sz * cx * dz - cz * sx * dx,
+            zero,
+            zero,
+            cx * dx,
+            zero,
+        )
+    }
+
+    /// Angular velocity in frame 0 \[rad/s\].
+    pub fn angular_velocity(&self) -> Vector3<T> {
+        self.rate_map() * self.rates
+    }
+
+    /// The time derivative of [`rotation`](Self::rotation).
+    pub fn rotation_derivative(&self) -> Matrix3<T> {
+        cross_matrix(&self.angular_velocity()) * self.rotation()
+    }
+}
+
+/// Rotation about x.
+pub fn rotation_x<T: Real>(angle: T) -> Matrix3<T> {
+    let ((s, c), o, i) = (angle.sin_cos(), T::zero(), T::one());
+    Matrix3::new(i, o, o, o, c, -s, o, s, c)
+}
+
+/// Rotation about y.
+pub fn rotation_y<T: Real>(angle: T) -> Matrix3<T> {
+    let ((s, c), o, i) = (angle.sin_cos(), T::zero(), T::one());
+    Matrix3::new(c, o, s, o, i, o, -s, o, c)
+}
+
+/// Rotation about z.
+pub fn rotation_z<T: Real>(angle: T) -> Matrix3<T> {
+    let ((s, c), o, i) = (angle.sin_cos(), T::zero(), T::one());
+    Matrix3::new(c, -s, o, s, c, o, o, o, i)
+}
+
+/// The matrix of `v x ...`.
+pub fn cross_matrix<T: Real>(v: &Vector3<T>) -> Matrix3<T> {
+    let o = T::zero();
+    Matrix3::new(o, -v.z, v.y, v.z, o, -v.x, -v.y, v.x, o)
+}
+
+/// `a x b`; nalgebra's own needs an ordered field.
+pub fn cross<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
+    Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+}

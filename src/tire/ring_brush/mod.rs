@@ -1,0 +1,48 @@
+//! The ring-and-brush tire: a rigid belt on the rim's spring-dampers, on the road with a patch of
+//! bristles.
+//!
+//! After Kaden, dissertation, TU München 2015 (section 4.1), who reduced the CASCaDE tire of Gipser
+//! (Daimler, 1990). Numbers in parentheses are equation numbers of that work.
+//!
+//! # Axes and signs
+//!
+//! Frame 0: z up, the flat road at z = 0. Frame G: the belt's body. Frame K: the contact frame, x
+//! along the belt's mid-plane, z up. Patch forces act on the belt, wrenches on the rim act on the
+//! rim. The lateral signs are those of ISO 8855 but for the slip angle, which the tire does not know:
+//! it knows the rim's motion. Positions are seen from the point of the road below the rim's centre:
+//! the rim is always at x = y = 0, and the belt's x and y are small. Velocities are over the road.
+//!
+//! # Stages of a step
+//!
+//! Belt to mid-step and end (half kick, drift) - contact - pressure - bristles - patch lag - side
+//! wall and belt (second half kick). See [`Tire::step`].
+//!
+//! # Known differences from the source
+//!
+//! * (4.13): `(B/2)²` under the root, where the print has a wrong dimension.
+//! * Stick or slide is a memory of each bristle; the source does not list it among the states.
+//! * A bristle that comes into contact within a step is bent from that instant on only; the source's
+//!   own numbers seem to come from whole steps.
+//! * The band of sliding speeds below 1e-4 m/s, over which (4.32) blends static into sliding
+//!   friction, is left out: it is unstable and changes forces by less than 1e-4 N.
+//! * Only flat roads.
+
+mod belt;
+mod bristle;
+mod contact;
+mod parameters;
+mod patch;
+mod sidewall;
+mod state;
+mod stationary;
+mod step;
+
+pub use belt::{acceleration, patch_on_belt};
+pub use bristle::{Limits, Step, advance};
+pub use contact::Contact;
+pub use parameters::Parameters;
+pub use patch::{Deformation, Loads, Moments, Pressure, PressureState, Shape, Tops, moment_y};
+pub use sidewall::{Coupling, coupling, stationary as stationary_coupling};
+pub use state::{Bristles, PatchReport, State};
+pub use stationary::{Stationary, Vertical, stationary};
+pub use step::Tire;

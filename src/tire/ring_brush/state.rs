@@ -1,0 +1,121 @@
+//! All that changes in a tire during a run.
+
+use super::{Loads, Parameters, PressureState};
+use crate::tire::motion::{Motion, Wrench};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// State of the tire and what the last step found out about the patch.
+#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct State {
+    /// The belt.
+    pub belt: Motion<f64>,
+    /// Accelerations of the belt's centre and Cardan angles \[m/s², rad/s²\].
+    pub acceleration: [Vector3<f64>; 2],
+    /// Lagged loads of the patch (4.27).
+    pub lagged: Loads<f64>,
+    /// Their rates.
+    pub lag_rates: Loads<f64>,
+    /// Loads of the patch at the end of the last step.
+    pub loads: Loads<f64>,
+    /// The bristles.
+    pub bristles: Bristles,
+    /// Force and moment of the tire on the rim, frame 0, about the rim's centre.
+    pub on_rim: Wrench<f64>,
+    /// The patch at the end of the last step.
+    pub patch: PatchReport,
+    /// Distance that the patch has slid, the mean over the normal force \[m\].
+    pub sliding_distance: f64,
+}
+
+/// The patch at the end of a step, for outputs.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct PatchReport {
+    /// Penetration of the belt \[m\].
+    pub penetration: f64,
+    /// Force of the patch on the belt in K \[N\].
+    pub force: Vector3<f64>,
+    /// Moment of the patch on the belt in K about the contact point \[N.m\].
+    pub moment: Vector3<f64>,
+    /// Shift of the patch in x and y \[m\].
+    pub shift: [f64; 2],
+    /// Twist of the patch \[rad\].
+    pub twist: f64,
+    /// Largest pressure \[Pa\].
+    pub pressure_max: f64,
+    /// Sum of the negative normal forces over the normal force.
+    pub negative_share: f64,
+    /// What became of the pressure distribution.
+    pub pressure_state: PressureState,
+    /// Bristles that slide, over bristles in contact.
+    pub sliding_share: f64,
+    /// Power that sliding turns into heat \[W\].
+    pub friction_power: f64,
+}
+
+/// The bristles, stripe by stripe: bristle j of stripe i has the index i n + j.
+#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct Bristles {
+    /// Place along the patch, the same for all stripes \[m\] (4.17).
+    pub x: Vec<f64>,
+    /// Turns of the ring of bristles: a bristle whose number changes was taken out at one end and
+    /// put in at the other.
+    pub laps: Vec<f64>,
+    /// Lengths of the stripes \[m\].
+    pub lengths: Vec<f64>,
+    /// Deflections in x \[m\].
+    pub deflection_x: Vec<f64>,
+    /// Deflections in y \[m\].
+    pub deflection_y: Vec<f64>,
+    /// Pressures \[Pa\]; during a step, the shape of the pressure.
+    pub pressure: Vec<f64>,
+    /// Sticking.
+    pub stick: Vec<bool>,
+}
+
+impl Bristles {
+    /// Relaxed bristles out of contact.
+    pub fn new(p: &Parameters) -> Self {
+        let (stripes, n) = (p.stripes.max(0) as usize, p.bristles_per_stripe.max(0) as usize);
+        Self {
+            x: vec![0.0; n],
+            laps: vec![0.0; n],
+            lengths: vec![0.0; stripes],
+            deflection_x: vec![0.0; stripes * n],
+            deflection_y: vec![0.0; stripes * n],
+            pressure: vec![0.0; stripes * n],
+            stick: vec![false; stripes * n],
+        }
+    }
+}
+
+// Written out for `clone_from`, which does not allocate where the sizes agree.
+impl Clone for Bristles {
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.x.clone_from(&source.x);
+        self.laps.clone_from(&source.laps);
+        self.lengths.clone_from(&source.lengths);
+        self.deflection_x.clone_from(&source.deflection_x);
+        self.deflection_y.clone_from(&source.deflection_y);
+        self.pressure.clone_from(&source.pressure);
+        self.stick.clone_from(&source.stick);
+    }
+}
+
+impl Clone for State {
+    fn clone(&self) -> Self {
+        Self { bristles: self.bristles.clone(), ..*self }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        let mut bristles = std::mem::take(&mut self.bristles);
+        bristles.clone_from(&source.bristles);
+        *self = Self { bristles, ..*source };
+    }
+}

@@ -1,0 +1,454 @@
+//! Stationary states: the tire rolls, slides or stands with all forces constant (source: 4.1.7).
+//!
+//! Belt and rim move alike, the lagged loads are the loads, and bristles pass through the patch like
+//! beads on a string: what one does in time is what all do along the patch. So the patch is a
+//! continuum, integrated from where bristles enter to where they leave, and ten equations are solved
+//! by Newton's method with exact derivatives.
+
+use super::patch::{Moments, Pressure, Shape};
+use super::step::wind;
+use super::{
+    Bristles, Contact, Deformation, Limits, Loads, Parameters, State, Tire, Tops, advance, moment_y,
+    patch_on_belt, stationary_coupling,
+};
+use crate::solver::{Convergence, Dual, Real, newton};
+use crate::tire::motion::{Motion, Wrench};
+use crate::{Error, Result};
+use nalgebra::Vector3;
+
+/// Intervals along each stripe. They are shortest at the entry, where a bristle's damper builds up
+/// its force over 0.1 mm; with 200 the forces are within 1e-4 of their limit.
+const INTERVALS: usize = 200;
+/// Residual over the wheel load (and tire radius) at which a state counts as stationary.
+const TOLERANCE: f64 = 1e-6;
+/// A time \[s\] in which every bristle of a wheel that does not spin has started to slide.
+const LONG: f64 = 1e3;
+
+/// What holds the rim in the vertical direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Vertical {
+    /// The height of the rim's centre over the road \[m\].
+    Height(f64),
+    /// The vertical force of the tire on the rim \[N\].
+    Load(f64),
+}
+
+/// A stationary state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stationary {
+    /// Height of the rim's centre \[m\].
+    pub rim_height: f64,
+    /// Belt centre from rim centre, frame 0 \[m\].
+    pub belt_from_rim: Vector3<f64>,
+    /// Camber of the belt \[rad\].
+    pub belt_camber: f64,
+    /// Steer angle of the belt \[rad\].
+    pub belt_yaw: f64,
+    /// Spin angle of the rim ahead of the belt \[rad\].
+    pub windup: f64,
+    /// Loads of the patch in K.
+    pub loads: Loads<f64>,
+    /// Force and moment of the patch on the belt in K \[N, N.m\].
+    pub patch: Wrench<f64>,
+    /// Force and moment of the tire on the rim, frame 0, about the rim's centre.
+    pub on_rim: Wrench<f64>,
+    /// How the search ended.
+    pub convergence: Convergence,
+}
+
+/// The unknowns in the order of the search.
+#[derive(Clone, Copy)]
+struct Unknowns<T: Real> {
+    belt_from_rim: Vector3<T>,
+    camber: T,
+    yaw: T,
+    windup: T,
+    loads: Loads<T>,
+    rim_height: T,
+}
+
+impl<T: Real> Unknowns<T> {
+    fn from(x: &[T; 10]) -> Self {
+        Self {
+            belt_from_rim: Vector3::new(x[0], x[1], x[2]),
+            camber: x[3],
+            yaw: x[4],
+            windup: x[5],
+            loads: Loads { force_x: x[6], force_y: x[7], moment_z: x[8] },
+            rim_height: x[9],
+        }
+    }
+
+    /// The belt; its spin angle is 0.
+    fn belt(&self, rim: &Motion<f64>) -> Motion<T> {
+        let zero = T::zero();
+        let mut position = self.belt_from_rim;
+        position.z += self.rim_height;
+        Motion {
+            position,
+            velocity: Vector3::new(T::from(rim.velocity.x), T::from(rim.velocity.y), zero),
+            angles: Vector3::new(self.camber, zero, self.yaw),
+            rates: Vector3::new(zero, T::from(rim.rates.y), zero),
+        }
+    }
+}
+
+/// The stationary state of a tire whose rim keeps its velocity, camber, steer angle and spin rate.
+///
+/// Of `rim`, the horizontal velocity, the angles x and z and the rate y count. The search starts at
+/// straight rolling without slip and, where one jump does not succeed, approaches the state in steps.
+///
+/// # Errors
+/// No stationary state was found: the source does not promise one, and far from straight rolling
+/// there may be none.
+pub fn stationary(tire: &Tire, rim: &Motion<f64>, vertical: Vertical) -> Result<Stationary> {
+    let p = tire.parameters();
+    let mut x = straight_rolling(p, vertical);
+    let (mut reached, mut stride) = (0.0, 1.0_f64);
+    loop {
+        let goal = (reached + stride).min(1.0);
+        let mut trial = x;
+        let target = between(p, rim, goal);
+        let convergence = search(tire, &target, vertical, &mut trial);
+        if convergence.residual <= TOLERANCE {
+            (x, reached, stride) = (trial, goal, 2.0 * stride);
+            if reached >= 1.0 {
+                return Ok(describe(tire, rim, &x, convergence));
+            }
+        } else {
+            stride *= 0.5;
+            if stride < 1e-3 {
+                return Err(Error::numeric(format!(
+                    "no stationary state was found: {:.0} % of the way from straight rolling the forces stay {:.1e} of the wheel load away from balance",
+                    100.0 * goal,
+                    convergence.residual
+                )));
+            }
+        }
+    }
+}
+
+/// The rim's motion at a share of the way from straight free rolling.
+fn between(p: &Parameters, rim: &Motion<f64>, share: f64) -> Motion<f64> {
+    let mut target = *rim;
+    target.angles.x *= share;
+    let (vx, vy) = (rim.velocity.x, rim.velocity.y);
+    let speed = libm::hypot(vx, vy);
+    if share < 1.0 && speed > 0.0 {
+        let mut drift = libm::atan2(vy, vx) - rim.angles.z;
+        drift -= (drift / std::f64::consts::TAU).round() * std::f64::consts::TAU;
+        // backward travel: the nearest free rolling is backward
+        let back = drift.abs() > std::f64::consts::FRAC_PI_2;
+        let offset = if back { std::f64::consts::PI.copysign(drift) } else { 0.0 };
+        let heading = rim.angles.z + offset + share * (drift - offset);
+        target.velocity.x = speed * libm::cos(heading);
+        target.velocity.y = speed * libm::sin(heading);
+        let free = if back { -speed } else { speed } / p.rolling_radius;
+        target.rates.y = free + share * (rim.rates.y - free);
+    }
+    target
+}
+
+/// Unknowns of the tire that rolls straight and without slip, or hangs in the air: springs in series.
+fn straight_rolling(p: &Parameters, vertical: Vertical) -> [f64; 10] {
+    let (linear, quadratic) = (p.vertical_stiffness, p.vertical_stiffness_quadratic);
+    let radial = p.sidewall_radial_stiffness;
+    let weight = p.belt_mass * p.gravity;
+    let root = |a: f64, b: f64, c: f64| 2.0 * c / (b + (b * b + 4.0 * a * c).sqrt());
+    // penetration: quadratic * f² + linear * f = force, or with the side wall in series
+    let penetration = match vertical {
+        Vertical::Load(load) => root(quadratic, linear, (load + weight).max(0.0)),
+        Vertical::Height(height) => {
+            let closed = p.radius - height + weight / radial;
+            root(quadratic / radial, 1.0 + linear / radial, closed.max(0.0))
+        }
+    };
+    let force = (quadratic * penetration + linear) * penetration;
+    let sag = (force - weight) / radial;
+    let height = match vertical {
+        Vertical::Height(height) => height,
+        Vertical::Load(_) => p.radius - penetration - sag,
+    };
+    let mut x = [0.0; 10];
+    x[2] = sag;
+    x[9] = height;
+    x
+}
+
+fn search(tire: &Tire, rim: &Motion<f64>, vertical: Vertical, x: &mut [f64; 10]) -> Convergence {
+    let p = tire.parameters();
+    let load = match vertical {
+        Vertical::Load(load) => load.abs(),
+        Vertical::Height(height) => p.vertical_stiffness * (p.radius - height).max(0.0),
+    }
+    .max(p.belt_mass * p.gravity)
+    .max(1.0);
+    let moment = load * p.radius;
+    // the last row is a length or a force
+    let last = match vertical {
+        Vertical::Height(_) => p.radius,
+        Vertical::Load(_) => load,
+    };
+    let scale = [load, load, load, moment, moment, moment, load, load, moment, last];
+    newton(x, &scale, 1e-11, 40, |x: &[Dual<10>; 10]| {
+        let unknowns = Unknowns::from(x);
+        let balance = balance(tire, rim, &unknowns, &mut |_, _, _| {});
+        let Loads { force_x, force_y, moment_z } = balance.loads;
+        let held = match vertical {
+            Vertical::Height(height) => unknowns.rim_height - height,
+            Vertical::Load(load) => balance.on_rim.force.z - load,
+        };
+        let (f, m) = (balance.belt.force, balance.belt.moment);
+        [
+            f.x,
+            f.y,
+            f.z,
+            m.x,
+            m.y,
+            m.z,
+            force_x - unknowns.loads.force_x,
+            force_y - unknowns.loads.force_y,
+            moment_z - unknowns.loads.moment_z,
+            held,
+        ]
+    })
+}
+
+struct Balance<T: Real> {
+    /// Sum on the belt, about its centre; zero in a stationary state.
+    belt: Wrench<T>,
+    loads: Loads<T>,
+    patch: Wrench<T>,
+    on_rim: Wrench<T>,
+}
+
+/// A node of a stripe: place x, deflection, sticking. Told to whoever wants to fill bristles.
+type Visit<'a> = dyn FnMut(usize, f64, ([f64; 2], bool)) + 'a;
+
+fn balance<T: Real>(
+    tire: &Tire,
+    rim: &Motion<f64>,
+    unknowns: &Unknowns<T>,
+    visit: &mut Visit<'_>,
+) -> Balance<T> {
+    let p = tire.parameters();
+    let belt = unknowns.belt(rim);
+    let contact = Contact::new(p, &belt);
+    let patch = continuum(tire, &contact, belt.rates.y, &unknowns.loads, visit);
+    let (side, on_rim) = stationary_coupling(
+        p,
+        &unknowns.belt_from_rim,
+        (rim.angles.x, rim.angles.z),
+        (unknowns.camber, unknowns.yaw),
+        unknowns.windup,
+        rim.rates.y,
+    );
+    let on_belt = patch_on_belt(&contact, &patch.force, &patch.moment);
+    let mut force = side.force + on_belt.force;
+    force.z -= T::from(p.belt_mass * p.gravity);
+    Balance {
+        belt: Wrench { force, moment: side.moment + on_belt.moment },
+        loads: Loads { force_x: patch.force.x, force_y: patch.force.y, moment_z: patch.moment.z },
+        patch,
+        on_rim,
+    }
+}
+
+/// A point of a stripe and the force density there.
+#[derive(Clone, Copy)]
+struct Node<T> {
+    x: T,
+    force: [T; 2],
+}
+
+/// Loads of the patch in K with bristles of no length (4.24), (4.34): sums over the bristles of a
+/// stripe become integrals over x divided by the bristle length.
+///
+/// Each stripe is marched from its entry with the bristle's own law. The point at which a bristle
+/// breaks away is located inside its interval, so that the loads and their derivatives contain its
+/// motion.
+fn continuum<T: Real>(
+    tire: &Tire,
+    contact: &Contact<T>,
+    spin_rate: T,
+    loads: &Loads<T>,
+    visit: &mut Visit<'_>,
+) -> Wrench<T> {
+    let p = tire.parameters();
+    let mut force = Vector3::new(T::zero(), T::zero(), contact.normal_force);
+    let moment_y = moment_y(p, contact, spin_rate, loads.force_x);
+    let mut moment = Vector3::new(T::zero(), moment_y, T::zero());
+    let deformation = Deformation::new(p, loads);
+    let tops = Tops::new(p, contact, spin_rate, loads, &Loads::default_real());
+    let shape = Shape::new(p, contact.penetration);
+    let entry = if spin_rate.value() < 0.0 { -1.0 } else { 1.0 };
+    let feed = spin_rate.abs() * p.rolling_radius;
+
+    // place along a stripe as a share of its length, from the entry
+    let share = |k: usize| (k as f64 / INTERVALS as f64).powi(2);
+    let place = |length: T, k: usize| length * (entry * (0.5 - share(k)));
+
+    let stripes = || tire.stripe_places().iter().zip(tire.stripe_radii()).enumerate();
+    let zero = T::zero();
+    let mut sums = Moments { s0: zero, s1: zero, s2: zero };
+    let mut longest: f64 = 0.0;
+    for (_, (&y, &radius)) in stripes() {
+        let length = contact.stripe_length(p, y, radius);
+        if length.value() <= 0.0 {
+            continue;
+        }
+        longest = longest.max(length.value());
+        let factor = shape.stripe(y, length);
+        for k in 1..INTERVALS {
+            let x = place(length, k);
+            let width = length * (0.5 * (share(k + 1) - share(k - 1)) / p.bristle_length);
+            let s = shape.along(x, length) * factor * width;
+            sums.s0 += s;
+            sums.s1 += x * s;
+            sums.s2 += x * x * s;
+        }
+    }
+    let tilting = moment_y + deformation.shift_x * contact.normal_force;
+    let pressure = Pressure::new(p, &sums, contact.normal_force, tilting, longest);
+
+    for (i, (&y, &radius)) in stripes() {
+        let length = contact.stripe_length(p, y, radius);
+        if length.value() <= 0.0 {
+            continue;
+        }
+        let y_real = T::from(y);
+        let factor = shape.stripe(y, length);
+        let normal = |x: T| pressure.at(x, shape.along(x, length) * factor) * p.cell_area();
+        let mut add = |from: Node<T>, to: Node<T>| {
+            let width = (to.x - from.x).abs() * (0.5 / p.bristle_length);
+            for Node { x, force: f } in [from, to] {
+                let [place_x, place_y] = deformation.place(x, y_real);
+                force.x += f[0] * width;
+                force.y += f[1] * width;
+                moment.x += place_y * normal(x) * width;
+                moment.z += (place_x * f[1] - place_y * f[0]) * width;
+            }
+        };
+
+        let mut node = Node { x: place(length, 0), force: [zero; 2] };
+        let mut limits = Limits { sticking: zero, sliding: zero };
+        let (mut deflection, mut stick) = ([zero; 2], false);
+        visit(i, node.x.value(), ([0.0; 2], false));
+        for k in 1..=INTERVALS {
+            let x = place(length, k);
+            let way = (x - node.x).abs();
+            let dt = if feed.value() * LONG > way.value() { way / feed } else { T::from(LONG) };
+            // the velocity is linear in x: its mean over the interval is exact
+            let velocity = tops.velocity((x + node.x) * 0.5, y_real);
+            let load = if k == INTERVALS { zero } else { normal(x) };
+            let next_limits = Limits::new(p, load / p.cell_area(), load);
+            let mut step = advance(p, deflection, velocity, stick, &next_limits, dt);
+            if stick && !step.stick && norm(node.force) <= limits.sticking {
+                // broken away: where on the way did the trial force reach the limit?
+                let trial: [T; 2] = std::array::from_fn(|c| {
+                    (deflection[c] - dt * velocity[c]) * p.bristle_stiffness - velocity[c] * p.bristle_damping
+                });
+                let before = limits.sticking - norm(node.force);
+                let after = norm(trial) - next_limits.sticking;
+                let part = before / (before + after);
+                let held = Node {
+                    x: node.x + (x - node.x) * part,
+                    force: std::array::from_fn(|c| node.force[c] + (trial[c] - node.force[c]) * part),
+                };
+                let sliding = limits.sliding + (next_limits.sliding - limits.sliding) * part;
+                let cut = sliding / norm(held.force);
+                let released = Node { x: held.x, force: held.force.map(|f| f * cut) };
+                add(node, held);
+                node = released;
+                deflection = std::array::from_fn(|c| deflection[c] - dt * part * velocity[c]);
+                step = advance(p, deflection, velocity, false, &next_limits, dt * (-part + 1.0));
+            }
+            let next = Node { x, force: step.force };
+            add(node, next);
+            (node, limits, deflection, stick) = (next, next_limits, step.deflection, step.stick);
+            visit(i, x.value(), (deflection.map(Real::value), stick));
+        }
+    }
+    Wrench { force, moment }
+}
+
+fn norm<T: Real>([x, y]: [T; 2]) -> T {
+    (x * x + y * y).sqrt()
+}
+
+impl<T: Real> Loads<T> {
+    fn default_real() -> Self {
+        Self { force_x: T::zero(), force_y: T::zero(), moment_z: T::zero() }
+    }
+}
+
+fn describe(tire: &Tire, rim: &Motion<f64>, x: &[f64; 10], convergence: Convergence) -> Stationary {
+    let unknowns = Unknowns::from(x);
+    let balance = balance(tire, rim, &unknowns, &mut |_, _, _| {});
+    Stationary {
+        rim_height: unknowns.rim_height,
+        belt_from_rim: unknowns.belt_from_rim,
+        belt_camber: unknowns.camber,
+        belt_yaw: unknowns.yaw,
+        windup: unknowns.windup,
+        loads: balance.loads,
+        patch: balance.patch,
+        on_rim: balance.on_rim,
+        convergence,
+    }
+}
+
+impl Stationary {
+    /// The tire's state in time: the belt in balance, each bristle with the deflection that belongs
+    /// to its place. The bristles' sums differ from the continuum's by the ripple of their spacing.
+    ///
+    /// # Errors
+    /// A state outside the model's validity.
+    pub fn state(&self, tire: &Tire, rim: &Motion<f64>) -> Result<State> {
+        let p = tire.parameters();
+        let unknowns = Unknowns {
+            belt_from_rim: self.belt_from_rim,
+            camber: self.belt_camber,
+            yaw: self.belt_yaw,
+            windup: self.windup,
+            loads: self.loads,
+            rim_height: self.rim_height,
+        };
+        let mut belt = unknowns.belt(rim);
+        belt.angles.y = rim.angles.y - self.windup;
+        let mut bristles = Bristles::new(p);
+        wind(p, &mut bristles, belt.angles.y);
+        let contact = Contact::new(p, &belt);
+        for (i, (y, radius)) in tire.stripe_places().iter().zip(tire.stripe_radii()).enumerate() {
+            bristles.lengths[i] = contact.stripe_length(p, *y, *radius);
+        }
+
+        // bristles take over the deflection of the interval that they are in
+        let n = bristles.x.len();
+        let mut last = (usize::MAX, 0.0, [0.0; 2]);
+        balance(tire, rim, &unknowns, &mut |i, x, (deflection, stick)| {
+            let (stripe, from, before) = std::mem::replace(&mut last, (i, x, deflection));
+            if stripe != i {
+                return;
+            }
+            for j in 0..n {
+                let part = (bristles.x[j] - from) / (x - from);
+                if part > 0.0 && part <= 1.0 {
+                    let k = i * n + j;
+                    bristles.deflection_x[k] = before[0] + part * (deflection[0] - before[0]);
+                    bristles.deflection_y[k] = before[1] + part * (deflection[1] - before[1]);
+                    bristles.stick[k] = stick;
+                }
+            }
+        });
+
+        let mut state = State { belt, bristles, lagged: self.loads, loads: self.loads, ..State::default() };
+        let mut rim = *rim;
+        rim.position = Vector3::new(0.0, 0.0, self.rim_height);
+        tire.step(&mut state, &rim, &rim, 0.0)?;
+        // in balance by construction; the ripple of the bristles is no reason to start with a jerk
+        state.acceleration = [Vector3::zeros(); 2];
+        state.lag_rates = Loads::default();
+        Ok(state)
+    }
+}
