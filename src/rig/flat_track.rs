@@ -194,6 +194,12 @@ impl Model for RingBrushFlatTrack {
         boolean_parameter("even_stripes", boolean!(parameters.even_stripes), false, "Width of a stripe: false as printed in (4.16), 3 B / (3 n - 1); true tire_width / stripes"),
         boolean_parameter("antisymmetric_coupling", boolean!(parameters.antisymmetric_coupling), false, "Rotation between rim and belt: false single entries of the rotation matrix as printed in (4.4), with a ripple of second order twice a turn; true its antisymmetric part"),
         boolean_parameter("limit_pressure_tilt", boolean!(parameters.limit_pressure_tilt), false, "Negative pressure at light load: false as printed, friction then counts it as zero; true limits the tilt so that no pressure is negative, and the lateral-axis moment is not met"),
+        boolean_parameter(
+            "whole_step_entry",
+            boolean!(parameters.whole_step_entry),
+            false,
+            "Bristle that comes into contact within a step: false it is loaded from that instant; true for the whole step, which makes the patch longer by half a step's travel and probably is in the source's own example",
+        ),
         parameter("actuator_frequency", "rad/s", real!(actuator_frequency), 200.0, "Corner of the critically damped filter that a command without derivative passes; its delay is 2 over this").range(1.0, 1e5),
         parameter("step_size", "s", real!(step_size), 1e-4, "Step of the model's own time grid").range(1e-7, 5e-4),
     ];

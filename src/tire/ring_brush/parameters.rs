@@ -57,6 +57,7 @@ pub struct Parameters {
     pub even_stripes: bool,
     pub antisymmetric_coupling: bool,
     pub limit_pressure_tilt: bool,
+    pub whole_step_entry: bool,
 }
 
 impl Parameters {

@@ -52,6 +52,8 @@ pub struct Stationary {
     pub patch: Wrench<f64>,
     /// Force and moment of the tire on the rim, frame 0, about the rim's centre.
     pub on_rim: Wrench<f64>,
+    /// Intervals along each stripe.
+    pub intervals: usize,
     /// How the search ended.
     pub convergence: Convergence,
 }
@@ -102,18 +104,31 @@ impl<T: Real> Unknowns<T> {
 /// No stationary state was found: the source does not promise one, and far from straight rolling
 /// there may be none.
 pub fn stationary(tire: &Tire, rim: &Motion<f64>, vertical: Vertical) -> Result<Stationary> {
+    stationary_refined(tire, rim, vertical, INTERVALS)
+}
+
+/// [`stationary`] with a number of intervals along each stripe; the error falls with its square.
+///
+/// # Errors
+/// As [`stationary`].
+pub fn stationary_refined(
+    tire: &Tire,
+    rim: &Motion<f64>,
+    vertical: Vertical,
+    intervals: usize,
+) -> Result<Stationary> {
     let p = tire.parameters();
-    let mut x = straight_rolling(p, vertical);
+    let mut x = straight_rolling(p, rim.angles.z, vertical);
     let (mut reached, mut stride) = (0.0, 1.0_f64);
     loop {
         let goal = (reached + stride).min(1.0);
         let mut trial = x;
         let target = between(p, rim, goal);
-        let convergence = search(tire, &target, vertical, &mut trial);
+        let convergence = search(tire, &target, vertical, intervals, &mut trial);
         if convergence.residual <= TOLERANCE {
             (x, reached, stride) = (trial, goal, 2.0 * stride);
             if reached >= 1.0 {
-                return Ok(describe(tire, rim, &x, convergence));
+                return Ok(describe(tire, rim, &x, intervals, convergence));
             }
         } else {
             stride *= 0.5;
@@ -150,7 +165,7 @@ fn between(p: &Parameters, rim: &Motion<f64>, share: f64) -> Motion<f64> {
 }
 
 /// Unknowns of the tire that rolls straight and without slip, or hangs in the air: springs in series.
-fn straight_rolling(p: &Parameters, vertical: Vertical) -> [f64; 10] {
+fn straight_rolling(p: &Parameters, steer: f64, vertical: Vertical) -> [f64; 10] {
     let (linear, quadratic) = (p.vertical_stiffness, p.vertical_stiffness_quadratic);
     let radial = p.sidewall_radial_stiffness;
     let weight = p.belt_mass * p.gravity;
@@ -171,11 +186,18 @@ fn straight_rolling(p: &Parameters, vertical: Vertical) -> [f64; 10] {
     };
     let mut x = [0.0; 10];
     x[2] = sag;
+    x[4] = steer;
     x[9] = height;
     x
 }
 
-fn search(tire: &Tire, rim: &Motion<f64>, vertical: Vertical, x: &mut [f64; 10]) -> Convergence {
+fn search(
+    tire: &Tire,
+    rim: &Motion<f64>,
+    vertical: Vertical,
+    intervals: usize,
+    x: &mut [f64; 10],
+) -> Convergence {
     let p = tire.parameters();
     let load = match vertical {
         Vertical::Load(load) => load.abs(),
@@ -192,7 +214,7 @@ fn search(tire: &Tire, rim: &Motion<f64>, vertical: Vertical, x: &mut [f64; 10])
     let scale = [load, load, load, moment, moment, moment, load, load, moment, last];
     newton(x, &scale, 1e-11, 40, |x: &[Dual<10>; 10]| {
         let unknowns = Unknowns::from(x);
-        let balance = balance(tire, rim, &unknowns, &mut |_, _, _| {});
+        let balance = balance(tire, rim, &unknowns, intervals, &mut |_, _, _| {});
         let Loads { force_x, force_y, moment_z } = balance.loads;
         let held = match vertical {
             Vertical::Height(height) => unknowns.rim_height - height,
@@ -229,12 +251,13 @@ fn balance<T: Real>(
     tire: &Tire,
     rim: &Motion<f64>,
     unknowns: &Unknowns<T>,
+    intervals: usize,
     visit: &mut Visit<'_>,
 ) -> Balance<T> {
     let p = tire.parameters();
     let belt = unknowns.belt(rim);
     let contact = Contact::new(p, &belt);
-    let patch = continuum(tire, &contact, belt.rates.y, &unknowns.loads, visit);
+    let patch = continuum(tire, &contact, belt.rates.y, &unknowns.loads, intervals, visit);
     let (side, on_rim) = stationary_coupling(
         p,
         &unknowns.belt_from_rim,
@@ -272,6 +295,7 @@ fn continuum<T: Real>(
     contact: &Contact<T>,
     spin_rate: T,
     loads: &Loads<T>,
+    intervals: usize,
     visit: &mut Visit<'_>,
 ) -> Wrench<T> {
     let p = tire.parameters();
@@ -285,7 +309,7 @@ fn continuum<T: Real>(
     let feed = spin_rate.abs() * p.rolling_radius;
 
     // place along a stripe as a share of its length, from the entry
-    let share = |k: usize| (k as f64 / INTERVALS as f64).powi(2);
+    let share = |k: usize| (k as f64 / intervals as f64).powi(2);
     let place = |length: T, k: usize| length * (entry * (0.5 - share(k)));
 
     let stripes = || tire.stripe_places().iter().zip(tire.stripe_radii()).enumerate();
@@ -299,7 +323,7 @@ fn continuum<T: Real>(
         }
         longest = longest.max(length.value());
         let factor = shape.stripe(y, length);
-        for k in 1..INTERVALS {
+        for k in 1..intervals {
             let x = place(length, k);
             let width = length * (0.5 * (share(k + 1) - share(k - 1)) / p.bristle_length);
             let s = shape.along(x, length) * factor * width;
@@ -334,20 +358,20 @@ fn continuum<T: Real>(
         let mut limits = Limits { sticking: zero, sliding: zero };
         let (mut deflection, mut stick) = ([zero; 2], false);
         visit(i, node.x.value(), ([0.0; 2], false));
-        for k in 1..=INTERVALS {
+        for k in 1..=intervals {
             let x = place(length, k);
             let way = (x - node.x).abs();
             let dt = if feed.value() * LONG > way.value() { way / feed } else { T::from(LONG) };
             // the velocity is linear in x: its mean over the interval is exact
             let velocity = tops.velocity((x + node.x) * 0.5, y_real);
-            let load = if k == INTERVALS { zero } else { normal(x) };
+            let load = if k == intervals { zero } else { normal(x) };
             let next_limits = Limits::new(p, load / p.cell_area(), load);
             let mut step = advance(p, deflection, velocity, stick, &next_limits, dt);
-            if stick && !step.stick && norm(node.force) <= limits.sticking {
+            let trial: [T; 2] = std::array::from_fn(|c| {
+                (deflection[c] - dt * velocity[c]) * p.bristle_stiffness - velocity[c] * p.bristle_damping
+            });
+            if stick && norm(node.force) <= limits.sticking && norm(trial) > next_limits.sticking {
                 // broken away: where on the way did the trial force reach the limit?
-                let trial: [T; 2] = std::array::from_fn(|c| {
-                    (deflection[c] - dt * velocity[c]) * p.bristle_stiffness - velocity[c] * p.bristle_damping
-                });
                 let before = limits.sticking - norm(node.force);
                 let after = norm(trial) - next_limits.sticking;
                 let part = before / (before + after);
@@ -382,9 +406,15 @@ impl<T: Real> Loads<T> {
     }
 }
 
-fn describe(tire: &Tire, rim: &Motion<f64>, x: &[f64; 10], convergence: Convergence) -> Stationary {
+fn describe(
+    tire: &Tire,
+    rim: &Motion<f64>,
+    x: &[f64; 10],
+    intervals: usize,
+    convergence: Convergence,
+) -> Stationary {
     let unknowns = Unknowns::from(x);
-    let balance = balance(tire, rim, &unknowns, &mut |_, _, _| {});
+    let balance = balance(tire, rim, &unknowns, intervals, &mut |_, _, _| {});
     Stationary {
         rim_height: unknowns.rim_height,
         belt_from_rim: unknowns.belt_from_rim,
@@ -394,6 +424,7 @@ fn describe(tire: &Tire, rim: &Motion<f64>, x: &[f64; 10], convergence: Converge
         loads: balance.loads,
         patch: balance.patch,
         on_rim: balance.on_rim,
+        intervals,
         convergence,
     }
 }
@@ -426,7 +457,7 @@ impl Stationary {
         // bristles take over the deflection of the interval that they are in
         let n = bristles.x.len();
         let mut last = (usize::MAX, 0.0, [0.0; 2]);
-        balance(tire, rim, &unknowns, &mut |i, x, (deflection, stick)| {
+        balance(tire, rim, &unknowns, self.intervals, &mut |i, x, (deflection, stick)| {
             let (stripe, from, before) = std::mem::replace(&mut last, (i, x, deflection));
             if stripe != i {
                 return;

@@ -218,8 +218,8 @@ impl Tire {
                 // a bristle that came into contact within the step is loaded for the rest of it only
                 let inside = 0.5 * length - x.abs();
                 let inside_before = 0.5 * old_length - (x + shift).abs();
-                let loaded =
-                    if inside > 0.0 && inside_before < 0.0 { inside / (inside - inside_before) } else { 1.0 };
+                let enters = inside > 0.0 && inside_before < 0.0 && !p.whole_step_entry;
+                let loaded = if enters { inside / (inside - inside_before) } else { 1.0 };
                 let velocity = tops.velocity(x + 0.5 * shift * loaded, *y);
                 let step = advance(p, old, velocity, bristles.stick[k], &limits, dt * loaded);
                 [bristles.deflection_x[k], bristles.deflection_y[k]] = step.deflection;
