@@ -14,6 +14,7 @@ pub mod model;
 //#[cfg]
 //pub mod report;
 pub mod rig;
+pub mod shipped;
 //#[cfg]
 //pub mod simulate;
 pub mod solver;

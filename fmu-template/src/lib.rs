@@ -1,1 +1,3 @@
+//! The binary inside the FMUs. To make FMUs of own models, copy this crate and name them here.
 
+latsch::export_fmus!(latsch::rig::RingBrushFlatTrack);

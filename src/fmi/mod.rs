@@ -2,4 +2,17 @@
 //!
 //! The only place of `unsafe`.
 
+#[cfg(feature = "host")]
+pub mod archive;
 pub mod c;
+#[cfg(feature = "host")]
+pub mod description;
+mod entry;
+pub mod export;
+mod instance;
+mod log;
+mod resources;
+mod state;
+
+pub use entry::{Entry, guid};
+pub use state::Function;

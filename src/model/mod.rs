@@ -54,6 +54,11 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
         Ok(())
     }
 
+    /// What the user should know about the state that [`initialize`](Model::initialize) found.
+    fn warning(&self) -> Option<String> {
+        None
+    }
+
     /// Advances by `length` seconds (the step size, or less to reach a point between grid points).
     /// The inputs hold their values at the end of the step.
     ///

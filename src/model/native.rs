@@ -390,6 +390,10 @@ impl<M: Model> Slave for Native<M> {
         Ok(())
     }
 
+    fn warning(&self) -> Option<String> {
+        self.model().warning()
+    }
+
     fn step(&mut self, time: f64, length: f64) -> Result<()> {
         let clock = self.data.clock;
         match clock.phase {

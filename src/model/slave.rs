@@ -61,6 +61,11 @@ pub trait Slave {
     /// Parameters that contradict each other; no state at the start.
     fn finish_start(&mut self) -> Result<()>;
 
+    /// What the user should know about the start, once that is finished.
+    fn warning(&self) -> Option<String> {
+        None
+    }
+
     /// Steps from the communication point `time` by `length` seconds.
     ///
     /// # Errors

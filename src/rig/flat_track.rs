@@ -232,6 +232,12 @@ impl Model for RingBrushFlatTrack {
         Ok(())
     }
 
+    fn warning(&self) -> Option<String> {
+        (!self.stationary_start).then(|| {
+            "no stationary state was found for the start inputs; the tire starts rolling straight and free".into()
+        })
+    }
+
     fn step(&mut self, length: f64) -> Result<()> {
         let (commands, frequency) = (&self.commands, self.actuator_frequency);
         let actuators = &mut self.actuators;

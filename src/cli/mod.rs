@@ -1,0 +1,69 @@
+//! The command line: one file per subcommand.
+
+mod demo;
+mod describe;
+mod export;
+mod models;
+mod simulate;
+
+use clap::{Parser, Subcommand, ValueEnum};
+use latsch::ErrorKind;
+use std::process::ExitCode;
+
+/// Physical tire and rig models as FMI 2.0 co-simulation units
+///
+/// Exit codes: 0 done, 1 the answer is no (a model left its validity), 2 the call or a file is wrong.
+#[derive(Parser)]
+#[command(name = "latsch", version, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Models(models::Args),
+    Describe(describe::Args),
+    Export(export::Args),
+    Simulate(simulate::Args),
+    Demo(demo::Args),
+}
+
+/// How results are printed.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+/// Reads the arguments, runs the subcommand and gives the exit code.
+pub fn run() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Models(args) => models::run(&args),
+        Command::Describe(args) => describe::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Demo(args) => demo::run(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(if error.kind() == ErrorKind::Numeric { 1 } else { 2 })
+        }
+    }
+}
+
+/// Prints a line to standard output. A reader that has gone away (`latsch models | head -1`) is no
+/// reason for a message.
+fn print(text: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stdout(), "{text}");
+}
+
+/// Prints a value as JSON.
+fn print_json(value: &serde_json::Value) {
+    print(&serde_json::to_string_pretty(value).unwrap_or_default());
+}

@@ -1,0 +1,196 @@
+//! Makes FMUs: description, resources and binary in a zip archive.
+
+use super::c::Text;
+use super::description::{model_description, model_identifier};
+use super::entry::guid;
+use super::export::Sink;
+use crate::model::{Interface, Settings};
+use crate::{Error, Result};
+use std::ffi::{CString, c_void};
+use std::io::{Cursor, Write};
+use std::path::{Path, PathBuf};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+/// The folder of binaries of the machine that this runs on.
+pub const PLATFORM: &str = if cfg!(windows) {
+    "win64"
+} else if cfg!(target_os = "macos") {
+    "darwin64"
+} else {
+    "linux64"
+};
+
+/// A binary made with [`export_fmus!`](crate::export_fmus), and the interfaces of its models.
+#[derive(Debug, Clone)]
+pub struct ModelLibrary {
+    path: PathBuf,
+    /// Interfaces with the start values of the models' tables.
+    pub models: Vec<Interface>,
+}
+
+/// Name of the library of the shipped models.
+pub fn library_file() -> String {
+    format!("{}latsch_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX)
+}
+
+impl ModelLibrary {
+    /// The library of the shipped models, beside the running program.
+    ///
+    /// # Errors
+    /// It is not there, or it was not built together with this program.
+    pub fn shipped() -> Result<Self> {
+        let program =
+            std::env::current_exe().map_err(|e| Error::fmu(format!("where is this program? {e}")))?;
+        // tests and benchmarks run one folder below the library
+        let path = program
+            .ancestors()
+            .skip(1)
+            .take(2)
+            .map(|folder| folder.join(library_file()))
+            .find(|path| path.is_file())
+            .ok_or_else(|| {
+                Error::fmu(format!(
+                    "{} is not beside this program; build it with `cargo build --release`, or name a library with --library",
+                    library_file()
+                ))
+            })?;
+        let library = Self::open(&path)?;
+        for entry in crate::shipped::MODELS {
+            let own = (entry.table)();
+            if library.models.iter().find(|m| m.name == entry.name) != Some(&own) {
+                return Err(Error::fmu(format!(
+                    "{} was not built together with this program: its {} differs; build both with `cargo build --release`",
+                    path.display(),
+                    entry.name
+                )));
+            }
+        }
+        Ok(library)
+    }
+
+    /// The library at `path`, which is loaded to ask it for its models.
+    ///
+    /// # Errors
+    /// Not a library, not one of this kind, or of another version.
+    pub fn open(path: &Path) -> Result<Self> {
+        let fail = |what: String| Error::fmu(format!("{}: {what}", path.display()));
+        let bytes = describe(path).map_err(fail)?;
+        let (version, rest) = postcard::take_from_bytes::<String>(&bytes)
+            .map_err(|_| fail("the library's answer cannot be read".into()))?;
+        if version != crate::VERSION {
+            return Err(fail(format!(
+                "the library is of version {version}, this program of version {}; build both from the same sources",
+                crate::VERSION
+            )));
+        }
+        let models = postcard::from_bytes(rest).map_err(|_| {
+            fail(
+                "the library has this program's version but was built from other sources; build both anew"
+                    .into(),
+            )
+        })?;
+        Ok(Self { path: path.into(), models })
+    }
+
+    /// The interface of the model called `name`.
+    ///
+    /// # Errors
+    /// None; the message lists those that are there.
+    pub fn model(&self, name: &str) -> Result<&Interface> {
+        self.models.iter().find(|m| m.name == name).ok_or_else(|| {
+            let names: Vec<&str> = self.models.iter().map(|m| m.name.as_str()).collect();
+            Error::variable(format!("there is no model {name:?}; there is {}", names.join(", ")))
+        })
+    }
+
+    /// An FMU of a model with these settings, as the bytes of its archive. The same arguments give
+    /// the same bytes.
+    ///
+    /// # Errors
+    /// No such model, settings that it does not accept, a binary that cannot be read.
+    pub fn fmu(&self, model: &str, settings: &Settings) -> Result<Vec<u8>> {
+        let table = self.model(model)?;
+        let resources = settings.to_file(table)?;
+        let description = described(table, settings, &resources)?;
+        let binary =
+            std::fs::read(&self.path).map_err(|e| Error::fmu(format!("{}: {e}", self.path.display())))?;
+        let identifier = model_identifier(model);
+        let binary_name = format!("binaries/{PLATFORM}/{identifier}{}", std::env::consts::DLL_SUFFIX);
+        let files: [(&str, &[u8]); 3] = [
+            ("modelDescription.xml", description.as_bytes()),
+            ("resources/model.toml", resources.as_bytes()),
+            (&binary_name, &binary),
+        ];
+        let broken = |e: &dyn std::fmt::Display| Error::fmu(format!("the archive cannot be written: {e}"));
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Deflated)
+            // fast: nobody waits for the last few percent
+            .compression_level(Some(1))
+            .last_modified_time(DateTime::default());
+        let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, content) in files {
+            let mode = if name.starts_with("binaries") { 0o755 } else { 0o644 };
+            archive.start_file(name, options.unix_permissions(mode)).map_err(|e| broken(&e))?;
+            archive.write_all(content).map_err(|e| broken(&e))?;
+        }
+        Ok(archive.finish().map_err(|e| broken(&e))?.into_inner())
+    }
+}
+
+/// The description of a model with settings; `resources` is the text of its `model.toml`.
+fn described(table: &Interface, settings: &Settings, resources: &str) -> Result<String> {
+    let mut interface = table.clone();
+    for (index, value) in settings.check(table)? {
+        interface.variables[index].start = Some(value);
+    }
+    model_description(&interface, &guid(table, resources))
+}
+
+/// The description of a model as its FMU has it.
+///
+/// # Errors
+/// Settings that the model does not accept.
+pub fn description_of(table: &Interface, settings: &Settings) -> Result<String> {
+    described(table, settings, &settings.to_file(table)?)
+}
+
+/// Loads a library and takes what its `latsch_models` tells.
+#[cfg(unix)]
+fn describe(path: &Path) -> std::result::Result<Vec<u8>, String> {
+    use std::os::unix::ffi::OsStrExt;
+
+    unsafe extern "C" fn collect(context: *mut c_void, start: *const u8, length: usize) {
+        if context.is_null() || start.is_null() {
+            return;
+        }
+        // SAFETY: the context is the vector passed below, the bytes live during the call.
+        unsafe { (*context.cast::<Vec<u8>>()).extend_from_slice(std::slice::from_raw_parts(start, length)) };
+    }
+
+    let absolute = path.canonicalize().map_err(|e| e.to_string())?;
+    let name = CString::new(absolute.as_os_str().as_bytes()).map_err(|e| e.to_string())?;
+    let name: Text = name.as_ptr();
+    // SAFETY: loading runs the library's initialisers; the user named it to be run.
+    let handle = unsafe { libc::dlopen(name, libc::RTLD_NOW | libc::RTLD_LOCAL) };
+    if handle.is_null() {
+        return Err("it cannot be loaded as a library".into());
+    }
+    let mut bytes = Vec::new();
+    // SAFETY: the handle is open; the symbol has the type that export_fmus! gives it.
+    let found = unsafe {
+        let symbol = libc::dlsym(handle, c"latsch_models".as_ptr());
+        if !symbol.is_null() {
+            let models: unsafe extern "C" fn(Sink, *mut c_void) = std::mem::transmute(symbol);
+            models(collect, (&raw mut bytes).cast());
+        }
+        libc::dlclose(handle);
+        !symbol.is_null()
+    };
+    if found { Ok(bytes) } else { Err("it was not made with export_fmus!".into()) }
+}
+
+#[cfg(not(unix))]
+fn describe(_path: &Path) -> std::result::Result<Vec<u8>, String> {
+    Err("libraries cannot be loaded on this system yet".into())
+}

@@ -1,0 +1,274 @@
+//! Writes `modelDescription.xml` from an interface.
+
+use super::log::CATEGORIES;
+use crate::model::unit::{BASE, Unit};
+use crate::model::{Causality, Initial, Interface, Kind, Value, Variability, VariableInfo};
+use crate::{Error, Result};
+use quick_xml::Writer;
+use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
+use std::collections::BTreeSet;
+
+/// The model identifier of a model: its name as a C identifier.
+pub fn model_identifier(name: &str) -> String {
+    let mut identifier: String =
+        name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if identifier.starts_with(|c: char| c.is_ascii_digit()) {
+        identifier.insert(0, '_');
+    }
+    identifier
+}
+
+/// The description of a model for FMI 2.0 co-simulation. It depends on nothing but its arguments and
+/// the version of the library.
+///
+/// # Errors
+/// A variable with a unit that is not known.
+pub fn model_description(interface: &Interface, guid: &str) -> Result<String> {
+    let mut xml = Xml { writer: Writer::new_with_indent(Vec::new(), b' ', 2) };
+    let _ = xml.writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)));
+    xml.open(
+        "fmiModelDescription",
+        &[
+            ("fmiVersion", "2.0"),
+            ("modelName", &interface.name),
+            ("guid", guid),
+            ("description", &interface.description),
+            ("version", crate::VERSION),
+            ("generationTool", concat!("latsch ", env!("CARGO_PKG_VERSION"))),
+            ("variableNamingConvention", "flat"),
+        ],
+    );
+    xml.empty(
+        "CoSimulation",
+        &[
+            ("modelIdentifier", &model_identifier(&interface.name)),
+            ("canHandleVariableCommunicationStepSize", "true"),
+            ("canInterpolateInputs", "true"),
+            ("maxOutputDerivativeOrder", "0"),
+            ("canRunAsynchronuously", "false"),
+            ("canBeInstantiatedOnlyOncePerProcess", "false"),
+            ("canNotUseMemoryManagementFunctions", "true"),
+            ("canGetAndSetFMUstate", "true"),
+            ("canSerializeFMUstate", "true"),
+            ("providesDirectionalDerivative", "false"),
+        ],
+    );
+    write_units(&mut xml, interface)?;
+    write_types(&mut xml, interface);
+    xml.open("LogCategories", &[]);
+    for (name, description) in CATEGORIES {
+        xml.empty("Category", &[("name", name), ("description", description)]);
+    }
+    xml.close("LogCategories");
+    xml.empty(
+        "DefaultExperiment",
+        &[
+            ("startTime", &number(interface.start_time)),
+            ("stopTime", &number(interface.stop_time)),
+            ("stepSize", &number(interface.communication_step)),
+        ],
+    );
+    xml.open("ModelVariables", &[]);
+    for variable in &interface.variables {
+        write_variable(&mut xml, variable);
+    }
+    xml.close("ModelVariables");
+    write_structure(&mut xml, interface);
+    xml.close("fmiModelDescription");
+    let mut text = String::from_utf8(xml.writer.into_inner())
+        .map_err(|_| Error::fmu("the model description is not UTF-8"))?;
+    text.push('\n');
+    Ok(text)
+}
+
+/// Elements and attributes; writing to memory does not fail.
+struct Xml {
+    writer: Writer<Vec<u8>>,
+}
+
+impl Xml {
+    fn start<'a>(name: &'a str, attributes: &[(&str, &str)]) -> BytesStart<'a> {
+        BytesStart::new(name).with_attributes(attributes.iter().copied())
+    }
+
+    fn open(&mut self, name: &str, attributes: &[(&str, &str)]) {
+        let _ = self.writer.write_event(Event::Start(Self::start(name, attributes)));
+    }
+
+    fn empty(&mut self, name: &str, attributes: &[(&str, &str)]) {
+        let _ = self.writer.write_event(Event::Empty(Self::start(name, attributes)));
+    }
+
+    fn close(&mut self, name: &str) {
+        let _ = self.writer.write_event(Event::End(BytesEnd::new(name)));
+    }
+}
+
+/// The shortest text that reads back as the same number.
+fn number(value: f64) -> String {
+    format!("{value:?}")
+}
+
+fn write_units(xml: &mut Xml, interface: &Interface) -> Result<()> {
+    let units: BTreeSet<&str> = interface.variables.iter().filter_map(|v| v.unit.as_deref()).collect();
+    if units.is_empty() {
+        return Ok(());
+    }
+    xml.open("UnitDefinitions", &[]);
+    for name in units {
+        let unit = Unit::parse(name)?;
+        let mut attributes: Vec<(&str, String)> = BASE
+            .iter()
+            .zip(unit.exponents)
+            .filter(|(_, exponent)| *exponent != 0)
+            .map(|(base, exponent)| (*base, exponent.to_string()))
+            .collect();
+        if unit.factor != 1.0 {
+            attributes.push(("factor", number(unit.factor)));
+        }
+        if unit.offset != 0.0 {
+            attributes.push(("offset", number(unit.offset)));
+        }
+        let attributes: Vec<(&str, &str)> = attributes.iter().map(|(n, v)| (*n, v.as_str())).collect();
+        xml.open("Unit", &[("name", name)]);
+        xml.empty("BaseUnit", &attributes);
+        xml.close("Unit");
+    }
+    xml.close("UnitDefinitions");
+    Ok(())
+}
+
+/// Name of the type of an enumeration variable: `pressure_state` has the type `PressureState`.
+fn type_name(variable: &VariableInfo) -> String {
+    let mut name = String::new();
+    for word in variable.name.split('_') {
+        let mut letters = word.chars();
+        name.extend(letters.next().map(|c| c.to_ascii_uppercase()));
+        name.push_str(letters.as_str());
+    }
+    if name == variable.name { format!("{name}Type") } else { name }
+}
+
+fn write_types(xml: &mut Xml, interface: &Interface) {
+    let enumerations: Vec<(&VariableInfo, &Vec<(String, String)>)> = interface
+        .variables
+        .iter()
+        .filter_map(|v| match &v.kind {
+            Kind::Enumeration(items) => Some((v, items)),
+            _ => None,
+        })
+        .collect();
+    if enumerations.is_empty() {
+        return;
+    }
+    xml.open("TypeDefinitions", &[]);
+    for (variable, items) in enumerations {
+        xml.open("SimpleType", &[("name", &type_name(variable)), ("description", &variable.description)]);
+        xml.open("Enumeration", &[]);
+        for (value, (name, description)) in (1..).zip(items) {
+            let value: i32 = value;
+            xml.empty("Item", &[("name", name), ("value", &value.to_string()), ("description", description)]);
+        }
+        xml.close("Enumeration");
+        xml.close("SimpleType");
+    }
+    xml.close("TypeDefinitions");
+}
+
+fn write_variable(xml: &mut Xml, variable: &VariableInfo) {
+    let mut attributes = vec![
+        ("name", variable.name.clone()),
+        ("valueReference", variable.reference.to_string()),
+        ("description", variable.description.clone()),
+        ("causality", causality(variable.causality).into()),
+        ("variability", variability(variable.variability).into()),
+    ];
+    if let Some(value) = variable.initial {
+        attributes.push(("initial", initial(value).into()));
+    }
+    let mut details = Vec::new();
+    let element = match &variable.kind {
+        Kind::Real => "Real",
+        Kind::Integer => "Integer",
+        Kind::Boolean => "Boolean",
+        Kind::Text => "String",
+        Kind::Enumeration(_) => {
+            details.push(("declaredType", type_name(variable)));
+            "Enumeration"
+        }
+    };
+    if let Some(unit) = &variable.unit {
+        details.push(("unit", unit.clone()));
+    }
+    for (name, limit) in [("min", variable.min), ("max", variable.max), ("nominal", variable.nominal)] {
+        if let Some(limit) = limit {
+            let text = if variable.is_real() { number(limit) } else { format!("{limit:.0}") };
+            details.push((name, text));
+        }
+    }
+    match &variable.start {
+        Some(Value::Real(v)) => details.push(("start", number(*v))),
+        Some(other) => details.push(("start", other.to_string())),
+        None => {}
+    }
+    fn borrowed<'a>(list: &'a [(&'a str, String)]) -> Vec<(&'a str, &'a str)> {
+        list.iter().map(|(n, v)| (*n, v.as_str())).collect()
+    }
+    xml.open("ScalarVariable", &borrowed(&attributes));
+    xml.empty(element, &borrowed(&details));
+    xml.close("ScalarVariable");
+}
+
+fn causality(value: Causality) -> &'static str {
+    match value {
+        Causality::Parameter => "parameter",
+        Causality::CalculatedParameter => "calculatedParameter",
+        Causality::Input => "input",
+        Causality::Output => "output",
+        Causality::Local => "local",
+        Causality::Independent => "independent",
+    }
+}
+
+fn variability(value: Variability) -> &'static str {
+    match value {
+        Variability::Constant => "constant",
+        Variability::Fixed => "fixed",
+        Variability::Tunable => "tunable",
+        Variability::Discrete => "discrete",
+        Variability::Continuous => "continuous",
+    }
+}
+
+fn initial(value: Initial) -> &'static str {
+    match value {
+        Initial::Exact => "exact",
+        Initial::Approx => "approx",
+        Initial::Calculated => "calculated",
+    }
+}
+
+/// Outputs and InitialUnknowns. Their dependencies are left out, which stands for "on everything":
+/// every output starts from a stationary state that all inputs and parameters have a part in.
+fn write_structure(xml: &mut Xml, interface: &Interface) {
+    let outputs: Vec<usize> = interface.with(Causality::Output).collect();
+    let unknowns: Vec<usize> = (0..interface.variables.len())
+        .filter(|&i| {
+            let v = &interface.variables[i];
+            let calculated = matches!(v.initial, Some(Initial::Calculated | Initial::Approx));
+            v.causality == Causality::CalculatedParameter || v.causality == Causality::Output && calculated
+        })
+        .collect();
+    xml.open("ModelStructure", &[]);
+    for (section, indices) in [("Outputs", outputs), ("InitialUnknowns", unknowns)] {
+        if indices.is_empty() {
+            continue;
+        }
+        xml.open(section, &[]);
+        for index in indices {
+            xml.empty("Unknown", &[("index", &(index + 1).to_string())]);
+        }
+        xml.close(section);
+    }
+    xml.close("ModelStructure");
+}

@@ -1,0 +1,651 @@
+//! The C functions of an FMU: pointers in, [`Instance`] calls, status out.
+//!
+//! [`export_fmus!`](crate::export_fmus) makes the `fmi2...` symbols from these in a crate of type
+//! `cdylib`. No panic gets past them: it becomes fmi2Fatal.
+
+use super::c::{
+    Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, Status, Text, ValueReference,
+};
+use super::entry::Entry;
+use super::instance::{Instance, Saved};
+use super::log::Log;
+use super::state::Function;
+use crate::{Error, Result};
+use std::ffi::{CStr, c_int, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ptr::null_mut;
+use std::sync::Once;
+
+/// fmi2GetTypesPlatform.
+pub const TYPES_PLATFORM: &CStr = c"default";
+/// fmi2GetVersion.
+pub const FMI_VERSION: &CStr = c"2.0";
+
+/// Makes the panic hook silent: the host's standard error is not ours. Panics become messages.
+fn silence_panics() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| std::panic::set_hook(Box::new(|_| {})));
+}
+
+/// The text at a pointer that may be null.
+///
+/// # Safety
+/// `text` is null or points to a zero-terminated text that lives for `'a`.
+unsafe fn text<'a>(text: Text, what: &str) -> Result<Option<&'a str>> {
+    if text.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: not null, and the caller promises the rest.
+    let text = unsafe { CStr::from_ptr(text) };
+    text.to_str().map(Some).map_err(|_| Error::call(format!("{what} is not UTF-8")))
+}
+
+/// The items of an array of the master.
+///
+/// # Safety
+/// `items` is null or points to `count` items that live for `'a`.
+unsafe fn array<'a, T>(items: *const T, count: usize, what: &str) -> Result<&'a [T]> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    if items.is_null() {
+        return Err(Error::call(format!("{count} {what} at a null pointer")));
+    }
+    // SAFETY: not null, and the caller promises the rest.
+    Ok(unsafe { std::slice::from_raw_parts(items, count) })
+}
+
+/// The items of an array of the master to write to.
+///
+/// # Safety
+/// `items` is null or points to `count` items that live for `'a` and that nobody else uses.
+unsafe fn array_mut<'a, T>(items: *mut T, count: usize, what: &str) -> Result<&'a mut [T]> {
+    if count == 0 {
+        return Ok(&mut []);
+    }
+    if items.is_null() {
+        return Err(Error::call(format!("{count} {what} at a null pointer")));
+    }
+    // SAFETY: not null, and the caller promises the rest.
+    Ok(unsafe { std::slice::from_raw_parts_mut(items, count) })
+}
+
+/// What `function` does with an instance: state machine, messages, panics.
+///
+/// # Safety
+/// `component` is null or came from [`instantiate`] and was not freed, and no other thread uses it.
+unsafe fn call(
+    component: Component,
+    function: Function,
+    body: impl FnOnce(&mut Instance) -> Result<()>,
+) -> Status {
+    // SAFETY: the caller's promise.
+    let Some(instance) = (unsafe { component.cast::<Instance>().as_mut() }) else { return Status::Error };
+    match catch_unwind(AssertUnwindSafe(|| instance.call(function, body))) {
+        Ok(status) => status,
+        Err(_) => catch_unwind(AssertUnwindSafe(|| {
+            instance.fatal(&format!("fmi2{function:?}: internal error; please report it"))
+        }))
+        .unwrap_or(Status::Fatal),
+    }
+}
+
+/// fmi2Instantiate.
+///
+/// # Safety
+/// The pointers are null or as FMI 2.0 has them; they are not kept.
+#[allow(clippy::too_many_arguments)] // the standard's
+pub unsafe fn instantiate(
+    models: &[Entry],
+    name: Text,
+    kind: c_int,
+    guid: Text,
+    location: Text,
+    functions: *const CallbackFunctions,
+    _visible: Boolean,
+    debug: Boolean,
+) -> Component {
+    silence_panics();
+    // Without callbacks there is nobody to tell.
+    // SAFETY: null or valid by the caller's promise; copied.
+    let Some(&callbacks) = (unsafe { functions.as_ref() }) else { return null_mut() };
+    let made = catch_unwind(AssertUnwindSafe(|| {
+        // SAFETY: the caller's promise.
+        let (name_text, guid, location) = unsafe {
+            (
+                text(name, "the instance name")?,
+                text(guid, "the GUID")?,
+                text(location, "the resource location")?,
+            )
+        };
+        if name_text.is_none_or(|n| n.trim().is_empty()) {
+            return Err(Error::call("the instance name is missing or blank"));
+        }
+        if kind != CO_SIMULATION {
+            return Err(Error::call("only co-simulation is offered, not model exchange"));
+        }
+        let guid = guid.ok_or_else(|| Error::call("the GUID is missing"))?;
+        // SAFETY: not null, or `name_text` had been `None`.
+        let name = unsafe { CStr::from_ptr(name) };
+        Instance::new(models, name, guid, location, callbacks, debug != FALSE)
+    }));
+    let error = match made {
+        Ok(Ok(instance)) => return Box::into_raw(Box::new(instance)).cast(),
+        Ok(Err(error)) => error,
+        Err(_) => Error::fmu("internal error; please report it"),
+    };
+    // SAFETY: null or valid by the caller's promise.
+    let name = if name.is_null() { c"" } else { unsafe { CStr::from_ptr(name) } };
+    Log::new(callbacks, name, false).error(Status::Error, &format!("fmi2Instantiate: {error}"));
+    null_mut()
+}
+
+/// fmi2FreeInstance.
+///
+/// # Safety
+/// `component` is null or came from [`instantiate`] and was not freed.
+pub unsafe fn free_instance(component: Component) {
+    if !component.is_null() {
+        // SAFETY: the caller's promise: a pointer from Box::into_raw.
+        let instance = unsafe { Box::from_raw(component.cast::<Instance>()) };
+        let _ = catch_unwind(AssertUnwindSafe(|| drop(instance)));
+    }
+}
+
+/// fmi2SetDebugLogging.
+///
+/// # Safety
+/// As [`call`]; `categories` points to `count` texts.
+pub unsafe fn set_debug_logging(c: Component, on: Boolean, count: usize, categories: *const Text) -> Status {
+    // SAFETY: the caller's promise, here and inside.
+    unsafe {
+        call(c, Function::SetDebugLogging, |instance| {
+            let categories = array(categories, count, "categories")?
+                .iter()
+                .map(|c| text(*c, "a category")?.ok_or_else(|| Error::call("a category is a null pointer")))
+                .collect::<Result<Vec<_>>>()?;
+            instance.set_debug_logging(on != FALSE, &categories)
+        })
+    }
+}
+
+/// fmi2SetupExperiment.
+///
+/// # Safety
+/// As [`call`].
+pub unsafe fn setup_experiment(
+    c: Component,
+    tolerance_defined: Boolean,
+    tolerance: f64,
+    start: f64,
+    stop_defined: Boolean,
+    stop: f64,
+) -> Status {
+    let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
+    let stop = (stop_defined != FALSE).then_some(stop);
+    // SAFETY: the caller's promise.
+    unsafe { call(c, Function::SetupExperiment, |i| i.setup_experiment(tolerance, start, stop)) }
+}
+
+/// Functions that have no arguments but the instance.
+macro_rules! plain {
+    ($($(#[$doc:meta])* $name:ident: $function:ident, $method:ident;)*) => {$(
+        $(#[$doc])*
+        ///
+        /// # Safety
+        /// As [`call`].
+        pub unsafe fn $name(c: Component) -> Status {
+            // SAFETY: the caller's promise.
+            unsafe { call(c, Function::$function, Instance::$method) }
+        }
+    )*};
+}
+
+plain! {
+    /// fmi2EnterInitializationMode.
+    enter_initialization_mode: EnterInitializationMode, enter_initialization;
+    /// fmi2ExitInitializationMode.
+    exit_initialization_mode: ExitInitializationMode, exit_initialization;
+    /// fmi2Terminate.
+    terminate: Terminate, terminate;
+    /// fmi2Reset.
+    reset: Reset, reset;
+}
+
+/// fmi2GetReal, fmi2GetInteger, fmi2GetBoolean.
+macro_rules! getter {
+    ($($name:ident: $function:ident, $type:ty, $method:ident;)*) => {$(
+        #[doc = concat!("fmi2", stringify!($function), ".")]
+        ///
+        /// # Safety
+        /// As [`call`]; the arrays have `count` items.
+        pub unsafe fn $name(c: Component, references: *const ValueReference, count: usize, values: *mut $type) -> Status {
+            // SAFETY: the caller's promise, here and inside.
+            unsafe {
+                call(c, Function::$function, |instance| {
+                    let references = array(references, count, "value references")?;
+                    let values = array_mut(values, count, "values")?;
+                    for (reference, value) in references.iter().zip(values) {
+                        *value = instance.$method(*reference)?.into();
+                    }
+                    Ok(())
+                })
+            }
+        }
+    )*};
+}
+
+getter! {
+    get_real: GetReal, f64, get_real;
+    get_integer: GetInteger, c_int, get_integer;
+    get_boolean: GetBoolean, Boolean, get_boolean;
+}
+
+/// fmi2GetString.
+///
+/// # Safety
+/// As [`call`]; the arrays have `count` items.
+pub unsafe fn get_string(
+    c: Component,
+    references: *const ValueReference,
+    count: usize,
+    values: *mut Text,
+) -> Status {
+    // SAFETY: the caller's promise, here and inside.
+    unsafe {
+        call(c, Function::GetString, |instance| {
+            let references = array(references, count, "value references")?;
+            let values = array_mut(values, count, "values")?;
+            for (text, value) in instance.get_texts(references)?.iter().zip(values) {
+                *value = text.as_ptr();
+            }
+            Ok(())
+        })
+    }
+}
+
+/// fmi2SetReal, fmi2SetInteger, fmi2SetBoolean.
+macro_rules! setter {
+    ($($name:ident: $function:ident, $type:ty, $method:ident;)*) => {$(
+        #[doc = concat!("fmi2", stringify!($function), ".")]
+        ///
+        /// # Safety
+        /// As [`call`]; the arrays have `count` items.
+        pub unsafe fn $name(c: Component, references: *const ValueReference, count: usize, values: *const $type) -> Status {
+            // SAFETY: the caller's promise, here and inside.
+            unsafe {
+                call(c, Function::$function, |instance| {
+                    let references = array(references, count, "value references")?;
+                    let values = array(values, count, "values")?;
+                    references.iter().zip(values).try_for_each(|(r, v)| instance.$method(*r, *v))
+                })
+            }
+        }
+    )*};
+}
+
+setter! {
+    set_real: SetReal, f64, set_real;
+    set_integer: SetInteger, c_int, set_integer;
+    set_boolean: SetBoolean, Boolean, set_boolean;
+}
+
+/// fmi2SetString.
+///
+/// # Safety
+/// As [`call`]; the arrays have `count` items.
+pub unsafe fn set_string(
+    c: Component,
+    references: *const ValueReference,
+    count: usize,
+    values: *const Text,
+) -> Status {
+    // SAFETY: the caller's promise, here and inside.
+    unsafe {
+        call(c, Function::SetString, |instance| {
+            let references = array(references, count, "value references")?;
+            let values = array(values, count, "values")?;
+            for (reference, value) in references.iter().zip(values) {
+                let value = text(*value, "a text")?.ok_or_else(|| Error::call("a text is a null pointer"))?;
+                instance.set_text(*reference, value)?;
+            }
+            Ok(())
+        })
+    }
+}
+
+/// fmi2SetRealInputDerivatives.
+///
+/// # Safety
+/// As [`call`]; the arrays have `count` items.
+pub unsafe fn set_real_input_derivatives(
+    c: Component,
+    references: *const ValueReference,
+    count: usize,
+    orders: *const c_int,
+    values: *const f64,
+) -> Status {
+    // SAFETY: the caller's promise, here and inside.
+    unsafe {
+        call(c, Function::SetRealInputDerivatives, |instance| {
+            let references = array(references, count, "value references")?;
+            let orders = array(orders, count, "orders")?;
+            let values = array(values, count, "values")?;
+            for ((reference, order), value) in references.iter().zip(orders).zip(values) {
+                instance.set_rate(*reference, *order, *value)?;
+            }
+            Ok(())
+        })
+    }
+}
+
+/// The saved state behind a handle.
+///
+/// # Safety
+/// `handle` is null or came from [`get_fmu_state`] or [`deserialize_fmu_state`] and was not freed.
+unsafe fn saved<'a>(handle: FmuState) -> Result<&'a mut Saved> {
+    // SAFETY: the caller's promise.
+    unsafe { handle.cast::<Saved>().as_mut() }.ok_or_else(|| Error::call("the FMU state is a null pointer"))
+}
+
+fn nowhere() -> Error {
+    Error::call("the place for the result is a null pointer")
+}
+
+/// fmi2GetFMUstate.
+///
+/// # Safety
+/// As [`call`]; `handle` points to null or to a handle of this instance.
+pub unsafe fn get_fmu_state(c: Component, handle: *mut FmuState) -> Status {
+    // SAFETY: the caller's promise, here and inside.
+    unsafe {
+        call(c, Function::GetFMUstate, |instance| {
+            let handle = handle.as_mut().ok_or_else(nowhere)?;
+            if handle.is_null() {
+                *handle = Box::into_raw(Box::new(instance.save()?)).cast();
+                return Ok(());
+            }
+            instance.save_into(saved(*handle)?)
+        })
+    }
+}
+
+/// fmi2SetFMUstate.
+///
+/// # Safety
+/// As [`call`] and [`saved`].
+pub unsafe fn set_fmu_state(c: Component, handle: FmuState) -> Status {
+    // SAFETY: the caller's promise, here and inside.
+    unsafe { call(c, Function::SetFMUstate, |instance| instance.restore(saved(handle)?)) }
+}
+
+/// fmi2FreeFMUstate.
+///
+/// # Safety
+/// As [`call`]; `handle` is null, or points to null or to a handle of this instance.
+pub unsafe fn free_fmu_state(c: Component, handle: *mut FmuState) -> Status {
+    // SAFETY: the caller's promise, here and inside.
+    unsafe {
+        call(c, Function::FreeFMUstate, |_| {
+            if let Some(handle) = handle.as_mut()
+                && !handle.is_null()
+            {
+                drop(Box::from_raw(handle.cast::<Saved>()));
+                *handle = null_mut();
+            }
+            Ok(())
+        })
+    }
+}
+
+/// fmi2SerializedFMUstateSize.
+///
+/// # Safety
+/// As [`call`] and [`saved`]; `size` is null or can be written.
+pub unsafe fn serialized_fmu_state_size(c: Component, handle: FmuState, size: *mut usize) -> Status {
+    // SAFETY: the caller's promise, here and inside.
+    unsafe {
+        call(c, Function::SerializedFMUstateSize, |instance| {
+            let size = size.as_mut().ok_or_else(nowhere)?;
+            *size = instance.serialize(saved(handle)?)?.len();
+            Ok(())
+        })
+    }
+}
+
+/// fmi2SerializeFMUstate.
+///
+/// # Safety
+/// As [`call`] and [`saved`]; `bytes` has room for `size`.
+pub unsafe fn serialize_fmu_state(c: Component, handle: FmuState, bytes: *mut Byte, size: usize) -> Status {
+    // SAFETY: the caller's promise, here and inside.
+    unsafe {
+        call(c, Function::SerializeFMUstate, |instance| {
+            let state = instance.serialize(saved(handle)?)?;
+            let bytes = array_mut(bytes.cast::<u8>(), size, "bytes")?;
+            let Some(room) = bytes.get_mut(..state.len()) else {
+                return Err(Error::call(format!(
+                    "the state needs {} bytes, there is room for {size}",
+                    state.len()
+                )));
+            };
+            room.copy_from_slice(&state);
+            Ok(())
+        })
+    }
+}
+
+/// fmi2DeSerializeFMUstate.
+///
+/// # Safety
+/// As [`get_fmu_state`]; `bytes` has `size` items.
+pub unsafe fn deserialize_fmu_state(
+    c: Component,
+    bytes: *const Byte,
+    size: usize,
+    handle: *mut FmuState,
+) -> Status {
+    // SAFETY: the caller's promise, here and inside.
+    unsafe {
+        call(c, Function::DeSerializeFMUstate, |instance| {
+            let state = instance.deserialize(array(bytes.cast::<u8>(), size, "bytes")?)?;
+            let handle = handle.as_mut().ok_or_else(nowhere)?;
+            if handle.is_null() {
+                *handle = Box::into_raw(Box::new(state)).cast();
+            } else {
+                *saved(*handle)? = state;
+            }
+            Ok(())
+        })
+    }
+}
+
+/// fmi2DoStep.
+///
+/// # Safety
+/// As [`call`].
+pub unsafe fn do_step(c: Component, time: f64, length: f64, _no_state_prior: Boolean) -> Status {
+    // SAFETY: the caller's promise.
+    unsafe { call(c, Function::DoStep, |instance| instance.do_step(time, length)) }
+}
+
+/// A function that this version does not offer; the capability flags say so.
+///
+/// # Safety
+/// As [`call`].
+pub unsafe fn not_offered(c: Component, function: Function) -> Status {
+    // SAFETY: the caller's promise.
+    unsafe {
+        call(c, function, |_| Err(Error::call("not offered; see the capability flags of the description")))
+    }
+}
+
+/// The kinds of status of fmi2GetStatus and its kin.
+const LAST_SUCCESSFUL_TIME: c_int = 2;
+const TERMINATED: c_int = 3;
+
+/// The fmi2Get...Status functions: the last successful time and whether the slave wants to end have
+/// answers; the others are about asynchronous steps, which there are none of.
+///
+/// # Safety
+/// As [`call`]; `value` is null or can be written.
+pub unsafe fn get_status<T: StatusValue>(
+    c: Component,
+    function: Function,
+    kind: c_int,
+    value: *mut T,
+) -> Status {
+    let mut discard = false;
+    // SAFETY: the caller's promise, here and inside.
+    let status = unsafe {
+        call(c, function, |instance| {
+            let value = value.as_mut().ok_or_else(nowhere)?;
+            match T::of(instance, kind) {
+                Some(answer) => *value = answer,
+                None => discard = true,
+            }
+            Ok(())
+        })
+    };
+    if status == Status::Ok && discard { Status::Discard } else { status }
+}
+
+/// fmi2GetIntegerStatus: there is no kind of status that is an integer.
+///
+/// # Safety
+/// As [`call`].
+pub unsafe fn get_integer_status(c: Component, _kind: c_int, _value: *mut c_int) -> Status {
+    // SAFETY: the caller's promise.
+    match unsafe { call(c, Function::GetIntegerStatus, |_| Ok(())) } {
+        Status::Ok => Status::Discard,
+        other => other,
+    }
+}
+
+/// A type that some kind of status has.
+pub trait StatusValue: Sized {
+    /// The status of this kind, if it has this type and can be told.
+    fn of(instance: &Instance, kind: c_int) -> Option<Self>;
+}
+
+impl StatusValue for f64 {
+    fn of(instance: &Instance, kind: c_int) -> Option<Self> {
+        (kind == LAST_SUCCESSFUL_TIME).then(|| instance.last_successful_time())
+    }
+}
+
+impl StatusValue for Boolean {
+    fn of(_: &Instance, kind: c_int) -> Option<Self> {
+        (kind == TERMINATED).then_some(FALSE)
+    }
+}
+
+impl StatusValue for Status {
+    fn of(_: &Instance, _: c_int) -> Option<Self> {
+        None
+    }
+}
+
+impl StatusValue for Text {
+    fn of(_: &Instance, _: c_int) -> Option<Self> {
+        None
+    }
+}
+
+/// Passes the interfaces of a library's models to `sink`, for whoever writes the FMU's description:
+/// version and interfaces, serialised.
+///
+/// # Safety
+/// `sink` can be called with `context` and bytes that live during the call.
+pub unsafe fn describe_models(models: &[Entry], sink: Sink, context: *mut c_void) {
+    silence_panics();
+    let bytes = catch_unwind(|| {
+        let tables: Vec<_> = models.iter().map(|m| (m.table)()).collect();
+        postcard::to_stdvec(&(crate::VERSION, tables)).unwrap_or_default()
+    })
+    .unwrap_or_default();
+    // SAFETY: the caller's promise.
+    unsafe { sink(context, bytes.as_ptr(), bytes.len()) }
+}
+
+/// Receives bytes: context, start, length.
+pub type Sink = unsafe extern "C" fn(*mut c_void, *const u8, usize);
+
+/// One C function per line, each forwarding to this module.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __c_functions {
+    ($($symbol:ident($($argument:ident: $type:ty),*) $(-> $result:ty)? = $body:expr;)*) => {$(
+        #[unsafe(no_mangle)]
+        #[allow(non_snake_case, missing_docs, clippy::missing_safety_doc, clippy::too_many_arguments)]
+        pub unsafe extern "C" fn $symbol($($argument: $type),*) $(-> $result)? {
+            // SAFETY: the master keeps to FMI 2.0.
+            unsafe { $body }
+        }
+    )*};
+}
+
+/// Exports the named models as the FMI 2.0 functions of a crate of type `cdylib`.
+///
+/// ```ignore
+/// latsch::export_fmus!(MyModel, AnotherModel);
+/// ```
+#[macro_export]
+macro_rules! export_fmus {
+    ($($model:ty),+ $(,)?) => {
+        mod latsch_fmi {
+            #[allow(unused_imports)]
+            use super::*;
+            use ::std::ffi::{c_int, c_void};
+            use $crate::fmi::c::*;
+            use $crate::fmi::export::{self, Sink};
+            use $crate::fmi::{Entry, Function};
+
+            const MODELS: &[Entry] = &[$(Entry::of::<$model>()),+];
+
+            $crate::__c_functions! {
+                latsch_models(sink: Sink, context: *mut c_void) = export::describe_models(MODELS, sink, context);
+                fmi2GetTypesPlatform() -> Text = export::TYPES_PLATFORM.as_ptr();
+                fmi2GetVersion() -> Text = export::FMI_VERSION.as_ptr();
+                fmi2SetDebugLogging(c: Component, on: Boolean, n: usize, categories: *const Text) -> Status
+                    = export::set_debug_logging(c, on, n, categories);
+                fmi2Instantiate(name: Text, kind: c_int, guid: Text, location: Text, functions: *const CallbackFunctions, visible: Boolean, debug: Boolean) -> Component
+                    = export::instantiate(MODELS, name, kind, guid, location, functions, visible, debug);
+                fmi2FreeInstance(c: Component) = export::free_instance(c);
+                fmi2SetupExperiment(c: Component, tolerance_defined: Boolean, tolerance: f64, start: f64, stop_defined: Boolean, stop: f64) -> Status
+                    = export::setup_experiment(c, tolerance_defined, tolerance, start, stop_defined, stop);
+                fmi2EnterInitializationMode(c: Component) -> Status = export::enter_initialization_mode(c);
+                fmi2ExitInitializationMode(c: Component) -> Status = export::exit_initialization_mode(c);
+                fmi2Terminate(c: Component) -> Status = export::terminate(c);
+                fmi2Reset(c: Component) -> Status = export::reset(c);
+                fmi2GetReal(c: Component, vr: *const ValueReference, n: usize, values: *mut f64) -> Status = export::get_real(c, vr, n, values);
+                fmi2GetInteger(c: Component, vr: *const ValueReference, n: usize, values: *mut c_int) -> Status = export::get_integer(c, vr, n, values);
+                fmi2GetBoolean(c: Component, vr: *const ValueReference, n: usize, values: *mut Boolean) -> Status = export::get_boolean(c, vr, n, values);
+                fmi2GetString(c: Component, vr: *const ValueReference, n: usize, values: *mut Text) -> Status = export::get_string(c, vr, n, values);
+                fmi2SetReal(c: Component, vr: *const ValueReference, n: usize, values: *const f64) -> Status = export::set_real(c, vr, n, values);
+                fmi2SetInteger(c: Component, vr: *const ValueReference, n: usize, values: *const c_int) -> Status = export::set_integer(c, vr, n, values);
+                fmi2SetBoolean(c: Component, vr: *const ValueReference, n: usize, values: *const Boolean) -> Status = export::set_boolean(c, vr, n, values);
+                fmi2SetString(c: Component, vr: *const ValueReference, n: usize, values: *const Text) -> Status = export::set_string(c, vr, n, values);
+                fmi2GetFMUstate(c: Component, state: *mut FmuState) -> Status = export::get_fmu_state(c, state);
+                fmi2SetFMUstate(c: Component, state: FmuState) -> Status = export::set_fmu_state(c, state);
+                fmi2FreeFMUstate(c: Component, state: *mut FmuState) -> Status = export::free_fmu_state(c, state);
+                fmi2SerializedFMUstateSize(c: Component, state: FmuState, size: *mut usize) -> Status = export::serialized_fmu_state_size(c, state, size);
+                fmi2SerializeFMUstate(c: Component, state: FmuState, bytes: *mut Byte, size: usize) -> Status = export::serialize_fmu_state(c, state, bytes, size);
+                fmi2DeSerializeFMUstate(c: Component, bytes: *const Byte, size: usize, state: *mut FmuState) -> Status = export::deserialize_fmu_state(c, bytes, size, state);
+                fmi2GetDirectionalDerivative(c: Component, _unknowns: *const ValueReference, _n_unknowns: usize, _knowns: *const ValueReference, _n_knowns: usize, _seed: *const f64, _result: *mut f64) -> Status
+                    = export::not_offered(c, Function::GetDirectionalDerivative);
+                fmi2SetRealInputDerivatives(c: Component, vr: *const ValueReference, n: usize, orders: *const c_int, values: *const f64) -> Status
+                    = export::set_real_input_derivatives(c, vr, n, orders, values);
+                fmi2GetRealOutputDerivatives(c: Component, _vr: *const ValueReference, _n: usize, _orders: *const c_int, _values: *mut f64) -> Status
+                    = export::not_offered(c, Function::GetRealOutputDerivatives);
+                fmi2DoStep(c: Component, time: f64, length: f64, no_state_prior: Boolean) -> Status = export::do_step(c, time, length, no_state_prior);
+                fmi2CancelStep(c: Component) -> Status = export::not_offered(c, Function::CancelStep);
+                fmi2GetStatus(c: Component, kind: c_int, value: *mut Status) -> Status = export::get_status(c, Function::GetStatus, kind, value);
+                fmi2GetRealStatus(c: Component, kind: c_int, value: *mut f64) -> Status = export::get_status(c, Function::GetRealStatus, kind, value);
+                fmi2GetIntegerStatus(c: Component, kind: c_int, value: *mut c_int) -> Status = export::get_integer_status(c, kind, value);
+                fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut Boolean) -> Status = export::get_status(c, Function::GetBooleanStatus, kind, value);
+                fmi2GetStringStatus(c: Component, kind: c_int, value: *mut Text) -> Status = export::get_status(c, Function::GetStringStatus, kind, value);
+            }
+        }
+    };
+}

@@ -1,0 +1,342 @@
+//! An instance of an FMU: a slave behind FMI's state machine, types and messages. Safe Rust; the
+//! pointers are dealt with in `export`.
+
+use super::c::{CallbackFunctions, Status};
+use super::entry::{Entry, guid};
+use super::log::Log;
+use super::resources::model_file;
+use super::state::{Function, State};
+use crate::model::{Causality, Kind, Settings, Slave, Snapshot};
+use crate::{Error, Result};
+use std::ffi::{CStr, CString};
+
+/// What a master holds a pointer to.
+pub struct Instance {
+    slave: Box<dyn Slave + Send>,
+    state: State,
+    log: Log,
+    experiment: Option<(f64, Option<f64>)>,
+    /// End of the last step \[s\].
+    time: f64,
+    /// Texts handed out by the last fmi2GetString.
+    texts: Vec<CString>,
+}
+
+/// A saved state as a master holds it.
+pub struct Saved {
+    state: State,
+    experiment: Option<(f64, Option<f64>)>,
+    time: f64,
+    snapshot: Snapshot,
+}
+
+impl Instance {
+    /// The model that the resources name, if the GUID is that of its description.
+    ///
+    /// # Errors
+    /// Resources that cannot be read or are of another version, an unknown model, another GUID.
+    pub fn new(
+        models: &[Entry],
+        name: &CStr,
+        expected_guid: &str,
+        location: Option<&str>,
+        callbacks: CallbackFunctions,
+        debug: bool,
+    ) -> Result<Self> {
+        let text = model_file(location)?;
+        let settings = Settings::parse(&text, "model.toml")?;
+        if settings.version.as_deref() != Some(crate::VERSION) {
+            return Err(Error::fmu(format!(
+                "the resources are of version {}, the binary is of version {}: export the FMU anew",
+                settings.version.as_deref().unwrap_or("?"),
+                crate::VERSION
+            )));
+        }
+        let model = settings.model.as_deref().ok_or_else(|| Error::fmu("model.toml names no model"))?;
+        let entry = Entry::find(models, model)?;
+        let own = guid(&(entry.table)(), &text);
+        if expected_guid != own {
+            return Err(Error::fmu(format!(
+                "the GUID {expected_guid} is not that of this FMU, {own}: the description, the resources and the binary do not belong together"
+            )));
+        }
+        Ok(Self {
+            slave: entry.slave(&settings)?,
+            state: State::Instantiated,
+            log: Log::new(callbacks, name, debug),
+            experiment: None,
+            time: 0.0,
+            texts: Vec::new(),
+        })
+    }
+
+    /// Runs `body` if `function` may be called now. An error is told to the master and leaves the
+    /// instance in the error state, as the standard has it.
+    pub fn call(&mut self, function: Function, body: impl FnOnce(&mut Self) -> Result<()>) -> Status {
+        let result = if function.allowed_in(self.state) {
+            body(self)
+        } else if function == Function::CancelStep {
+            Err(Error::call("no step is in progress: steps of this FMU are never asynchronous"))
+        } else {
+            Err(Error::call(format!("not possible {}", self.state.words())))
+        };
+        match result {
+            Ok(()) => Status::Ok,
+            Err(error) => self.fail(function, &error),
+        }
+    }
+
+    /// Tells the master of an error.
+    pub fn fail(&mut self, function: Function, error: &Error) -> Status {
+        self.log.error(Status::Error, &format!("fmi2{function:?}: {error}"));
+        self.state = State::Error;
+        Status::Error
+    }
+
+    /// Tells the master that nothing helps any more.
+    pub fn fatal(&mut self, message: &str) -> Status {
+        self.log.error(Status::Fatal, message);
+        self.state = State::Error;
+        Status::Fatal
+    }
+
+    /// fmi2SetDebugLogging.
+    pub fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Result<()> {
+        self.log.set_categories(on, categories).map_err(Error::call)
+    }
+
+    /// fmi2SetupExperiment.
+    pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<()> {
+        if let Some(tolerance) = tolerance
+            && !(tolerance.is_finite() && tolerance > 0.0)
+        {
+            return Err(Error::call(format!("the tolerance {tolerance} is not a positive number")));
+        }
+        if !start.is_finite() || stop.is_some_and(|stop| !(stop.is_finite() && stop > start)) {
+            return Err(Error::call(format!(
+                "the experiment from {start} s to {stop:?} s: finite times are needed, the stop after the start"
+            )));
+        }
+        self.experiment = Some((start, stop));
+        Ok(())
+    }
+
+    /// fmi2EnterInitializationMode.
+    pub fn enter_initialization(&mut self) -> Result<()> {
+        let Some((start, stop)) = self.experiment else {
+            return Err(Error::call("fmi2SetupExperiment has to be called first"));
+        };
+        self.slave.start(start, stop)?;
+        self.time = start;
+        self.state = State::Initialization;
+        self.log.event(&format!("initialization at {start} s"));
+        Ok(())
+    }
+
+    /// fmi2ExitInitializationMode.
+    pub fn exit_initialization(&mut self) -> Result<()> {
+        self.slave.finish_start()?;
+        self.state = State::StepComplete;
+        self.log.event("initialized");
+        if let Some(warning) = self.slave.warning() {
+            self.log.warning(&warning);
+        }
+        Ok(())
+    }
+
+    /// fmi2Terminate.
+    pub fn terminate(&mut self) -> Result<()> {
+        self.state = State::Terminated;
+        self.log.event("terminated");
+        Ok(())
+    }
+
+    /// fmi2Reset.
+    pub fn reset(&mut self) -> Result<()> {
+        self.slave.reset()?;
+        self.experiment = None;
+        self.time = 0.0;
+        self.state = State::Instantiated;
+        self.log.event("reset");
+        Ok(())
+    }
+
+    /// Index of the variable with this value reference, which has to be of one of these types.
+    fn variable(&self, reference: u32, of_type: &str, fits: impl Fn(&Kind) -> bool) -> Result<usize> {
+        // Value references of native models are positions in the table.
+        let index = reference as usize;
+        let variables = &self.slave.interface().variables;
+        match variables.get(index) {
+            None => Err(Error::variable(format!(
+                "there is no variable with the value reference {reference}; there are 0 to {}",
+                variables.len().saturating_sub(1)
+            ))),
+            Some(v) if !fits(&v.kind) => {
+                Err(Error::variable(format!("{} (value reference {reference}) is not {of_type}", v.name)))
+            }
+            Some(_) => Ok(index),
+        }
+    }
+
+    fn real(&self, reference: u32) -> Result<usize> {
+        self.variable(reference, "a Real", |k| *k == Kind::Real)
+    }
+
+    fn integer(&self, reference: u32) -> Result<usize> {
+        self.variable(reference, "an Integer or Enumeration", |k| {
+            matches!(k, Kind::Integer | Kind::Enumeration(_))
+        })
+    }
+
+    fn boolean(&self, reference: u32) -> Result<usize> {
+        self.variable(reference, "a Boolean", |k| *k == Kind::Boolean)
+    }
+
+    fn text(&self, reference: u32) -> Result<usize> {
+        self.variable(reference, "a String", |k| *k == Kind::Text)
+    }
+
+    /// fmi2GetReal for one variable.
+    pub fn get_real(&mut self, reference: u32) -> Result<f64> {
+        let index = self.real(reference)?;
+        self.slave.get(index)
+    }
+
+    /// fmi2GetInteger for one variable.
+    pub fn get_integer(&mut self, reference: u32) -> Result<i32> {
+        let index = self.integer(reference)?;
+        Ok(self.slave.get(index)? as i32)
+    }
+
+    /// fmi2GetBoolean for one variable.
+    pub fn get_boolean(&mut self, reference: u32) -> Result<bool> {
+        let index = self.boolean(reference)?;
+        Ok(self.slave.get(index)? != 0.0)
+    }
+
+    /// fmi2GetString: the texts live until the next call.
+    pub fn get_texts(&mut self, references: &[u32]) -> Result<&[CString]> {
+        let mut texts = Vec::with_capacity(references.len());
+        for reference in references {
+            let index = self.text(*reference)?;
+            let text = self.slave.text(index)?;
+            texts.push(CString::new(text).map_err(|_| Error::variable("a text holds a zero byte"))?);
+        }
+        self.texts = texts;
+        Ok(&self.texts)
+    }
+
+    /// Fails for what may not be set now: inputs have no value before initialization.
+    fn settable(&self, index: usize) -> Result<()> {
+        let variable = &self.slave.interface().variables[index];
+        if self.state == State::Instantiated && variable.causality == Causality::Input {
+            return Err(Error::call(format!(
+                "the input {} can be set from fmi2EnterInitializationMode on",
+                variable.name
+            )));
+        }
+        Ok(())
+    }
+
+    /// fmi2SetReal for one variable.
+    pub fn set_real(&mut self, reference: u32, value: f64) -> Result<()> {
+        let index = self.real(reference)?;
+        self.settable(index)?;
+        self.slave.set(index, value)
+    }
+
+    /// fmi2SetInteger for one variable.
+    pub fn set_integer(&mut self, reference: u32, value: i32) -> Result<()> {
+        let index = self.integer(reference)?;
+        self.settable(index)?;
+        self.slave.set(index, f64::from(value))
+    }
+
+    /// fmi2SetBoolean for one variable.
+    pub fn set_boolean(&mut self, reference: u32, value: i32) -> Result<()> {
+        let index = self.boolean(reference)?;
+        self.settable(index)?;
+        self.slave.set(index, f64::from(value))
+    }
+
+    /// fmi2SetString for one variable.
+    pub fn set_text(&mut self, reference: u32, text: &str) -> Result<()> {
+        let index = self.text(reference)?;
+        self.settable(index)?;
+        self.slave.set_text(index, text)
+    }
+
+    /// fmi2SetRealInputDerivatives for one variable.
+    pub fn set_rate(&mut self, reference: u32, order: i32, value: f64) -> Result<()> {
+        let index = self.real(reference)?;
+        if order != 1 {
+            return Err(Error::call(format!(
+                "derivative of order {order} of {}: only the first derivative is used",
+                self.slave.interface().variables[index].name
+            )));
+        }
+        self.slave.set_rate(index, value)
+    }
+
+    /// fmi2DoStep.
+    pub fn do_step(&mut self, time: f64, length: f64) -> Result<()> {
+        self.slave.step(time, length)?;
+        self.time = time + length;
+        Ok(())
+    }
+
+    /// End of the last step \[s\].
+    pub fn last_successful_time(&self) -> f64 {
+        self.time
+    }
+
+    /// fmi2GetFMUstate.
+    pub fn save(&mut self) -> Result<Saved> {
+        Ok(Saved {
+            state: self.state,
+            experiment: self.experiment,
+            time: self.time,
+            snapshot: self.slave.save()?,
+        })
+    }
+
+    /// fmi2GetFMUstate into an earlier one.
+    pub fn save_into(&mut self, saved: &mut Saved) -> Result<()> {
+        (saved.state, saved.experiment, saved.time) = (self.state, self.experiment, self.time);
+        self.slave.save_into(&mut saved.snapshot)
+    }
+
+    /// fmi2SetFMUstate.
+    pub fn restore(&mut self, saved: &Saved) -> Result<()> {
+        self.slave.restore(&saved.snapshot)?;
+        (self.state, self.experiment, self.time) = (saved.state, saved.experiment, saved.time);
+        self.log.event(&format!("back at {} s", self.time));
+        Ok(())
+    }
+
+    /// fmi2SerializeFMUstate.
+    pub fn serialize(&mut self, saved: &Saved) -> Result<Vec<u8>> {
+        let (start, stop) = saved.experiment.unzip();
+        let numbers = [start.unwrap_or(f64::NAN), stop.flatten().unwrap_or(f64::NAN), saved.time];
+        let mut bytes = vec![saved.state as u8];
+        bytes.extend(numbers.iter().flat_map(|n| n.to_le_bytes()));
+        bytes.extend(self.slave.serialize(&saved.snapshot)?);
+        Ok(bytes)
+    }
+
+    /// fmi2DeSerializeFMUstate.
+    pub fn deserialize(&mut self, bytes: &[u8]) -> Result<Saved> {
+        let damaged = || Error::call("the bytes are not a serialised state of this FMU");
+        let (head, rest) = bytes.split_at_checked(25).ok_or_else(damaged)?;
+        let state = State::from_number(head[0]).ok_or_else(damaged)?;
+        let mut numbers = head[1..].chunks_exact(8).map(|b| {
+            let mut bytes = [0; 8];
+            bytes.copy_from_slice(b);
+            f64::from_le_bytes(bytes)
+        });
+        let mut next = || numbers.next().unwrap_or(f64::NAN);
+        let (start, stop, time) = (next(), next(), next());
+        let experiment = start.is_finite().then_some((start, stop.is_finite().then_some(stop)));
+        Ok(Saved { state, experiment, time, snapshot: self.slave.deserialize(rest)? })
+    }
+}

@@ -1,0 +1,78 @@
+//! Messages to the master's logger.
+
+use super::c::{CallbackFunctions, Status, Text};
+use std::ffi::{CStr, CString};
+
+/// The categories that the model description declares.
+pub const CATEGORIES: [(&str, &str); 4] = [
+    ("logEvents", "what the master asked for: initialization, steps back, reset"),
+    ("logStatusWarning", "messages that come with fmi2Warning; always passed on"),
+    ("logStatusError", "messages that come with fmi2Error; always passed on"),
+    ("logAll", "all messages"),
+];
+
+/// A master's logger, copied from the callback functions, which live only during fmi2Instantiate.
+pub struct Log {
+    callbacks: CallbackFunctions,
+    instance: CString,
+    events: bool,
+}
+
+impl Log {
+    /// The logger of `callbacks` for an instance of this name.
+    pub fn new(callbacks: CallbackFunctions, instance: &CStr, debug: bool) -> Self {
+        Self { callbacks, instance: instance.to_owned(), events: debug }
+    }
+
+    /// Turns debug messages on or off, for all categories or for those named. Warnings and errors
+    /// are always passed on: a status without a message helps nobody.
+    pub fn set_categories(&mut self, on: bool, categories: &[&str]) -> Result<(), String> {
+        for category in categories {
+            if !CATEGORIES.iter().any(|(name, _)| name == category) {
+                let names: Vec<&str> = CATEGORIES.iter().map(|(name, _)| *name).collect();
+                return Err(format!("there is no log category {category:?}; there are {}", names.join(", ")));
+            }
+        }
+        let named = categories.is_empty() || categories.iter().any(|c| matches!(*c, "logEvents" | "logAll"));
+        if named {
+            self.events = on;
+        }
+        Ok(())
+    }
+
+    /// Passes on what happened, if the master wants to know.
+    pub fn event(&self, message: &str) {
+        if self.events {
+            self.send(Status::Ok, c"logEvents", message);
+        }
+    }
+
+    /// Passes on the message of an error.
+    pub fn error(&self, status: Status, message: &str) {
+        self.send(status, c"logStatusError", message);
+    }
+
+    /// Passes on a warning.
+    pub fn warning(&self, message: &str) {
+        self.send(Status::Warning, c"logStatusWarning", message);
+    }
+
+    fn send(&self, status: Status, category: &CStr, message: &str) {
+        let Some(logger) = self.callbacks.logger else { return };
+        // The message is a format for printf, in which # is special as well.
+        let escaped = message.replace('%', "%%").replace('#', "##").replace('\0', " ");
+        let Ok(message) = CString::new(escaped) else { return };
+        let text: Text = message.as_ptr();
+        // SAFETY: the pointers are zero-terminated texts that outlive the call; the format has no
+        // directives, so no further arguments are read.
+        unsafe {
+            logger(
+                self.callbacks.component_environment,
+                self.instance.as_ptr(),
+                status as std::ffi::c_int,
+                category.as_ptr(),
+                text,
+            );
+        }
+    }
+}

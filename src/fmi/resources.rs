@@ -1,0 +1,129 @@
+//! Where an FMU's resources are: from the location that the master gives, else from the library's
+//! own place.
+
+use crate::{Error, Result};
+use std::path::PathBuf;
+
+/// The text of `resources/model.toml`.
+///
+/// # Errors
+/// A location that is not a `file:` URI, or a file that cannot be read.
+pub fn model_file(location: Option<&str>) -> Result<String> {
+    let folder = match location.filter(|l| !l.trim().is_empty()) {
+        Some(location) => folder_of_uri(location)?,
+        None => beside_library().ok_or_else(|| {
+            Error::fmu(
+                "no resource location was given, and the library does not know where it was loaded from",
+            )
+        })?,
+    };
+    let path = folder.join("model.toml");
+    std::fs::read_to_string(&path).map_err(|e| {
+        Error::fmu(format!(
+            "{}: {e}; is the resource location the folder resources of the FMU?",
+            path.display()
+        ))
+    })
+}
+
+/// The folder of a `file:` URI with or without authority (RFC 3986). A plain absolute path is taken
+/// as well: some masters give one.
+fn folder_of_uri(uri: &str) -> Result<PathBuf> {
+    let fail = |what: &str| Error::fmu(format!("resource location {uri:?}: {what}"));
+    let Some(rest) = uri.strip_prefix("file:") else {
+        return if uri.starts_with('/') { Ok(uri.into()) } else { Err(fail("a file: URI is needed")) };
+    };
+    let path = match rest.strip_prefix("//") {
+        Some(with_authority) => {
+            let slash = with_authority.find('/').ok_or_else(|| fail("there is no path"))?;
+            let (host, path) = with_authority.split_at(slash);
+            if !host.is_empty() && !host.eq_ignore_ascii_case("localhost") {
+                return Err(fail("it is on another machine"));
+            }
+            path
+        }
+        None => rest,
+    };
+    let bytes =
+        percent_decode(path).ok_or_else(|| fail("a % has to be followed by two hexadecimal digits"))?;
+    let text = String::from_utf8(bytes).map_err(|_| fail("it is not UTF-8"))?;
+    // file:///C:/folder
+    let text = match text.as_bytes() {
+        [b'/', drive, b':', ..] if drive.is_ascii_alphabetic() => &text[1..],
+        _ => &text,
+    };
+    Ok(text.into())
+}
+
+fn percent_decode(text: &str) -> Option<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.as_bytes();
+    while let Some((&byte, tail)) = rest.split_first() {
+        if byte == b'%' {
+            let digits = std::str::from_utf8(tail.get(..2)?).ok()?;
+            if !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
+                return None;
+            }
+            bytes.push(u8::from_str_radix(digits, 16).ok()?);
+            rest = &tail[2..];
+        } else {
+            bytes.push(byte);
+            rest = tail;
+        }
+    }
+    Some(bytes)
+}
+
+/// `<fmu>/resources` for a library at `<fmu>/binaries/<platform>/<library>`.
+#[cfg(unix)]
+fn beside_library() -> Option<PathBuf> {
+    use std::os::unix::ffi::OsStrExt;
+    let mut info = std::mem::MaybeUninit::<libc::Dl_info>::zeroed();
+    let here: fn(Option<&str>) -> Result<String> = model_file;
+    // SAFETY: dladdr only compares the address with those of loaded libraries and fills `info`.
+    let found = unsafe { libc::dladdr(here as *const libc::c_void, info.as_mut_ptr()) };
+    // SAFETY: zeroed is a valid Dl_info: all its fields are pointers.
+    let info = unsafe { info.assume_init() };
+    if found == 0 || info.dli_fname.is_null() {
+        return None;
+    }
+    // SAFETY: on success dli_fname is a zero-terminated text that lives as long as the library.
+    let name = unsafe { std::ffi::CStr::from_ptr(info.dli_fname) };
+    let library = PathBuf::from(std::ffi::OsStr::from_bytes(name.to_bytes()));
+    let library = library.canonicalize().ok()?;
+    Some(library.parent()?.parent()?.parent()?.join("resources"))
+}
+
+#[cfg(not(unix))]
+fn beside_library() -> Option<PathBuf> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decodes_file_uris() {
+        for (uri, path) in [
+            ("file:///tmp/a%20b/resources", "/tmp/a b/resources"),
+            ("file:/tmp/resources", "/tmp/resources"),
+            ("file://localhost/tmp/r%C3%A4der", "/tmp/räder"),
+            ("file:///C:/fmu/resources", "C:/fmu/resources"),
+            ("/plain/path", "/plain/path"),
+        ] {
+            assert_eq!(folder_of_uri(uri).unwrap(), PathBuf::from(path), "{uri}");
+        }
+        for uri in [
+            "http://host/x",
+            "file://server/share",
+            "file:///bad%2",
+            "file:///bad%zz",
+            "resources",
+            "file://",
+        ] {
+            let error = folder_of_uri(uri).unwrap_err().to_string();
+            assert!(error.contains(uri), "{error}");
+        }
+    }
+}
