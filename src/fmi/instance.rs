@@ -6,7 +6,7 @@ use super::entry::{Entry, guid};
 use super::log::Log;
 use super::resources::model_file;
 use super::state::{Function, State};
-use crate::model::{Causality, Kind, Settings, Slave, Snapshot};
+use crate::model::{Kind, Settings, Slave, Snapshot};
 use crate::{Error, Result};
 use std::ffi::{CStr, CString};
 
@@ -226,43 +226,27 @@ impl Instance {
         Ok(&self.texts)
     }
 
-    /// Fails for what may not be set now: inputs have no value before initialization.
-    fn settable(&self, index: usize) -> Result<()> {
-        let variable = &self.slave.interface().variables[index];
-        if self.state == State::Instantiated && variable.causality == Causality::Input {
-            return Err(Error::call(format!(
-                "the input {} can be set from fmi2EnterInitializationMode on",
-                variable.name
-            )));
-        }
-        Ok(())
-    }
-
     /// fmi2SetReal for one variable.
     pub fn set_real(&mut self, reference: u32, value: f64) -> Result<()> {
         let index = self.real(reference)?;
-        self.settable(index)?;
         self.slave.set(index, value)
     }
 
     /// fmi2SetInteger for one variable.
     pub fn set_integer(&mut self, reference: u32, value: i32) -> Result<()> {
         let index = self.integer(reference)?;
-        self.settable(index)?;
         self.slave.set(index, f64::from(value))
     }
 
     /// fmi2SetBoolean for one variable.
     pub fn set_boolean(&mut self, reference: u32, value: i32) -> Result<()> {
         let index = self.boolean(reference)?;
-        self.settable(index)?;
         self.slave.set(index, f64::from(value))
     }
 
     /// fmi2SetString for one variable.
     pub fn set_text(&mut self, reference: u32, text: &str) -> Result<()> {
         let index = self.text(reference)?;
-        self.settable(index)?;
         self.slave.set_text(index, text)
     }
 

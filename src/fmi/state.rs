@@ -93,7 +93,8 @@ impl Function {
             ExitInitializationMode => N,
             Terminate | DoStep => C,
             GetReal | GetInteger | GetBoolean | GetString => READ,
-            // which variable may be set when is up to its causality and variability
+            // Which variable may be set when is up to its causality and variability. Strictly, inputs have
+            // to wait for initialization; FMPy sets their start values before, which does no harm.
             SetReal | SetInteger | SetBoolean | SetString => WRITE,
             SetRealInputDerivatives => N | C,
             GetDirectionalDerivative | GetRealOutputDerivatives => READ,

@@ -3,6 +3,7 @@
 //! [`Model`] is how one writes a model, [`Slave`] is how one runs anything. [`Native`] makes a
 //! slave of a model; everything else (simulation, export, the FMI interface) knows only slaves.
 
+mod clone;
 mod interface;
 mod native;
 mod settings;

@@ -2,7 +2,7 @@
 
 use super::slave::wrong_order;
 use super::{Access, Causality, Initial, Interface, Kind, Model, Settings, Slave, Snapshot, Value};
-use crate::{Error, Result};
+use crate::{Error, Result, clone_in_place};
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
@@ -86,24 +86,7 @@ impl Signal {
     }
 }
 
-// Written out for `clone_from`, which must not allocate: it runs inside steps.
-impl<M: Clone> Clone for Data<M> {
-    fn clone(&self) -> Self {
-        Self {
-            clock: self.clock,
-            signals: self.signals.clone(),
-            grid: self.grid.clone(),
-            between: self.between.clone(),
-        }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        self.clock = source.clock;
-        self.signals.clone_from(&source.signals);
-        self.grid.clone_from(&source.grid);
-        self.between.clone_from(&source.between);
-    }
-}
+clone_in_place!(Data<M> { clock, signals, grid, between });
 
 impl<M: Model> Native<M> {
     /// The interface of the model with the start values of its variable table.

@@ -12,7 +12,7 @@ use crate::model::{
 };
 use crate::tire::Motion;
 use crate::tire::ring_brush::{Parameters, State, Stationary, Tire, Vertical, stationary};
-use crate::{Result, boolean, integer, real};
+use crate::{Result, boolean, clone_in_place, integer, real};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -47,28 +47,21 @@ struct Drive<T> {
     slip_angle: T,
 }
 
-// Written out for `clone_from`, which must not allocate: it runs inside steps.
-impl Clone for RingBrushFlatTrack {
-    fn clone(&self) -> Self {
-        Self {
-            tire_name: self.tire_name.clone(),
-            parameters: self.parameters.clone(),
-            tire: self.tire.clone(),
-            state: self.state.clone(),
-            ..*self
-        }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        let mut tire_name = std::mem::take(&mut self.tire_name);
-        let mut tire = std::mem::take(&mut self.tire);
-        let mut state = std::mem::take(&mut self.state);
-        tire_name.clone_from(&source.tire_name);
-        tire.clone_from(&source.tire);
-        state.clone_from(&source.state);
-        *self = Self { tire_name, parameters: source.parameters.clone(), tire, state, ..*source };
-    }
-}
+clone_in_place!(RingBrushFlatTrack {
+    tire_name,
+    parameters,
+    step_size,
+    actuator_frequency,
+    commands,
+    actuators,
+    tire,
+    rim,
+    state,
+    force,
+    moment,
+    path,
+    stationary_start,
+});
 
 /// Access to a command and its rate.
 macro_rules! command {

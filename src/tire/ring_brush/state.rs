@@ -1,6 +1,7 @@
 //! All that changes in a tire during a run.
 
 use super::{Loads, Parameters, PressureState};
+use crate::clone_in_place;
 use crate::tire::motion::{Motion, Wrench};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -89,33 +90,15 @@ impl Bristles {
     }
 }
 
-// Written out for `clone_from`, which does not allocate where the sizes agree.
-impl Clone for Bristles {
-    fn clone(&self) -> Self {
-        let mut copy = Self::default();
-        copy.clone_from(self);
-        copy
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        self.x.clone_from(&source.x);
-        self.laps.clone_from(&source.laps);
-        self.lengths.clone_from(&source.lengths);
-        self.deflection_x.clone_from(&source.deflection_x);
-        self.deflection_y.clone_from(&source.deflection_y);
-        self.pressure.clone_from(&source.pressure);
-        self.stick.clone_from(&source.stick);
-    }
-}
-
-impl Clone for State {
-    fn clone(&self) -> Self {
-        Self { bristles: self.bristles.clone(), ..*self }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        let mut bristles = std::mem::take(&mut self.bristles);
-        bristles.clone_from(&source.bristles);
-        *self = Self { bristles, ..*source };
-    }
-}
+clone_in_place!(Bristles { x, laps, lengths, deflection_x, deflection_y, pressure, stick });
+clone_in_place!(State {
+    belt,
+    acceleration,
+    lagged,
+    lag_rates,
+    loads,
+    bristles,
+    on_rim,
+    patch,
+    sliding_distance,
+});

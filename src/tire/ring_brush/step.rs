@@ -7,7 +7,7 @@ use super::{
     patch_on_belt,
 };
 use crate::tire::motion::{Motion, Wrench};
-use crate::{Error, Result};
+use crate::{Error, Result, clone_in_place};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 const MAX_CAMBER: f64 = 1.3;
 
 /// A tire with checked parameters and what follows from them.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Tire {
     parameters: Parameters,
     /// Lateral places of the stripes \[m\].
@@ -23,6 +23,8 @@ pub struct Tire {
     /// Radii of the belt shell above the stripes \[m\].
     radii: Vec<f64>,
 }
+
+clone_in_place!(Tire { parameters, places, radii });
 
 impl Tire {
     /// A tire with these parameters.
