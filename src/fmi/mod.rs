@@ -3,3 +3,5 @@
 //! The only place of `unsafe`.
 
 pub mod c;
+#[cfg(feature = "host")]
+pub mod import;
