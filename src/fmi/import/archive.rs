@@ -422,4 +422,26 @@ mod tests {
         let message = refusal(&path, Limits::default());
         assert!(message.contains("encrypted"), "{message}");
     }
+
+    #[test]
+    fn survives_any_damage() {
+        let (folder, path) = archive(|zip| {
+            add(zip, "modelDescription.xml", b"some text, some text");
+            add(zip, "resources/a", b"");
+        });
+        let bytes = fs::read(&path).unwrap();
+        for position in 0..bytes.len() {
+            for change in [0x01, 0x2f, 0x80, 0xff] {
+                let mut damaged = bytes.clone();
+                damaged[position] ^= change;
+                fs::write(&path, damaged).unwrap();
+                // Right or refused, but never a panic, nor a file beside the archive.
+                if let Ok(mut archive) = Archive::open(&path) {
+                    let _ = archive.read("modelDescription.xml", 1000);
+                    let _ = archive.unpack();
+                }
+                assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+            }
+        }
+    }
 }

@@ -655,4 +655,13 @@ mod tests {
         let deep = GOOD.replace("<ModelStructure/>", &deep);
         assert!(Description::parse(deep.as_bytes()).unwrap_err().to_string().contains("deep"));
     }
+
+    #[test]
+    fn survives_any_cut() {
+        let end = GOOD.trim_end().len();
+        for length in 0..end {
+            let message = Description::parse(&GOOD.as_bytes()[..length]).unwrap_err().to_string();
+            assert!(message.starts_with("modelDescription.xml"), "{message}");
+        }
+    }
 }

@@ -2,9 +2,10 @@
 
 use super::library::{Bytes, Library, States};
 use super::log::{Log, Message, logger, text};
-use crate::fmi::c::{CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, Status};
+use crate::fmi::c::{CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, Status, TRUE};
 use crate::{Error, Result};
 use std::ffi::{CString, c_int};
+use std::fmt::Display;
 use std::mem::ManuallyDrop;
 use std::ptr;
 use std::rc::Rc;
@@ -99,7 +100,7 @@ impl Instance {
                 c_resources.as_ptr(),
                 Rc::as_ptr(&callbacks),
                 FALSE,
-                crate::fmi::c::TRUE,
+                TRUE,
             )
         };
         if component.is_null() {
@@ -128,7 +129,7 @@ impl Instance {
     }
 
     /// Calls `function`, unless the instance is dead, and judges its status.
-    fn call(&mut self, what: &str, function: impl FnOnce(&Library, Component) -> c_int) -> Outcome {
+    fn call(&mut self, what: impl Display, function: impl FnOnce(&Library, Component) -> c_int) -> Outcome {
         if self.health == Health::Dead {
             return Err(Failure {
                 status: Status::Fatal,
@@ -162,7 +163,7 @@ impl Instance {
 
     pub(super) fn get_real(&mut self, variable: &str, reference: u32) -> Result<f64> {
         let mut value = 0.0;
-        self.call(&format!("reading {variable}"), |f, c| {
+        self.call(format_args!("reading {variable}"), |f, c| {
             // SAFETY: a living instance; one reference and room for one value.
             unsafe { (f.get_real)(c, &reference, 1, &mut value) }
         })?;
@@ -171,7 +172,7 @@ impl Instance {
 
     pub(super) fn get_integer(&mut self, variable: &str, reference: u32) -> Result<i32> {
         let mut value = 0;
-        self.call(&format!("reading {variable}"), |f, c| {
+        self.call(format_args!("reading {variable}"), |f, c| {
             // SAFETY: a living instance; one reference and room for one value.
             unsafe { (f.get_integer)(c, &reference, 1, &mut value) }
         })?;
@@ -180,7 +181,7 @@ impl Instance {
 
     pub(super) fn get_boolean(&mut self, variable: &str, reference: u32) -> Result<bool> {
         let mut value = FALSE;
-        self.call(&format!("reading {variable}"), |f, c| {
+        self.call(format_args!("reading {variable}"), |f, c| {
             // SAFETY: a living instance; one reference and room for one value.
             unsafe { (f.get_boolean)(c, &reference, 1, &mut value) }
         })?;
@@ -189,7 +190,7 @@ impl Instance {
 
     pub(super) fn get_text(&mut self, variable: &str, reference: u32) -> Result<String> {
         let mut value = ptr::null();
-        self.call(&format!("reading {variable}"), |f, c| {
+        self.call(format_args!("reading {variable}"), |f, c| {
             // SAFETY: a living instance; one reference and room for one value.
             unsafe { (f.get_string)(c, &reference, 1, &mut value) }
         })?;
@@ -198,14 +199,14 @@ impl Instance {
     }
 
     pub(super) fn set_real(&mut self, variable: &str, reference: u32, value: f64) -> Result<()> {
-        Ok(self.call(&format!("setting {variable} = {value:?}"), |f, c| {
+        Ok(self.call(format_args!("setting {variable} = {value:?}"), |f, c| {
             // SAFETY: a living instance; one reference and one value.
             unsafe { (f.set_real)(c, &reference, 1, &value) }
         })?)
     }
 
     pub(super) fn set_integer(&mut self, variable: &str, reference: u32, value: i32) -> Result<()> {
-        Ok(self.call(&format!("setting {variable} = {value}"), |f, c| {
+        Ok(self.call(format_args!("setting {variable} = {value}"), |f, c| {
             // SAFETY: a living instance; one reference and one value.
             unsafe { (f.set_integer)(c, &reference, 1, &value) }
         })?)
@@ -213,7 +214,7 @@ impl Instance {
 
     pub(super) fn set_boolean(&mut self, variable: &str, reference: u32, value: bool) -> Result<()> {
         let value = c_int::from(value);
-        Ok(self.call(&format!("setting {variable} = {value}"), |f, c| {
+        Ok(self.call(format_args!("setting {variable} = {value}"), |f, c| {
             // SAFETY: a living instance; one reference and one value.
             unsafe { (f.set_boolean)(c, &reference, 1, &value) }
         })?)
@@ -222,7 +223,7 @@ impl Instance {
     pub(super) fn set_text(&mut self, variable: &str, reference: u32, value: &str) -> Result<()> {
         let c_value = CString::new(value)
             .map_err(|_| Error::variable(format!("{variable}: the text holds a NUL character")))?;
-        Ok(self.call(&format!("setting {variable} = {value:?}"), |f, c| {
+        Ok(self.call(format_args!("setting {variable} = {value:?}"), |f, c| {
             // SAFETY: a living instance; one reference and one text, which the FMU has to copy.
             unsafe { (f.set_string)(c, &reference, 1, &c_value.as_ptr()) }
         })?)
@@ -231,7 +232,7 @@ impl Instance {
     /// Fails with `None` where the library has no such function.
     pub(super) fn set_rate(&mut self, variable: &str, reference: u32, rate: f64) -> Option<Result<()>> {
         let set = self.foundation.library.set_derivatives?;
-        let outcome = self.call(&format!("setting the derivative of {variable} = {rate:?}"), |_, c| {
+        let outcome = self.call(format_args!("setting the derivative of {variable} = {rate:?}"), |_, c| {
             // SAFETY: a living instance; one reference, one order, one value.
             unsafe { set(c, &reference, 1, &1, &rate) }
         });
@@ -270,7 +271,7 @@ impl Instance {
 
     /// Steps; a discarded step says how far it got.
     pub(super) fn step(&mut self, time: f64, length: f64) -> Result<()> {
-        let outcome = self.call(&format!("the step from {time} s by {length} s"), |f, c| {
+        let outcome = self.call(format_args!("the step from {time} s by {length} s"), |f, c| {
             // A rollback may come: whoever fits parameters goes back often.
             // SAFETY: a living instance.
             unsafe { (f.do_step)(c, time, length, FALSE) }

@@ -8,6 +8,7 @@ use super::log::Message;
 use crate::model::{Causality, Initial, Interface, Kind, Slave, Snapshot, Value, Variability, VariableInfo};
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
+use std::fmt::Display;
 use std::fs;
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
@@ -131,7 +132,7 @@ impl ImportedFmu {
     }
 
     /// Fails where `what` is not possible `when`.
-    fn order(&self, allowed: bool, what: &str, when: &str) -> Result<()> {
+    fn order(&self, allowed: bool, what: impl Display, when: &str) -> Result<()> {
         let name = &self.description.interface.name;
         match allowed {
             true => Ok(()),
@@ -140,7 +141,7 @@ impl ImportedFmu {
     }
 
     /// Fails after a failure.
-    fn well(&self, what: &str) -> Result<()> {
+    fn well(&self, what: impl Display) -> Result<()> {
         let well = self.instance.health() == Health::Well;
         self.order(well, what, "after a failed call; restore a saved state, reset, or load the FMU again")
     }
@@ -148,7 +149,7 @@ impl ImportedFmu {
     /// Fails unless FMI 2.0 allows to set the variable now.
     fn settable(&self, info: &VariableInfo) -> Result<()> {
         let name = &info.name;
-        self.well(&format!("setting {name}"))?;
+        self.well(format_args!("setting {name}"))?;
         if info.variability == Variability::Constant {
             return Err(Error::variable(format!("{name} is constant; it cannot be set")));
         }
@@ -162,7 +163,7 @@ impl ImportedFmu {
         match info.causality {
             _ if allowed => Ok(()),
             Causality::Parameter => {
-                self.order(false, &format!("setting the fixed parameter {name}"), "after initialization")
+                self.order(false, format_args!("setting the fixed parameter {name}"), "after initialization")
             }
             _ => Err(Error::variable(format!("{name} is computed by the FMU; it cannot be set now"))),
         }
@@ -188,7 +189,11 @@ impl ImportedFmu {
 
     fn readable(&self, index: usize) -> Result<&VariableInfo> {
         let info = self.variable(index)?;
-        self.order(self.course.phase != Phase::New, &format!("reading {}", info.name), "before the start")?;
+        self.order(
+            self.course.phase != Phase::New,
+            format_args!("reading {}", info.name),
+            "before the start",
+        )?;
         Ok(info)
     }
 }
