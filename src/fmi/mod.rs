@@ -9,6 +9,8 @@ pub mod c;
 pub mod description;
 mod entry;
 pub mod export;
+#[cfg(feature = "host")]
+pub mod import;
 mod instance;
 mod log;
 mod resources;

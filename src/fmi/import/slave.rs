@@ -1,0 +1,417 @@
+//! [`ImportedFmu`]: an FMU as a [`Slave`].
+
+use super::archive::{Archive, check_path};
+use super::description::{Description, MAX_LENGTH};
+use super::instance::{Health, Instance, Slot};
+use super::library::Library;
+use super::log::Message;
+use crate::model::{Causality, Initial, Interface, Kind, Slave, Snapshot, Value, Variability, VariableInfo};
+use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
+use std::fmt::Display;
+use std::fs;
+use std::os::unix::ffi::OsStrExt;
+use std::path::Path;
+use tempfile::TempDir;
+use uuid::Uuid;
+
+/// How far from the end of the last step, in lengths of the next one, a master's clock may be.
+const CLOCK_TOLERANCE: f64 = 1e-3;
+
+/// A co-simulation FMU of any maker, unpacked, loaded and instantiated.
+///
+/// Values are passed on as they are, also those outside an FMU's ranges and those that are not
+/// finite: what it makes of them is the FMU's business. Calls that FMI 2.0 forbids are not passed on.
+///
+/// After an error of the FMU only reading, [`restore`](Slave::restore) and [`reset`](Slave::reset) are
+/// possible; after fmi2Fatal nothing is.
+pub struct ImportedFmu {
+    instance: Instance,
+    description: Description,
+    course: Course,
+    /// Removed after the instance is gone.
+    folder: TempDir,
+}
+
+/// Where the run stands; saved with the FMU's state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Course {
+    phase: Phase,
+    /// The last communication point \[s\].
+    time: f64,
+    /// Inputs set before the start: FMI takes them only afterwards.
+    waiting: Vec<(usize, Value)>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+enum Phase {
+    /// Instantiated.
+    New,
+    /// In initialization mode.
+    Starting,
+    /// Ready to step.
+    Running,
+}
+
+/// What a [`Snapshot`] of an imported FMU holds.
+struct Saved {
+    slot: Slot,
+    course: Course,
+}
+
+/// A snapshot as bytes.
+#[derive(Serialize, Deserialize)]
+struct Packed {
+    guid: String,
+    course: Course,
+    state: Vec<u8>,
+}
+
+impl Course {
+    const NEW: Self = Self { phase: Phase::New, time: 0.0, waiting: Vec::new() };
+}
+
+impl ImportedFmu {
+    /// Unpacks, loads and instantiates the FMU at `path`. This runs its code.
+    ///
+    /// # Errors
+    /// [`Error::fmu`]: a damaged or dangerous archive, a wrong description, no binary for this
+    /// machine, a binary that is incomplete or refuses to be instantiated.
+    pub fn load(path: &Path) -> Result<Self> {
+        // The archive names itself in its errors.
+        let mut archive = Archive::open(path)?;
+        let xml = archive.read("modelDescription.xml", MAX_LENGTH)?;
+        let at = |e: Error| e.at(path.display());
+        let xml = xml.ok_or_else(|| at(Error::fmu("there is no modelDescription.xml: this is no FMU")))?;
+        let description = Description::parse(&xml).map_err(at)?;
+        let folder = archive.unpack()?;
+        Self::instantiate(description, folder).map_err(at)
+    }
+
+    fn instantiate(description: Description, folder: TempDir) -> Result<Self> {
+        let io = |e| Error::fmu(format!("the folder that it was unpacked to cannot be used: {e}"));
+        let resources = fs::canonicalize(folder.path()).map_err(io)?.join("resources");
+        // FMUs without resources get an empty folder rather than a location that is not there.
+        fs::create_dir_all(&resources).map_err(io)?;
+        let library = Library::load(folder.path(), &description.model_identifier, &description.capabilities)?;
+        let name = match description.model_name.trim() {
+            "" => &description.model_identifier,
+            _ => &description.model_name,
+        };
+        let instance = Instance::new(library, name, &description.guid, &file_uri(&resources))?;
+        Ok(Self { instance, description, course: Course::NEW, folder })
+    }
+
+    /// What the FMU says of itself.
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// The FMU's messages since the last time, the oldest first; of many, the last 1000.
+    pub fn messages(&mut self) -> Vec<Message> {
+        self.instance.messages()
+    }
+
+    /// The content of the file `name` in the FMU's folder `resources`, such as "model.toml"; `None` if
+    /// there is no such file.
+    pub fn resource(&self, name: &str) -> Option<Vec<u8>> {
+        check_path(name).ok()?;
+        fs::read(self.folder.path().join("resources").join(name)).ok()
+    }
+
+    /// True if inputs can be given derivatives.
+    pub fn can_interpolate(&self) -> bool {
+        self.description.capabilities.can_interpolate_inputs
+    }
+
+    fn variable(&self, index: usize) -> Result<&VariableInfo> {
+        let Interface { name, variables, .. } = &self.description.interface;
+        variables.get(index).ok_or_else(|| {
+            Error::variable(format!("{name} has {} variables; there is no number {index}", variables.len()))
+        })
+    }
+
+    /// Fails where `what` is not possible `when`.
+    fn order(&self, allowed: bool, what: impl Display, when: &str) -> Result<()> {
+        let name = &self.description.interface.name;
+        match allowed {
+            true => Ok(()),
+            false => Err(Error::call(format!("{name}: {what} is not possible {when}"))),
+        }
+    }
+
+    /// Fails after a failure.
+    fn well(&self, what: impl Display) -> Result<()> {
+        let well = self.instance.health() == Health::Well;
+        self.order(well, what, "after a failed call; restore a saved state, reset, or load the FMU again")
+    }
+
+    /// Fails unless FMI 2.0 allows to set the variable now.
+    fn settable(&self, info: &VariableInfo) -> Result<()> {
+        let name = &info.name;
+        self.well(format_args!("setting {name}"))?;
+        if info.variability == Variability::Constant {
+            return Err(Error::variable(format!("{name} is constant; it cannot be set")));
+        }
+        let allowed = match (self.course.phase, info.causality) {
+            (_, Causality::Input) => true,
+            (Phase::New, _) => matches!(info.initial, Some(Initial::Exact | Initial::Approx)),
+            (Phase::Starting, _) => info.initial == Some(Initial::Exact),
+            (Phase::Running, Causality::Parameter) => info.variability == Variability::Tunable,
+            (Phase::Running, _) => false,
+        };
+        match info.causality {
+            _ if allowed => Ok(()),
+            Causality::Parameter => {
+                self.order(false, format_args!("setting the fixed parameter {name}"), "after initialization")
+            }
+            _ => Err(Error::variable(format!("{name} is computed by the FMU; it cannot be set now"))),
+        }
+    }
+
+    fn write(&mut self, index: usize, value: Value) -> Result<()> {
+        let info = self.variable(index)?;
+        self.settable(info)?;
+        if info.causality == Causality::Input && self.course.phase == Phase::New {
+            self.course.waiting.retain(|(i, _)| *i != index);
+            self.course.waiting.push((index, value));
+            return Ok(());
+        }
+        let info = &self.description.interface.variables[index];
+        let (name, reference) = (&info.name, info.reference);
+        match value {
+            Value::Real(v) => self.instance.set_real(name, reference, v),
+            Value::Integer(v) => self.instance.set_integer(name, reference, v),
+            Value::Boolean(v) => self.instance.set_boolean(name, reference, v),
+            Value::Text(v) => self.instance.set_text(name, reference, &v),
+        }
+    }
+
+    fn readable(&self, index: usize) -> Result<&VariableInfo> {
+        let info = self.variable(index)?;
+        self.order(
+            self.course.phase != Phase::New,
+            format_args!("reading {}", info.name),
+            "before the start",
+        )?;
+        Ok(info)
+    }
+}
+
+impl Slave for ImportedFmu {
+    fn interface(&self) -> &Interface {
+        &self.description.interface
+    }
+
+    fn get(&mut self, variable: usize) -> Result<f64> {
+        self.readable(variable)?;
+        let info = &self.description.interface.variables[variable];
+        let (name, reference) = (&info.name, info.reference);
+        match info.kind {
+            Kind::Real => self.instance.get_real(name, reference),
+            Kind::Integer | Kind::Enumeration(_) => self.instance.get_integer(name, reference).map(f64::from),
+            Kind::Boolean => self.instance.get_boolean(name, reference).map(|v| f64::from(u8::from(v))),
+            Kind::Text => Err(Error::variable(format!("{name} is a text, not a number"))),
+        }
+    }
+
+    fn set(&mut self, variable: usize, value: f64) -> Result<()> {
+        let info = self.variable(variable)?;
+        let whole = value.fract() == 0.0 && (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&value);
+        let needed = match info.kind {
+            Kind::Real => return self.write(variable, Value::Real(value)),
+            Kind::Integer | Kind::Enumeration(_) if whole => {
+                return self.write(variable, Value::Integer(value as i32));
+            }
+            Kind::Boolean if value == 0.0 || value == 1.0 => {
+                return self.write(variable, Value::Boolean(value == 1.0));
+            }
+            Kind::Integer | Kind::Enumeration(_) => "a whole number of 32 bits",
+            Kind::Boolean => "0 (false) or 1 (true)",
+            Kind::Text => "a text",
+        };
+        Err(Error::variable(format!("{} = {value:?}: {needed} is needed", info.name)))
+    }
+
+    fn text(&mut self, variable: usize) -> Result<String> {
+        self.readable(variable)?;
+        let info = &self.description.interface.variables[variable];
+        match info.kind {
+            Kind::Text => self.instance.get_text(&info.name, info.reference),
+            _ => Err(Error::variable(format!("{} is not a text", info.name))),
+        }
+    }
+
+    fn set_text(&mut self, variable: usize, text: &str) -> Result<()> {
+        let info = self.variable(variable)?;
+        match info.kind {
+            Kind::Text => self.write(variable, Value::Text(text.into())),
+            _ => Err(Error::variable(format!("{} is not a text", info.name))),
+        }
+    }
+
+    fn set_rate(&mut self, variable: usize, rate: f64) -> Result<()> {
+        let info = self.variable(variable)?;
+        let what = format!("the derivative of {}", info.name);
+        if info.causality != Causality::Input || !info.is_real() {
+            return Err(Error::variable(format!("{} is not a real input; it has no derivative", info.name)));
+        }
+        self.well(&what)?;
+        self.order(self.course.phase != Phase::New, &what, "before the start")?;
+        let info = &self.description.interface.variables[variable];
+        self.instance.set_rate(&info.name, info.reference, rate).unwrap_or_else(|| {
+            Err(Error::call(format!(
+                "{}: {what} cannot be set: the FMU does not interpolate (canInterpolateInputs is not true)",
+                self.description.interface.name
+            )))
+        })
+    }
+
+    fn start(&mut self, start: f64, stop: Option<f64>) -> Result<()> {
+        self.well("a start")?;
+        self.order(self.course.phase == Phase::New, "a start", "twice without a reset")?;
+        if !start.is_finite() || stop.is_some_and(|stop| !stop.is_finite()) {
+            return Err(Error::call(format!("start time {start} and stop time {stop:?} have to be finite")));
+        }
+        if let Some(stop) = stop
+            && stop <= start
+        {
+            return Err(Error::call(format!("the stop time {stop} is not after the start time {start}")));
+        }
+        self.instance.setup(start, stop)?;
+        self.instance.enter_initialization()?;
+        self.course.phase = Phase::Starting;
+        self.course.time = start;
+        for (variable, value) in std::mem::take(&mut self.course.waiting) {
+            self.write(variable, value)?;
+        }
+        Ok(())
+    }
+
+    fn finish_start(&mut self) -> Result<()> {
+        self.well("the end of initialization")?;
+        let starting = self.course.phase == Phase::Starting;
+        self.order(starting, "the end of initialization", "outside initialization")?;
+        self.instance.exit_initialization()?;
+        self.course.phase = Phase::Running;
+        Ok(())
+    }
+
+    fn step(&mut self, time: f64, length: f64) -> Result<()> {
+        self.well("a step")?;
+        self.order(self.course.phase == Phase::Running, "a step", "before the end of initialization")?;
+        if !time.is_finite() || !length.is_finite() {
+            return Err(Error::call(format!("a step from {time} s by {length} s: finite times are needed")));
+        }
+        if length <= 0.0 {
+            return Err(Error::call(format!("a step of {length} s: the length has to be positive")));
+        }
+        if (time - self.course.time).abs() > CLOCK_TOLERANCE * length {
+            return Err(Error::call(format!(
+                "a step from {time} s: the last one ended at {} s, and time can only go back by restoring a state",
+                self.course.time
+            )));
+        }
+        self.instance.step(time, length)?;
+        self.course.time = time + length;
+        Ok(())
+    }
+
+    fn save(&mut self) -> Result<Snapshot> {
+        self.well("saving the state")?;
+        let slot = self.instance.save()?;
+        Ok(Box::new(Saved { slot, course: self.course.clone() }))
+    }
+
+    fn save_into(&mut self, snapshot: &mut Snapshot) -> Result<()> {
+        match snapshot.downcast_mut::<Saved>() {
+            Some(saved) if self.instance.owns(&saved.slot) => {
+                self.well("saving the state")?;
+                self.instance.save_into(&saved.slot)?;
+                saved.course.clone_from(&self.course);
+            }
+            _ => *snapshot = self.save()?,
+        }
+        Ok(())
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let saved = saved(snapshot)?;
+        self.instance.restore(&saved.slot)?;
+        self.course.clone_from(&saved.course);
+        Ok(())
+    }
+
+    fn serialize(&mut self, snapshot: &Snapshot) -> Result<Vec<u8>> {
+        let saved = saved(snapshot)?;
+        let state = self.instance.serialize(&saved.slot)?;
+        let guid = self.description.guid.clone();
+        let payload = postcard::to_stdvec(&Packed { guid, course: saved.course.clone(), state })
+            .map_err(|e| Error::call(format!("the state cannot be written: {e}")))?;
+        Ok([digest(&payload).as_bytes(), payload.as_slice()].concat())
+    }
+
+    fn deserialize(&mut self, bytes: &[u8]) -> Result<Snapshot> {
+        // Foreign code gets no bytes but its own, undamaged.
+        let damaged = || Error::call("the bytes of the saved state are damaged");
+        let (head, payload) = bytes.split_at_checked(16).ok_or_else(damaged)?;
+        if head != digest(payload).as_bytes() {
+            return Err(damaged());
+        }
+        let packed: Packed = postcard::from_bytes(payload).map_err(|_| damaged())?;
+        if packed.guid != self.description.guid {
+            return Err(Error::call(format!(
+                "the bytes are a state of the FMU with the guid {:?}; this one has {:?}",
+                packed.guid, self.description.guid
+            )));
+        }
+        let slot = self.instance.deserialize(&packed.state)?;
+        Ok(Box::new(Saved { slot, course: packed.course }))
+    }
+
+    fn reset(&mut self) -> Result<()> {
+        self.instance.reset()?;
+        self.course = Course::NEW;
+        Ok(())
+    }
+}
+
+impl Drop for ImportedFmu {
+    fn drop(&mut self) {
+        if self.course.phase == Phase::Running && self.instance.health() == Health::Well {
+            // There is nobody left to tell of a failure.
+            let _ = self.instance.terminate();
+        }
+    }
+}
+
+fn saved(snapshot: &Snapshot) -> Result<&Saved> {
+    snapshot.downcast_ref().ok_or_else(|| Error::call("the saved state belongs to another slave"))
+}
+
+fn digest(payload: &[u8]) -> Uuid {
+    Uuid::new_v5(&Uuid::NAMESPACE_OID, payload)
+}
+
+/// The URI of an absolute path, by RFC 3986.
+fn file_uri(path: &Path) -> String {
+    let mut uri = String::from("file://");
+    for &byte in path.as_os_str().as_bytes() {
+        match byte {
+            b'/' | b'-' | b'.' | b'_' | b'~' => uri.push(char::from(byte)),
+            _ if byte.is_ascii_alphanumeric() => uri.push(char::from(byte)),
+            _ => uri.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    uri
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uris_are_percent_encoded() {
+        assert_eq!(file_uri(Path::new("/tmp/a b/ü%#?/x-1_2.~")), "file:///tmp/a%20b/%C3%BC%25%23%3F/x-1_2.~");
+    }
+}

@@ -1,0 +1,261 @@
+/* A small, strict FMI 2.0 co-simulation unit for the tests of the importer: y' = k u.
+ *
+ * It refuses what the standard forbids, so that a master that calls in the wrong order fails.
+ * The text parameter `mood` makes steps misbehave: "discard", "error", "fatal".
+ * -DWITHOUT_STEP leaves out fmi2DoStep. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING } Status;
+typedef void (*Logger)(void *, const char *, Status, const char *, const char *, ...);
+typedef struct {
+    Logger logger;
+    void *(*allocate)(size_t, size_t);
+    void (*release)(void *);
+    void (*finished)(void *, Status);
+    void *environment;
+} Callbacks;
+typedef enum { INSTANTIATED, INITIALIZING, RUNNING, TERMINATED, FAILED, DEAD } Phase;
+
+typedef struct {
+    Phase phase;
+    double time, stop, u, rate, y, k, last;
+    int count, steps, flag, mode;
+    char mood[64];
+} Data;
+typedef struct {
+    Data data;
+    const Callbacks *callbacks;
+    char *name, *location;
+    int saved;
+} Unit;
+
+enum { U = 0, Y = 1, K = 2 };                /* Real */
+enum { COUNT = 0, STEPS = 1, MODE = 2 };     /* Integer, Enumeration */
+enum { MOOD = 0, LOCATION = 1 };             /* String */
+
+static void start_values(Data *d) {
+    memset(d, 0, sizeof *d);
+    d->k = 2, d->count = 3, d->flag = 1, d->mode = 1;
+    strcpy(d->mood, "good");
+}
+
+static Status say(Unit *m, Status status, const char *text) {
+    m->callbacks->logger(m->callbacks->environment, m->name, status, "logStatus", text);
+    if (status == ERROR) m->data.phase = FAILED;
+    if (status == FATAL) m->data.phase = DEAD;
+    return status;
+}
+
+/* Whoever calls a dead unit ends the process: the test notices. */
+static Unit *alive(void *c) {
+    Unit *m = c;
+    if (m->data.phase == DEAD) abort();
+    return m;
+}
+
+const char *fmi2GetTypesPlatform(void) { return "default"; }
+const char *fmi2GetVersion(void) { return "2.0"; }
+
+void *fmi2Instantiate(const char *name, int type, const char *guid, const char *location,
+                      const Callbacks *callbacks, int visible, int logging) {
+    (void)visible;
+    if (type != 1 || !logging || !strlen(name)) return NULL;
+    if (strcmp(guid, "{integrator}")) {
+        callbacks->logger(callbacks->environment, name, ERROR, "logStatus", "wrong guid: 100%% of ##1#");
+        return NULL;
+    }
+    Unit *m = callbacks->allocate(1, sizeof *m);
+    m->callbacks = callbacks;
+    m->name = strdup(name);
+    m->location = strdup(location);
+    start_values(&m->data);
+    return m;
+}
+
+void fmi2FreeInstance(void *c) {
+    if (!c) return;
+    Unit *m = alive(c);
+    if (m->saved) abort(); /* A state leaked. */
+    free(m->name);
+    free(m->location);
+    m->callbacks->release(m);
+}
+
+Status fmi2SetupExperiment(void *c, int has_tolerance, double tolerance, double start, int has_stop, double stop) {
+    (void)has_tolerance, (void)tolerance;
+    Unit *m = alive(c);
+    if (m->data.phase != INSTANTIATED) return say(m, ERROR, "fmi2SetupExperiment: wrong phase");
+    m->data.time = start;
+    m->data.stop = has_stop ? stop : HUGE_VAL;
+    return OK;
+}
+
+static Status move(void *c, Phase from, Phase to, const char *text) {
+    Unit *m = alive(c);
+    if (m->data.phase != from) return say(m, ERROR, text);
+    m->data.phase = to;
+    return OK;
+}
+Status fmi2EnterInitializationMode(void *c) { return move(c, INSTANTIATED, INITIALIZING, "enter: wrong phase"); }
+Status fmi2ExitInitializationMode(void *c) { return move(c, INITIALIZING, RUNNING, "exit: wrong phase"); }
+Status fmi2Terminate(void *c) {
+    /* A master that ends before a step fails, is wrong. */
+    if (alive(c)->data.phase != RUNNING) abort();
+    return move(c, RUNNING, TERMINATED, "");
+}
+Status fmi2Reset(void *c) {
+    start_values(&alive(c)->data);
+    return OK;
+}
+
+static Status readable(Unit *m) {
+    return m->data.phase == INSTANTIATED ? say(m, ERROR, "get before initialization") : OK;
+}
+
+Status fmi2GetReal(void *c, const unsigned *vr, size_t n, double *value) {
+    Unit *m = alive(c);
+    if (readable(m)) return ERROR;
+    for (size_t i = 0; i < n; i++) {
+        switch (vr[i]) {
+        case U: value[i] = m->data.u; break;
+        case Y: value[i] = m->data.y; break;
+        case K: value[i] = m->data.k; break;
+        default: return say(m, ERROR, "unknown real");
+        }
+    }
+    return OK;
+}
+Status fmi2GetInteger(void *c, const unsigned *vr, size_t n, int *value) {
+    Unit *m = alive(c);
+    if (readable(m)) return ERROR;
+    for (size_t i = 0; i < n; i++)
+        value[i] = vr[i] == COUNT ? m->data.count : vr[i] == STEPS ? m->data.steps : m->data.mode;
+    return OK;
+}
+Status fmi2GetBoolean(void *c, const unsigned *vr, size_t n, int *value) {
+    (void)vr;
+    Unit *m = alive(c);
+    if (readable(m)) return ERROR;
+    for (size_t i = 0; i < n; i++) value[i] = m->data.flag;
+    return OK;
+}
+Status fmi2GetString(void *c, const unsigned *vr, size_t n, const char **value) {
+    Unit *m = alive(c);
+    if (readable(m)) return ERROR;
+    for (size_t i = 0; i < n; i++) value[i] = vr[i] == MOOD ? m->data.mood : m->location;
+    return OK;
+}
+
+Status fmi2SetReal(void *c, const unsigned *vr, size_t n, const double *value) {
+    Unit *m = alive(c);
+    for (size_t i = 0; i < n; i++) {
+        if (isnan(value[i])) return say(m, ERROR, "the value is no number; 100%% sure");
+        if (vr[i] == U) {
+            if (m->data.phase == INSTANTIATED) return say(m, ERROR, "input before initialization");
+            m->data.u = value[i];
+            m->data.rate = 0;
+        } else if (vr[i] == K) {
+            if (m->data.phase == RUNNING) return say(m, ERROR, "fixed parameter");
+            m->data.k = value[i];
+        } else return say(m, ERROR, "unknown real");
+    }
+    return OK;
+}
+Status fmi2SetInteger(void *c, const unsigned *vr, size_t n, const int *value) {
+    Unit *m = alive(c);
+    for (size_t i = 0; i < n; i++) *(vr[i] == COUNT ? &m->data.count : &m->data.mode) = value[i];
+    return OK;
+}
+Status fmi2SetBoolean(void *c, const unsigned *vr, size_t n, const int *value) {
+    (void)vr, (void)n;
+    alive(c)->data.flag = value[0];
+    return OK;
+}
+Status fmi2SetString(void *c, const unsigned *vr, size_t n, const char *const *value) {
+    (void)vr, (void)n;
+    Unit *m = alive(c);
+    snprintf(m->data.mood, sizeof m->data.mood, "%s", value[0]);
+    return OK;
+}
+Status fmi2SetRealInputDerivatives(void *c, const unsigned *vr, size_t n, const int *order, const double *value) {
+    Unit *m = alive(c);
+    if (n != 1 || vr[0] != U || order[0] != 1) return say(m, ERROR, "unknown derivative");
+    m->data.rate = value[0];
+    return OK;
+}
+
+#ifndef WITHOUT_STEP
+Status fmi2DoStep(void *c, double time, double h, int no_rollback) {
+    Unit *m = alive(c);
+    Data *d = &m->data;
+    if (no_rollback || d->phase != RUNNING) return say(m, ERROR, "step: wrong phase");
+    if (fabs(time - d->time) > 1e-9) return say(m, ERROR, "step: wrong time");
+    if (time + h > d->stop + 1e-9) return say(m, ERROR, "step beyond the stop time");
+    if (!strcmp(d->mood, "error")) return say(m, ERROR, "bad mood");
+    if (!strcmp(d->mood, "fatal")) return say(m, FATAL, "very bad mood");
+    if (!strcmp(d->mood, "discard")) {
+        d->last = time + h / 2;
+        d->phase = FAILED;
+        return say(m, DISCARD, "half a step only");
+    }
+    d->y += d->k * (d->u * h + d->rate * h * h / 2);
+    d->u += d->rate * h;
+    d->time = time + h;
+    d->steps++;
+    return OK;
+}
+#endif
+
+Status fmi2GetRealStatus(void *c, int kind, double *value) {
+    if (kind != 2) return DISCARD;
+    *value = alive(c)->data.last;
+    return OK;
+}
+Status fmi2GetBooleanStatus(void *c, int kind, int *value) {
+    alive(c);
+    *value = kind == 3;
+    return OK;
+}
+
+Status fmi2GetFMUstate(void *c, void **state) {
+    Unit *m = alive(c);
+    if (!*state) {
+        *state = malloc(sizeof(Data));
+        m->saved++;
+    }
+    memcpy(*state, &m->data, sizeof(Data));
+    return OK;
+}
+Status fmi2SetFMUstate(void *c, void *state) {
+    memcpy(&alive(c)->data, state, sizeof(Data));
+    return OK;
+}
+Status fmi2FreeFMUstate(void *c, void **state) {
+    Unit *m = alive(c);
+    if (*state) m->saved--;
+    free(*state);
+    *state = NULL;
+    return OK;
+}
+Status fmi2SerializedFMUstateSize(void *c, void *state, size_t *size) {
+    (void)c, (void)state;
+    *size = sizeof(Data);
+    return OK;
+}
+Status fmi2SerializeFMUstate(void *c, void *state, char *bytes, size_t size) {
+    (void)c;
+    memcpy(bytes, state, size);
+    return OK;
+}
+Status fmi2DeSerializeFMUstate(void *c, const char *bytes, size_t size, void **state) {
+    Unit *m = alive(c);
+    if (size != sizeof(Data)) return say(m, ERROR, "wrong size");
+    *state = NULL;
+    fmi2GetFMUstate(c, state);
+    memcpy(*state, bytes, size);
+    return OK;
+}
