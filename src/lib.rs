@@ -6,13 +6,15 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod error;
+#[cfg(feature = "host")]
+mod file;
 #[allow(unsafe_code)]
 pub mod fmi;
 pub mod model;
-//#[cfg]
-//pub mod recording;
-//#[cfg]
-//pub mod report;
+#[cfg(feature = "host")]
+pub mod recording;
+#[cfg(feature = "host")]
+pub mod report;
 pub mod rig;
 pub mod shipped;
 //#[cfg]

@@ -1,0 +1,479 @@
+//! Recordings as CSV: a header line of `name [unit]` cells, the first of them the time.
+
+use super::{Channel, Recording};
+use crate::model::unit::Unit;
+use crate::{Error, Result};
+use std::collections::HashMap;
+use std::io::Write;
+use std::path::Path;
+
+/// Characters that may separate cells.
+const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
+
+/// Reads a CSV file: UTF-8, cells separated by `,`, `;` or tab (found in the header line), numbers
+/// with a decimal point, a header of `name [unit]` cells that begins with `time [s]` (or another
+/// unit of time, which is converted).
+///
+/// # Errors
+/// A file that cannot be read, or content that is not as above: no time column, a column without
+/// unit or with an unknown one, a name used twice, a cell that is no finite number, a row of another
+/// length, a time that does not increase, fewer than two rows. The message begins with
+/// `file:line:column`.
+pub fn read_csv(path: &Path) -> Result<Recording> {
+    let source = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|e| Error::file(format!("{source} cannot be read: {e}")))?;
+    let text = String::from_utf8(bytes).map_err(|e| {
+        let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
+        let line = 1 + valid.iter().filter(|b| **b == b'\n').count();
+        Error::file(format!("{source}:{line}: not UTF-8 text; save the file as UTF-8"))
+    })?;
+    parse_csv(&text, &source)
+}
+
+/// Reads CSV text, see [`read_csv`]; `source` stands for the file's name in messages.
+///
+/// # Errors
+/// As [`read_csv`].
+pub fn parse_csv(text: &str, source: &str) -> Result<Recording> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut lines = Lines { text: text.as_bytes(), byte: 0, line: 1 };
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(separator(text.as_bytes()))
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let mut row = csv::StringRecord::new();
+    let mut next = |row: &mut csv::StringRecord| -> Result<Option<u64>> {
+        let more = reader.read_record(row).map_err(|e| Error::file(format!("{source}: no CSV text: {e}")))?;
+        let byte = row.position().map_or(0, csv::Position::byte);
+        Ok(more.then(|| lines.number(byte as usize)))
+    };
+
+    let Some(line) = next(&mut row)? else {
+        return Err(Error::file(format!(
+            "{source}: the file is empty; a header line of `name [unit]` cells that begins with `time [s]` is needed"
+        )));
+    };
+    let Header { mut recording, columns, factor } = Header::parse(&row, source, line)?;
+
+    while let Some(line) = next(&mut row)? {
+        if row.len() != columns.len() {
+            return Err(Error::file(format!(
+                "{source}:{line}: {} cells, but the header has {}; numbers need a decimal point, not a comma",
+                row.len(),
+                columns.len()
+            )));
+        }
+        let mut numbers = row.iter().zip(&columns).map(|(cell, column)| {
+            number(cell).map_err(|what| Error::file(format!("{source}:{line}:{column}: {what}")))
+        });
+        if let Some(time) = numbers.next() {
+            let time = time? * factor;
+            if let Some(before) = recording.time.last().filter(|before| time <= **before) {
+                return Err(Error::file(format!(
+                    "{source}:{line}:{}: {time} s comes after {before} s; time has to increase from row to row",
+                    columns[0]
+                )));
+            }
+            recording.time.push(time);
+        }
+        for (channel, value) in recording.channels.iter_mut().zip(numbers) {
+            channel.values.push(value?);
+        }
+    }
+    match recording.time.len() {
+        n @ (0 | 1) => Err(Error::file(format!(
+            "{source}: {n} row{} of numbers; at least 2 are needed",
+            if n == 1 { "" } else { "s" }
+        ))),
+        _ => Ok(recording),
+    }
+}
+
+/// What the header line says.
+struct Header {
+    /// The recording without samples.
+    recording: Recording,
+    /// How messages call the columns: name and number.
+    columns: Vec<String>,
+    /// From the file's unit of time to seconds.
+    factor: f64,
+}
+
+impl Header {
+    fn parse(row: &csv::StringRecord, source: &str, line: u64) -> Result<Self> {
+        let mut recording = Recording { source: source.into(), ..Recording::default() };
+        let mut columns = Vec::new();
+        let mut seen = HashMap::new();
+        let mut factor = 1.0;
+        for (i, cell) in row.iter().enumerate() {
+            let number = i + 1;
+            let fail = |column: &str, what: String| {
+                Err(Error::file(format!("{source}:{line}:{column} (column {number}): {what}")))
+            };
+            let Some((name, unit)) = name_and_unit(cell) else {
+                if cell.is_empty() {
+                    return fail("", "the header cell is empty; write `name [unit]`".into());
+                }
+                return fail(
+                    cell,
+                    format!(
+                        "no unit; write `{cell} [unit]`, for instance `{cell} [N]`, or `{cell} [1]` for a number without unit"
+                    ),
+                );
+            };
+            let parsed = match Unit::parse(unit) {
+                Ok(unit) => unit,
+                Err(e) => return fail(name, format!("{e}; write [1] for a number without unit")),
+            };
+            if let Some(first) = seen.insert(name.to_owned(), number) {
+                return fail(name, format!("column {first} has the same name; names have to be unique"));
+            }
+            columns.push(format!("{name} (column {number})"));
+            if i > 0 {
+                recording.channels.push(Channel { name: name.into(), unit: unit.into(), values: Vec::new() });
+                continue;
+            }
+            if name != "time" {
+                return fail(name, "the first column has to be the time, `time [s]`".into());
+            }
+            match Unit::parse("s").ok().and_then(|second| parsed.to(second)) {
+                Some((to_seconds, _)) => factor = to_seconds,
+                None => return fail(name, format!("{unit:?} is no unit of time; write `time [s]`")),
+            }
+        }
+        Ok(Self { recording, columns, factor })
+    }
+}
+
+/// Splits `name [unit]`. The space is needed: `x[1]` may be the name of an element.
+fn name_and_unit(cell: &str) -> Option<(&str, &str)> {
+    let (name, unit) = cell.strip_suffix(']')?.rsplit_once('[')?;
+    let trimmed = name.trim_end();
+    (!trimmed.is_empty() && trimmed.len() < name.len()).then(|| (trimmed, unit.trim()))
+}
+
+/// A finite number, or what is wrong with the cell.
+fn number(cell: &str) -> std::result::Result<f64, String> {
+    if cell.is_empty() {
+        return Err("the cell is empty; every cell needs a number".into());
+    }
+    match cell.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        Ok(_) => Err(format!("{cell:?} is not a finite number")),
+        Err(_) if cell.replacen(',', ".", 1).parse::<f64>().is_ok() => {
+            Err(format!("{cell:?} has a decimal comma; a decimal point is needed"))
+        }
+        Err(_) => Err(format!("{cell:?} is not a number")),
+    }
+}
+
+/// The separator that the header line has most of, outside quotes.
+fn separator(text: &[u8]) -> u8 {
+    let mut counts = [0; SEPARATORS.len()];
+    let (mut quoted, mut anything) = (false, false);
+    for byte in text {
+        match byte {
+            b'"' => quoted = !quoted,
+            b'\n' | b'\r' if !quoted && anything => break,
+            b'\n' | b'\r' => continue,
+            _ if quoted => {}
+            _ => {
+                if let Some(i) = SEPARATORS.iter().position(|s| s == byte) {
+                    counts[i] += 1;
+                }
+            }
+        }
+        anything = true;
+    }
+    let most = (0..SEPARATORS.len()).rev().max_by_key(|i| counts[*i]).unwrap_or(0);
+    SEPARATORS[most]
+}
+
+/// Counts lines as an editor does. The reader's own count stands before blank lines that it skips.
+struct Lines<'a> {
+    text: &'a [u8],
+    byte: usize,
+    line: u64,
+}
+
+impl Lines<'_> {
+    /// The line of the first row at or after `byte`; rows are asked for in order.
+    fn number(&mut self, byte: usize) -> u64 {
+        while let Some(b) = self.text.get(self.byte) {
+            if self.byte >= byte && !matches!(b, b'\r' | b'\n') {
+                break;
+            }
+            // an old Mac's lone carriage return ends a line, too
+            let ends = *b == b'\n' || (*b == b'\r' && self.text.get(self.byte + 1) != Some(&b'\n'));
+            self.line += u64::from(ends);
+            self.byte += 1;
+        }
+        self.line
+    }
+}
+
+/// Writes a recording as CSV that [`read_csv`] reads back with the same bits, through a temporary file:
+/// there is never half a result. Values that are not finite are written as they are, so that a run
+/// that went wrong can be looked at; [`read_csv`] refuses them.
+///
+/// # Errors
+/// Channels that are not as long as the time; any failure of the file system, with the path.
+pub fn write_csv(path: &Path, recording: &Recording) -> Result<()> {
+    check_lengths(recording).map_err(|e| e.at(path.display()))?;
+    crate::file::write_whole(path, |file| write(file, recording))
+}
+
+/// The text that [`write_csv`] writes.
+///
+/// # Errors
+/// Channels that are not as long as the time.
+pub fn to_csv(recording: &Recording) -> Result<String> {
+    check_lengths(recording)?;
+    let mut bytes = Vec::new();
+    write(&mut bytes, recording).map_err(|e| Error::file(e.to_string()))?;
+    String::from_utf8(bytes).map_err(|e| Error::file(e.to_string()))
+}
+
+fn check_lengths(recording: &Recording) -> Result<()> {
+    let rows = recording.time.len();
+    match recording.channels.iter().find(|c| c.values.len() != rows) {
+        None => Ok(()),
+        Some(channel) => Err(Error::file(format!(
+            "channel {:?} has {} values for {rows} times",
+            channel.name,
+            channel.values.len()
+        ))),
+    }
+}
+
+fn write(file: &mut dyn Write, recording: &Recording) -> std::io::Result<()> {
+    write!(file, "time [s]")?;
+    for channel in &recording.channels {
+        write!(file, ",{}", quoted(&format!("{} [{}]", channel.name, channel.unit)))?;
+    }
+    writeln!(file)?;
+    for (i, time) in recording.time.iter().enumerate() {
+        write!(file, "{}", shortest(*time))?;
+        for channel in &recording.channels {
+            write!(file, ",{}", shortest(channel.values[i]))?;
+        }
+        writeln!(file)?;
+    }
+    Ok(())
+}
+
+/// The shortest text that reads back as the same number.
+fn shortest(number: f64) -> String {
+    let mut text = format!("{number:?}");
+    if text.ends_with(".0") {
+        text.truncate(text.len() - 2);
+    }
+    text
+}
+
+fn quoted(cell: &str) -> String {
+    if cell.contains([',', ';', '\t', '"', '\n', '\r']) {
+        return format!("\"{}\"", cell.replace('"', "\"\""));
+    }
+    cell.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn read(text: &str) -> Recording {
+        parse_csv(text, "rig.csv").unwrap()
+    }
+
+    #[track_caller]
+    fn refuse(text: &str, words: &[&str]) {
+        let message = parse_csv(text, "rig.csv").unwrap_err().to_string();
+        for word in words {
+            assert!(message.contains(word), "{word:?} is not in {message:?}");
+        }
+    }
+
+    #[test]
+    fn reads_names_units_and_numbers() {
+        let recording = read("time [s],force x [N],slip [%]\n0,1.5,-2\n0.01,1e3,+.5\n");
+        assert_eq!(recording.time, [0.0, 0.01]);
+        assert_eq!(recording.source, "rig.csv");
+        let [force, slip] = &recording.channels[..] else { panic!() };
+        assert_eq!((force.name.as_str(), force.unit.as_str()), ("force x", "N"));
+        assert_eq!(force.values, [1.5, 1000.0]);
+        assert_eq!((slip.name.as_str(), slip.unit.as_str()), ("slip", "%"));
+        assert_eq!(slip.values, [-2.0, 0.5]);
+    }
+
+    #[test]
+    fn every_usual_dialect_gives_the_same() {
+        let plain = read("time [s],a [N],b [m]\n0,1,2\n1,3,4\n");
+        for text in [
+            "\u{feff}time [s],a [N],b [m]\n0,1,2\n1,3,4\n",
+            "time [s];a [N];b [m]\n0;1;2\n1;3;4\n",
+            "time [s]\ta [N]\tb [m]\n0\t1\t2\n1\t3\t4",
+            "time [s],a [N],b [m]\r\n0,1,2\r\n1,3,4\r\n",
+            "\"time [s]\",\"a [N]\",\"b [m]\"\n\"0\",\"1\",\"2\"\n\"1\",\"3\",\"4\"\n",
+            "time [s] , a  [ N ], b [m]\n 0, 1, 2\n1 ,3 ,4\n\n\n",
+            "\n\ntime [ms],a [N],b [m]\n0,1,2\n1000,3,4\r\n\r\n",
+        ] {
+            assert_eq!(read(text), plain, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn a_name_may_end_in_brackets() {
+        assert_eq!(read("time [s],x[1] [m]\n0,0\n1,1\n").channels[0].name, "x[1]");
+        refuse("time [s],x[1]\n0,0\n1,1\n", &["rig.csv:1:x[1] (column 2)", "no unit"]);
+    }
+
+    #[test]
+    fn header_errors_say_where_and_what_to_write() {
+        refuse("", &["rig.csv", "empty", "time [s]"]);
+        refuse("\u{feff}\n\r\n", &["rig.csv", "empty"]);
+        refuse("force [N],time [s]\n0,1\n1,2\n", &["rig.csv:1:force (column 1)", "time [s]"]);
+        refuse("time [N],a [N]\n0,1\n1,2\n", &["rig.csv:1:time (column 1)", "\"N\"", "time [s]"]);
+        refuse("time [s],a\n0,1\n1,2\n", &["rig.csv:1:a (column 2)", "a [N]", "a [1]"]);
+        refuse("time [s],a []\n0,1\n1,2\n", &["rig.csv:1:a (column 2)", "[1]"]);
+        refuse("time [s],,a [N]\n0,1,2\n", &["rig.csv:1:", "(column 2)", "empty", "name [unit]"]);
+        refuse("time [s],[N]\n0,1\n", &["rig.csv:1:", "(column 2)", "no unit"]);
+        refuse("time [s],a [N],b [N],a [m]\n0,1,2,3\n", &["rig.csv:1:a (column 4)", "column 2", "unique"]);
+        refuse("time [s],time [s]\n0,1\n", &["rig.csv:1:time (column 2)", "column 1", "unique"]);
+        refuse("time [s],a [furlong]\n0,1\n1,2\n", &["rig.csv:1:a (column 2)", "furlong", "not known"]);
+        refuse("\n\ntime [s],a\n0,1\n1,2\n", &["rig.csv:3:a (column 2)"]);
+    }
+
+    #[test]
+    fn cell_errors_say_where() {
+        let head = "time [s];a [N];b [m]\n0;1;2\n";
+        for (row, words) in [
+            ("1;x;2", ["rig.csv:3:a (column 2)", "\"x\" is not a number"]),
+            ("1;;2", ["rig.csv:3:a (column 2)", "empty"]),
+            ("1;2;NaN", ["rig.csv:3:b (column 3)", "finite"]),
+            ("1;-inf;2", ["rig.csv:3:a (column 2)", "finite"]),
+            ("1;1e400;2", ["rig.csv:3:a (column 2)", "finite"]),
+            ("1;2,5;2", ["rig.csv:3:a (column 2)", "decimal point"]),
+            ("nan;2;2", ["rig.csv:3:time (column 1)", "finite"]),
+            ("1;2", ["rig.csv:3: 2 cells", "header has 3"]),
+            ("1;2;3;4", ["rig.csv:3: 4 cells", "header has 3"]),
+        ] {
+            refuse(&format!("{head}{row}\n5;6;7\n"), &words);
+        }
+    }
+
+    #[test]
+    fn time_has_to_increase() {
+        for (time, shown) in [("0.25", "0.25 s comes after 0.5 s"), ("0.5", "0.5 s comes after 0.5 s")] {
+            let text = format!("time [s],a [N]\n0,1\n0.5,1\n{time},1\n");
+            refuse(&text, &["rig.csv:4:time (column 1)", shown]);
+        }
+    }
+
+    #[test]
+    fn two_rows_are_needed() {
+        refuse("time [s],a [N]\n", &["rig.csv", "0 rows", "at least 2"]);
+        refuse("time [s],a [N]\n0,1\n\n", &["rig.csv", "1 row ", "at least 2"]);
+    }
+
+    #[test]
+    fn lines_are_counted_as_an_editor_does() {
+        refuse("time [s],a [N]\r\n0,1\r\n\r\n\r\n1,x\r\n", &["rig.csv:5:a"]);
+        refuse("time [s],a [N]\r0,1\r1,x\r", &["rig.csv:3:a"]);
+        refuse("time [s],\"a\nb [N]\"\n0,1\n1,x\n", &["rig.csv:4:a\nb"]);
+    }
+
+    #[test]
+    fn files_that_cannot_be_read_or_written_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("none").join("run.csv");
+        let message = read_csv(&missing).unwrap_err().to_string();
+        assert!(message.contains("run.csv cannot be read"), "{message}");
+        let message = write_csv(&missing, &Recording::default()).unwrap_err().to_string();
+        assert!(message.contains("run.csv cannot be written"), "{message}");
+
+        let latin = folder.path().join("latin.csv");
+        std::fs::write(&latin, b"time [s],a [N]\n0,1\n1,2 \xb0\n").unwrap();
+        let message = read_csv(&latin).unwrap_err().to_string();
+        assert!(message.contains("latin.csv:3") && message.contains("UTF-8"), "{message}");
+    }
+
+    #[test]
+    fn channels_of_another_length_are_not_written() {
+        let channel = Channel { name: "a".into(), unit: "N".into(), values: vec![1.0] };
+        let recording = Recording { time: vec![0.0, 1.0], channels: vec![channel], ..Recording::default() };
+        let message = to_csv(&recording).unwrap_err().to_string();
+        assert!(message.contains("\"a\" has 1 values for 2 times"), "{message}");
+    }
+
+    fn any_recording() -> impl Strategy<Value = Recording> {
+        let unit = prop::sample::select(vec!["N", "m/s", "1", "-", "%", "deg", "N.m/rad", "°"]);
+        let name = "[a-zA-Zµ;,\"\\[(][a-zA-Z0-9 _;,\"\t\n\\[\\].()-]{0,12}[a-zµ;,\"\\])]";
+        let names = prop::collection::btree_set(name, 0..5);
+        (names, prop::collection::vec(unit, 5), 2..20_usize)
+            .prop_flat_map(|(names, units, rows)| {
+                let values = prop::collection::vec(any_finite(), rows * names.len());
+                let steps = prop::collection::vec(1e-9..1e3, rows);
+                (Just(names), Just(units), values, steps)
+            })
+            .prop_filter_map("increasing time", |(names, units, values, steps)| {
+                let rows = steps.len();
+                let time: Vec<f64> = steps
+                    .iter()
+                    .scan(-3.0, |t, step| {
+                        *t += step;
+                        Some(*t)
+                    })
+                    .collect();
+                let channels = names
+                    .into_iter()
+                    .filter(|name| name != "time")
+                    .zip(units)
+                    .enumerate()
+                    .map(|(i, (name, unit))| Channel {
+                        name,
+                        unit: unit.into(),
+                        values: values[i * rows..][..rows].to_vec(),
+                    })
+                    .collect();
+                time.windows(2).all(|w| w[0] < w[1]).then(|| Recording {
+                    time,
+                    channels,
+                    source: "rig.csv".into(),
+                })
+            })
+    }
+
+    fn any_finite() -> impl Strategy<Value = f64> {
+        prop_oneof![prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO, -1e3..1e3]
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_written_is_read_back(recording in any_recording()) {
+            let text = to_csv(&recording).unwrap();
+            let back = parse_csv(&text, "rig.csv").unwrap();
+            prop_assert_eq!(&back, &recording);
+            // == does not see the sign of zero
+            for (a, b) in back.channels.iter().zip(&recording.channels) {
+                for (a, b) in a.values.iter().zip(&b.values) {
+                    prop_assert_eq!(a.to_bits(), b.to_bits());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn files_go_round() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.csv");
+        let mut recording = read("time [s],a [N]\n0,1\n0.1,0.30000000000000004\n");
+        write_csv(&path, &recording).unwrap();
+        recording.source = path.display().to_string();
+        assert_eq!(read_csv(&path).unwrap(), recording);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "time [s],a [N]\n0,1\n0.1,0.30000000000000004\n");
+    }
+}

@@ -1,0 +1,470 @@
+//! Line plots as inline SVG.
+
+use super::page::{Html, escape};
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use plotters::prelude::*;
+use std::ops::Range;
+
+/// Okabe and Ito's colours, told apart with any colour vision; yellow, too pale on white, is left out.
+const PALETTE: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(60, 60, 60),
+];
+const TEXT: RGBColor = RGBColor(70, 80, 88);
+const GRID: RGBColor = RGBColor(228, 232, 235);
+const AXES: RGBColor = RGBColor(150, 158, 164);
+
+/// A long series is drawn with up to four points for each of so many columns.
+const COLUMNS: usize = 800;
+/// Spans below this, relative to the size of the values or absolute, are rounding: a constant.
+const ROUNDING: f64 = 1e-10;
+const NOTHING: f64 = 1e-13;
+
+/// What an axis shows and in which unit.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Axis {
+    /// The quantity.
+    pub quantity: String,
+    /// Its unit.
+    pub unit: String,
+}
+
+impl Axis {
+    /// An axis.
+    pub fn new(quantity: &str, unit: &str) -> Self {
+        Self { quantity: quantity.into(), unit: unit.into() }
+    }
+
+    /// The time in seconds.
+    pub fn time() -> Self {
+        Self::new("time", "s")
+    }
+}
+
+/// How large a plot is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Size {
+    /// As wide as the page.
+    #[default]
+    Full,
+    /// As wide as the page and low, to be stacked with others over the same x.
+    Strip,
+    /// Half as wide as the page, see [`Section::side_by_side`](super::Section::side_by_side).
+    Half,
+}
+
+impl Size {
+    /// Width, height and height of letters in the units of the drawing.
+    fn drawing(self) -> (u32, u32, u32) {
+        match self {
+            Size::Full => (2400, 860, 30),
+            Size::Strip => (2400, 400, 30),
+            Size::Half => (1600, 920, 41),
+        }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Series {
+    name: String,
+    points: Vec<(f64, f64)>,
+    color: RGBColor,
+    measured: bool,
+}
+
+/// A plot of lines over time or of one quantity over another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plot {
+    title: String,
+    x: Axis,
+    y: Axis,
+    size: Size,
+    series: Vec<Series>,
+}
+
+impl Plot {
+    /// An empty plot.
+    pub fn new(title: &str, x: Axis, y: Axis) -> Self {
+        Self { title: title.into(), x, y, size: Size::Full, series: Vec::new() }
+    }
+
+    /// The same in another size.
+    #[must_use]
+    pub fn size(mut self, size: Size) -> Self {
+        self.size = size;
+        self
+    }
+
+    /// The same with one more line through the points (x, y), in their order. It breaks where a
+    /// coordinate is not finite.
+    #[must_use]
+    pub fn line(mut self, name: &str, x: &[f64], y: &[f64]) -> Self {
+        let color = PALETTE[self.series.iter().filter(|s| !s.measured).count() % PALETTE.len()];
+        self.push(name, x, y, color, false);
+        self
+    }
+
+    /// The same with a measured line, thin, dashed and in a greyed shade of the colour of the line
+    /// added before it.
+    #[must_use]
+    pub fn measured(mut self, name: &str, x: &[f64], y: &[f64]) -> Self {
+        let RGBColor(r, g, b) = self.series.last().map_or(PALETTE[6], |s| s.color);
+        let mix = |c: u8| (0.35 * f64::from(c) + 0.65 * 120.0) as u8;
+        self.push(name, x, y, RGBColor(mix(r), mix(g), mix(b)), true);
+        self
+    }
+
+    fn push(&mut self, name: &str, x: &[f64], y: &[f64], color: RGBColor, measured: bool) {
+        let points = x.iter().copied().zip(y.iter().copied()).collect();
+        self.series.push(Series { name: name.into(), points, color, measured });
+    }
+
+    /// True without lines.
+    pub fn is_empty(&self) -> bool {
+        self.series.is_empty()
+    }
+
+    /// The plot as a figure with its legend above.
+    pub fn html(&self) -> Html {
+        let mut html = String::from("<figure>\n<figcaption>");
+        if !self.title.is_empty() {
+            html.push_str(&format!("<b>{}</b>", escape(&self.title)));
+        }
+        for series in &self.series {
+            let RGBColor(r, g, b) = series.color;
+            let class = if series.measured { " class=\"measured\"" } else { "" };
+            html.push_str(&format!(
+                "<span class=\"key\"><i{class} style=\"border-color:#{r:02x}{g:02x}{b:02x}\"></i>{}</span>",
+                escape(&series.name)
+            ));
+        }
+        html.push_str("</figcaption>\n");
+        match self.svg() {
+            Ok(svg) => html.push_str(&svg),
+            Err(e) => html.push_str(Html::note(&format!("The plot could not be drawn: {e}")).as_str()),
+        }
+        html.push_str("</figure>\n");
+        Html::raw(html)
+    }
+
+    fn svg(&self) -> Result<String, Box<dyn std::error::Error>> {
+        let (width, height, letters) = self.size.drawing();
+        let finite =
+            || self.series.iter().flat_map(|s| &s.points).filter(|(x, y)| x.is_finite() && y.is_finite());
+        if finite().next().is_none() {
+            return Ok(Html::note("No data.").as_str().into());
+        }
+        let x = Scale::new(finite().map(|p| p.0), 10, false);
+        let y = Scale::new(finite().map(|p| p.1), (height as usize) / 120, true);
+
+        let mut svg = String::new();
+        {
+            let root = SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area();
+            let font = ("sans-serif", letters).into_font().color(&TEXT);
+            let mut chart = ChartBuilder::on(&root)
+                .margin_top(letters)
+                .margin_right(letters)
+                .margin_left(letters / 3)
+                .x_label_area_size(letters * 12 / 5)
+                .y_label_area_size(letters * 5)
+                .build_cartesian_2d(x.clone(), y.clone())?;
+            chart
+                .configure_mesh()
+                .bold_line_style(GRID.stroke_width(2))
+                .light_line_style(TRANSPARENT)
+                .axis_style(AXES.stroke_width(2))
+                .set_all_tick_mark_size(letters / 4)
+                .label_style(font.clone())
+                .axis_desc_style(font)
+                .x_desc(x.title(&self.x))
+                .y_desc(y.title(&self.y))
+                .draw()?;
+            // measured lines come last: they are thin and would vanish below the others
+            for measured in [false, true] {
+                for series in self.series.iter().filter(|s| s.measured == measured) {
+                    let style = series.color.stroke_width(if measured { 3 } else { 4 });
+                    for run in series.points.split(|(x, y)| !x.is_finite() || !y.is_finite()) {
+                        let points = thin_out(run, x.low, x.high);
+                        chart.draw_series(LineSeries::new(points, style))?;
+                    }
+                }
+            }
+            root.present()?;
+        }
+        // the page decides on the size
+        let start = svg.find("viewBox").ok_or("the drawing has no viewBox")?;
+        let drawing =
+            svg[start..].replace("stroke-width=\"3\"", "stroke-width=\"3\" stroke-dasharray=\"12 7\"");
+        let label = format!("{}: {} over {}", self.title, self.y.quantity, self.x.quantity);
+        Ok(format!("<svg role=\"img\" aria-label=\"{}\" {drawing}\n", escape(&label)))
+    }
+}
+
+/// One axis: span, places of the labels and how they are written.
+#[derive(Clone)]
+struct Scale {
+    low: f64,
+    high: f64,
+    ticks: Vec<f64>,
+    decimals: usize,
+    /// Labels are in this power of ten of the unit.
+    exponent: i32,
+}
+
+impl Scale {
+    /// A scale over finite values with about `count` labels; `round` widens it to the next labels.
+    fn new(values: impl Iterator<Item = f64>, count: usize, round: bool) -> Self {
+        let (mut low, mut high) =
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        let size = low.abs().max(high.abs());
+        if high - low <= (ROUNDING * size).max(NOTHING) {
+            let margin = if size > NOTHING { 0.1 * size } else { 1.0 };
+            (low, high) = (low - margin, high + margin);
+        }
+        let raw = (high - low) / count.max(2) as f64;
+        let power = 10_f64.powf(raw.log10().floor());
+        let step = [1.0, 2.0, 5.0].into_iter().find(|m| m * power >= 0.999 * raw).unwrap_or(10.0) * power;
+        let (first, last) = if round {
+            ((low / step + 1e-9).floor(), (high / step - 1e-9).ceil())
+        } else {
+            ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor())
+        };
+        if round {
+            (low, high) = (first * step, last * step);
+        }
+        let ticks: Vec<f64> = (0..=(last - first) as usize).map(|i| (first + i as f64) * step).collect();
+        let size = low.abs().max(high.abs());
+        let exponent = if (0.01..1e5).contains(&size) { 0 } else { 3 * (size.log10() / 3.0).floor() as i32 };
+        let decimals = (-(step / 10_f64.powi(exponent)).log10() - 1e-9).ceil().max(0.0) as usize;
+        Self { low, high, ticks, decimals, exponent }
+    }
+
+    fn label(&self, value: f64) -> String {
+        let text = format!("{:.*}", self.decimals, value / 10_f64.powi(self.exponent));
+        let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
+        if is_zero { text.replace('-', "") } else { text.replace('-', "−") }
+    }
+
+    fn title(&self, axis: &Axis) -> String {
+        let Axis { quantity, unit } = axis;
+        if self.exponent == 0 {
+            return format!("{quantity} [{unit}]");
+        }
+        let digit = |c| match c {
+            '-' => '⁻',
+            '1' => '¹',
+            '2' => '²',
+            '3' => '³',
+            c => char::from_u32('⁰' as u32 + c as u32 - '0' as u32).unwrap_or(c),
+        };
+        let power: String = self.exponent.to_string().chars().map(digit).collect();
+        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+        format!("{quantity} [10{power}{unit}]")
+    }
+}
+
+impl Ranged for Scale {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
+        let share = (value - self.low) / (self.high - self.low);
+        start + (share * f64::from(end - start)).round() as i32
+    }
+
+    fn key_points<H: KeyPointHint>(&self, hint: H) -> Vec<f64> {
+        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.clone() }
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.low..self.high
+    }
+}
+
+impl ValueFormatter<f64> for Scale {
+    fn format(value: &f64) -> String {
+        value.to_string()
+    }
+
+    fn format_ext(&self, value: &f64) -> String {
+        self.label(*value)
+    }
+}
+
+/// Fewer points that look the same: of neighbours that fall into one column of the plot only those
+/// with the smallest and largest x and y are kept, in their order, so that no peak is lost. Where x
+/// goes forth and back, columns are stretches of the curve of about equal number of points.
+fn thin_out(points: &[(f64, f64)], low: f64, high: f64) -> Vec<(f64, f64)> {
+    if points.len() <= 2 * COLUMNS {
+        return straighten(points.to_vec());
+    }
+    let forward = points.windows(2).all(|w| w[0].0 <= w[1].0);
+    let column = |i: usize| {
+        let share = if forward { (points[i].0 - low) / (high - low) } else { i as f64 / points.len() as f64 };
+        (share * COLUMNS as f64) as usize
+    };
+    let mut kept = Vec::new();
+    let mut start = 0;
+    while start < points.len() {
+        let end = (start..points.len()).find(|i| column(*i) != column(start)).unwrap_or(points.len());
+        let mut keep = [start; 4];
+        for i in start..end {
+            let is_better = [
+                points[i].0 < points[keep[0]].0,
+                points[i].0 >= points[keep[1]].0,
+                points[i].1 < points[keep[2]].1,
+                points[i].1 > points[keep[3]].1,
+            ];
+            for (kept, better) in keep.iter_mut().zip(is_better) {
+                if better {
+                    *kept = i;
+                }
+            }
+        }
+        keep.sort_unstable();
+        let mut last = None;
+        for i in keep {
+            if last != Some(i) {
+                kept.push(points[i]);
+                last = Some(i);
+            }
+        }
+        start = end;
+    }
+    straighten(kept)
+}
+
+/// Leaves out points between two others of the same y or the same x.
+fn straighten(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let mut kept: Vec<(f64, f64)> = Vec::with_capacity(points.len());
+    for (i, point) in points.iter().enumerate() {
+        if let (Some(before), Some(after)) = (kept.last(), points.get(i + 1)) {
+            let between = |a: f64, b: f64, c: f64| (a <= b && b <= c) || (a >= b && b >= c);
+            let level = before.1 == point.1 && point.1 == after.1 && between(before.0, point.0, after.0);
+            let upright = before.0 == point.0 && point.0 == after.0 && between(before.1, point.1, after.1);
+            if level || upright {
+                continue;
+            }
+        }
+        kept.push(*point);
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn polylines(html: &str) -> Vec<Vec<(i32, i32)>> {
+        html.split("<polyline")
+            .skip(1)
+            .filter(|p| p.contains("stroke-width=\"4\"") || p.contains("stroke-dasharray"))
+            .map(|p| {
+                let points = p.split("points=\"").nth(1).unwrap().split('"').next().unwrap();
+                let pair = |p: &str| {
+                    let (x, y) = p.split_once(',').unwrap();
+                    (x.parse().unwrap(), y.parse().unwrap())
+                };
+                points.split_whitespace().map(pair).collect()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn axes_have_quantity_and_unit() {
+        let plot = Plot::new("", Axis::time(), Axis::new("force", "kN")).line("a", &[0.0, 1.0], &[0.0, 2.0]);
+        let html = plot.html();
+        assert!(html.as_str().contains("time [s]") && html.as_str().contains("force [kN]"));
+    }
+
+    #[test]
+    fn text_in_plots_stays_text() {
+        let bad = "<script>\"&";
+        let plot = Plot::new(bad, Axis::new(bad, bad), Axis::new(bad, bad));
+        let plot = plot.line(bad, &[0.0, 1.0], &[0.0, 2.0]).measured(bad, &[0.0, 1.0], &[0.0, 2.0]);
+        let html = plot.html();
+        assert!(!html.as_str().contains("<script"), "{}", html.as_str());
+        // title; legend twice; two axes with two texts each; three texts of the description
+        assert_eq!(html.as_str().matches("&lt;script&gt;").count(), 1 + 2 + 4 + 3);
+    }
+
+    #[test]
+    fn long_series_keep_their_extremes() {
+        let n = 200_000;
+        let time: Vec<f64> = (0..n).map(|i| f64::from(i) * 1e-3).collect();
+        let mut points: Vec<(f64, f64)> = time.iter().map(|t| (*t, (3.0 * t).sin())).collect();
+        points[123_457].1 = 40.0;
+        points[77_777].1 = -30.0;
+        // a curve that goes forth and back
+        let turning: Vec<(f64, f64)> = points.iter().map(|(t, y)| ((0.05 * t).cos(), *y)).collect();
+        for points in [points, turning] {
+            let thin = thin_out(&points, -1.0, 200.0);
+            assert!(thin.len() <= 4 * (COLUMNS + 1), "{}", thin.len());
+            for peak in [points[0], points[123_457], points[77_777], points[n as usize - 1]] {
+                assert!(thin.contains(&peak), "{peak:?}");
+            }
+            let mut rest = points.iter();
+            assert!(thin.iter().all(|p| rest.any(|q| q == p)), "the order changed");
+        }
+    }
+
+    #[test]
+    fn straight_stretches_need_two_points() {
+        let level: Vec<(f64, f64)> = (0..50).map(|i| (f64::from(i), 1.0)).collect();
+        assert_eq!(thin_out(&level, 0.0, 50.0), [(0.0, 1.0), (49.0, 1.0)]);
+        let back = vec![(0.0, 1.0), (5.0, 1.0), (2.0, 1.0)];
+        assert_eq!(straighten(back.clone()), back);
+    }
+
+    #[test]
+    fn lines_break_where_there_is_no_number() {
+        let y = [1.0, 2.0, f64::NAN, 3.0, 1.0, f64::INFINITY, 5.0, 4.0];
+        let x: Vec<f64> = (0..8).map(f64::from).collect();
+        let html = Plot::new("", Axis::time(), Axis::new("y", "1")).line("a", &x, &y).html();
+        let lines = polylines(html.as_str());
+        assert_eq!(lines.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2, 2]);
+        assert!(lines[0][1].0 < lines[1][0].0 && lines[1][1].0 < lines[2][0].0);
+    }
+
+    #[test]
+    fn measured_lines_are_dashed() {
+        let plot = Plot::new("", Axis::time(), Axis::new("y", "1"));
+        let plot = plot.line("a", &[0.0, 1.0], &[0.0, 1.0]).measured("b", &[0.0, 1.0], &[0.5, 0.6]);
+        assert_eq!(plot.html().as_str().matches("stroke-dasharray").count(), 1);
+    }
+
+    #[test]
+    fn without_numbers_there_is_a_note() {
+        let plot = Plot::new("", Axis::time(), Axis::new("y", "1")).line("a", &[0.0], &[f64::NAN]);
+        assert!(plot.html().as_str().contains("No data"));
+    }
+
+    #[test]
+    fn scales_are_round_and_short() {
+        let labels = |values: &[f64], count| {
+            let scale = Scale::new(values.iter().copied(), count, true);
+            let labels: Vec<String> = scale.ticks.iter().map(|t| scale.label(*t)).collect();
+            (labels.join(" "), scale.title(&Axis::new("q", "N")))
+        };
+        for (values, text, title) in [
+            (&[-4200.0, 5100.0][..], "−6000 −4000 −2000 0 2000 4000 6000", "q [N]"),
+            (&[0.0, 0.3], "0.0 0.1 0.2 0.3", "q [N]"),
+            (&[-0.04, 0.03], "−0.04 −0.02 0.00 0.02 0.04", "q [N]"),
+            (&[0.0, 2.1e5], "0 50 100 150 200 250", "q [10³ N]"),
+            (&[0.0, 3e-6], "0 1 2 3", "q [10⁻⁶ N]"),
+            (&[5.0], "4.4 4.6 4.8 5.0 5.2 5.4 5.6", "q [N]"),
+            (&[5.0, 5.0 + 1e-14], "4.4 4.6 4.8 5.0 5.2 5.4 5.6", "q [N]"),
+            (&[0.0], "−1.0 −0.5 0.0 0.5 1.0", "q [N]"),
+        ] {
+            assert_eq!(labels(values, 5), (text.into(), title.into()), "{values:?}");
+        }
+        // time ends where the data end
+        let time = Scale::new([0.0, 2.57].into_iter(), 5, false);
+        assert_eq!((time.low, time.high, time.ticks.last().copied()), (0.0, 2.57, Some(2.0)));
+    }
+}

@@ -1,0 +1,464 @@
+//! The page of one run.
+
+use super::page::{Html, Page, Section, Table, number};
+use super::patch::{PatchFrame, patch_frames};
+use super::plot::{Axis, Plot, Size};
+use crate::recording::{Channel, Recording, interpolate};
+use std::collections::BTreeSet;
+
+/// Commands of a rig and the unit to show them in.
+const COMMANDS: [(&str, &str); 6] = [
+    ("slip", "%"),
+    ("slip_angle", "deg"),
+    ("camber", "deg"),
+    ("steer", "deg"),
+    ("deflection", "mm"),
+    ("path_speed", "km/h"),
+];
+const FORCES: [&str; 3] = ["force_x", "force_y", "force_z"];
+const MOMENTS: [&str; 3] = ["moment_x", "moment_y", "moment_z"];
+
+/// What happens inside the tire: title, unit, channels.
+const INSIDE: [(&str, &str, &[&str]); 6] = [
+    ("Contact length", "mm", &["contact_length_left", "contact_length_center", "contact_length_right"]),
+    ("Bristles that slide", "%", &["sliding_share"]),
+    ("Friction power", "W", &["friction_power"]),
+    ("Largest pressure", "bar", &["pressure_max"]),
+    ("Penetration of the belt", "mm", &["belt_deflection"]),
+    ("Sliding distance", "m", &["sliding_distance"]),
+];
+
+/// Over which slip what is shown: y, its unit, slip, its unit.
+const OVER_SLIP: [(&str, &str, &str, &str); 4] = [
+    ("force_x", "N", "slip", "%"),
+    ("force_y", "N", "slip_angle", "deg"),
+    ("moment_z", "N.m", "slip_angle", "deg"),
+    ("force_y", "N", "force_x", "N"),
+];
+
+/// More lines than this in one plot cannot be told apart.
+const MAX_LINES: usize = 6;
+
+/// The page of a simulation: what went in and out over time, forces over slip and the contact patch
+/// where there are such channels, what was measured beside it, and a table of all channels.
+///
+/// Channels are found by the names that the tire models of this crate give them; all others are
+/// shown over time, grouped by unit, so that the page makes sense for any model. Measured channels
+/// belong to the simulated ones of the same name. `facts` are rows of a table at the top (model,
+/// step size, settings, ...).
+pub fn simulation_report(
+    title: &str,
+    description: &str,
+    recording: &Recording,
+    measured: Option<&Recording>,
+    frames: &[PatchFrame],
+    facts: &[(String, String)],
+) -> String {
+    let mut run = Run { recording, measured, shown: BTreeSet::new() };
+    let mut table = Table::new(&[]);
+    for (name, value) in facts {
+        table = table.row([name, value]);
+    }
+    let mut about = Section::default();
+    if !table.is_empty() {
+        about = about.with(table.html());
+    }
+    let mut patch = Section::new("Contact patch");
+    if !frames.is_empty() {
+        patch = patch.with(patch_frames(frames));
+    }
+    Page::new(title, description)
+        .section(about)
+        .section(run.forces())
+        .section(run.commands())
+        .section(run.over_slip())
+        .section(patch)
+        .section(run.inside())
+        .section(run.others())
+        .section(run.comparison())
+        .section(run.channels())
+        .html()
+}
+
+/// A run and which of its channels the page has shown so far.
+struct Run<'a> {
+    recording: &'a Recording,
+    measured: Option<&'a Recording>,
+    shown: BTreeSet<&'a str>,
+}
+
+impl<'a> Run<'a> {
+    /// Adds a channel over time to a plot, and what was measured of it. False if there is no such
+    /// channel or its unit does not fit.
+    fn add(&mut self, plot: &mut Plot, name: &str, label: &str, unit: &str) -> bool {
+        let recording = self.recording;
+        let Some(channel) = recording.channels.iter().find(|c| c.name == name) else {
+            return false;
+        };
+        let Ok(values) = recording.channel_in(name, unit) else {
+            return false;
+        };
+        let mut grown = plot.clone().line(label, &recording.time, &values);
+        if let Some((measured, values)) = self.measured(name, unit) {
+            grown = grown.measured(&format!("{label}, measured"), &measured.time, &values);
+        }
+        *plot = grown;
+        self.shown.insert(channel.name.as_str());
+        true
+    }
+
+    fn measured(&self, name: &str, unit: &str) -> Option<(&'a Recording, Vec<f64>)> {
+        let measured = self.measured?;
+        Some((measured, measured.channel_in(name, unit).ok()?))
+    }
+
+    /// A plot of all channels of these names that there are.
+    fn over_time(&mut self, title: &str, quantity: &str, unit: &str, names: &[&str]) -> Plot {
+        let mut plot = Plot::new(title, Axis::time(), Axis::new(quantity, unit));
+        for name in names {
+            self.add(&mut plot, name, name, unit);
+        }
+        plot
+    }
+
+    fn forces(&mut self) -> Section {
+        let mut section = Section::new("Forces and moments");
+        for (quantity, unit, names) in [("force", "N", FORCES), ("moment", "N.m", MOMENTS)] {
+            let plot = self.over_time("", quantity, unit, &names);
+            if !plot.is_empty() {
+                section = section.with(plot.html());
+            }
+        }
+        section
+    }
+
+    /// Commands that change as strips over one another, those that do not as a table.
+    fn commands(&mut self) -> Section {
+        let mut section = Section::new("Commands");
+        let mut constant = Table::new(&["constant command", "value", "unit"]);
+        for (name, unit) in COMMANDS {
+            let actual = format!("actual_{name}");
+            let mut plot =
+                Plot::new("", Axis::time(), Axis::new(&name.replace('_', " "), unit)).size(Size::Strip);
+            let command = self.add(&mut plot, name, name, unit);
+            if !command && !self.recording.has(&actual) {
+                continue;
+            }
+            self.add(&mut plot, &actual, &actual, unit);
+            let is_constant = |r: &Recording, name: &str| {
+                r.channel(name).is_ok_and(|c| c.values.windows(2).all(|w| w[0] == w[1]))
+            };
+            let still = |r: &Recording| [name, &actual].iter().all(|n| !r.has(n) || is_constant(r, n));
+            if command && still(self.recording) && self.measured.is_none_or(still) {
+                let value = self.recording.channel_in(name, unit).ok().and_then(|v| v.first().copied());
+                constant = constant.row([name, &number(value.unwrap_or(f64::NAN)), unit]);
+            } else if !plot.is_empty() {
+                section = section.with(plot.html());
+            }
+        }
+        if constant.is_empty() { section } else { section.with(constant.html()) }
+    }
+
+    fn over_slip(&self) -> Section {
+        let mut plots = Vec::new();
+        for (y, y_unit, x, x_unit) in OVER_SLIP {
+            let curve = |recording: &Recording| {
+                // the slip that the tire really had, behind the actuators
+                let actual = format!("actual_{x}");
+                let x = if recording.has(&actual) { &actual } else { x };
+                let pair = (recording.channel_in(x, x_unit).ok()?, recording.channel_in(y, y_unit).ok()?);
+                spread(&pair.0).then_some(pair)
+            };
+            let Some((xs, ys)) = curve(self.recording) else { continue };
+            let axes = (Axis::new(&x.replace('_', " "), x_unit), Axis::new(&y.replace('_', " "), y_unit));
+            let mut plot =
+                Plot::new("", axes.0, axes.1).size(Size::Half).line(&format!("{y} over {x}"), &xs, &ys);
+            if let Some((xs, ys)) = self.measured.and_then(curve) {
+                plot = plot.measured("measured", &xs, &ys);
+            }
+            plots.push(plot.html());
+        }
+        // forces over each other say nothing where there is no slip to vary
+        if plots.len() < 2 && !self.recording.has("slip") && !self.recording.has("slip_angle") {
+            return Section::default();
+        }
+        side_by_side("Force over slip", plots)
+    }
+
+    fn inside(&mut self) -> Section {
+        let plots: Vec<Html> = INSIDE
+            .into_iter()
+            .map(|(title, unit, names)| {
+                self.over_time("", &title.to_lowercase(), unit, names).size(Size::Half)
+            })
+            .filter(|plot| !plot.is_empty())
+            .map(|plot| plot.html())
+            .collect();
+        side_by_side("Inside the patch", plots)
+    }
+
+    /// All that has not been shown, grouped by unit in the order of the recording.
+    fn others(&mut self) -> Section {
+        let recording = self.recording;
+        let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
+        for Channel { name, unit, .. } in &recording.channels {
+            if self.shown.contains(name.as_str()) {
+                continue;
+            }
+            match groups.iter_mut().find(|(u, names)| u == unit && names.len() < MAX_LINES) {
+                Some((_, names)) => names.push(name),
+                None => groups.push((unit, vec![name])),
+            }
+        }
+        let first = self.shown.is_empty();
+        let size = if first && groups.len() < 4 { Size::Full } else { Size::Half };
+        let plots: Vec<Html> = groups
+            .into_iter()
+            .map(|(unit, names)| {
+                let quantity = if let [only] = names[..] { only } else { "value" };
+                self.over_time("", quantity, unit, &names).size(size).html()
+            })
+            .collect();
+        let heading = if first { "Channels over time" } else { "Other channels" };
+        match size {
+            Size::Half => side_by_side(heading, plots),
+            _ => plots.into_iter().fold(Section::new(heading), Section::with),
+        }
+    }
+
+    /// How far the simulation is from what was measured.
+    fn comparison(&self) -> Section {
+        let section = Section::new("Simulation and measurement");
+        let Some(measured) = self.measured else {
+            return Section::default();
+        };
+        let mut table = Table::new(&[
+            "channel",
+            "unit",
+            "RMS error",
+            "bias",
+            "largest error",
+            "RMS error / peak [%]",
+            "R²",
+            "samples",
+        ]);
+        let mut notes = Vec::new();
+        for channel in &measured.channels {
+            let Channel { name, .. } = channel;
+            let Ok(simulated) = self.recording.channel(name) else {
+                notes.push(format!("The measured channel {name:?} was not simulated."));
+                continue;
+            };
+            let values = match measured.channel_in(name, &simulated.unit) {
+                Ok(values) => values,
+                Err(e) => {
+                    notes.push(e.to_string());
+                    continue;
+                }
+            };
+            let pairs: Vec<(f64, f64)> = measured
+                .time
+                .iter()
+                .zip(values)
+                .map(|(t, v)| (interpolate(&self.recording.time, &simulated.values, *t), v))
+                .filter(|(s, m)| s.is_finite() && m.is_finite())
+                .collect();
+            if pairs.is_empty() {
+                notes.push(format!("The measured channel {name:?} has no sample during the simulation."));
+                continue;
+            }
+            let n = pairs.len() as f64;
+            let mean = |f: &dyn Fn(f64, f64) -> f64| pairs.iter().map(|(s, m)| f(*s, *m)).sum::<f64>() / n;
+            let largest =
+                |f: &dyn Fn(f64, f64) -> f64| pairs.iter().map(|(s, m)| f(*s, *m)).fold(0.0, f64::max);
+            let square = mean(&|s, m| (s - m) * (s - m));
+            let peak = largest(&|_, m| m.abs());
+            let centre = mean(&|_, m| m);
+            let variance = mean(&|_, m| (m - centre) * (m - centre));
+            table = table.row([
+                name.clone(),
+                simulated.unit.clone(),
+                number(square.sqrt()),
+                number(mean(&|s, m| s - m)),
+                number(largest(&|s, m| (s - m).abs())),
+                number(if peak > 0.0 { 100.0 * square.sqrt() / peak } else { f64::NAN }),
+                number(if variance > 0.0 { 1.0 - square / variance } else { f64::NAN }),
+                pairs.len().to_string(),
+            ]);
+        }
+        let section = if table.is_empty() { section } else { section.with(table.html()) };
+        let about = format!(
+            "Errors are simulation minus measurement, at the times of {}; peak is the largest measured magnitude.",
+            measured.source
+        );
+        notes.iter().fold(section.with(Html::note(&about)), |section, note| section.with(Html::note(note)))
+    }
+
+    fn channels(&self) -> Section {
+        let mut table = Table::new(&["channel", "unit", "smallest", "mean", "largest", "at the end"]);
+        for Channel { name, unit, values } in &self.recording.channels {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let end = values.last().copied().unwrap_or(f64::NAN);
+            let [low, high] = [
+                values.iter().copied().fold(f64::NAN, f64::min),
+                values.iter().copied().fold(f64::NAN, f64::max),
+            ];
+            let numbers = [low, mean, high, end].map(number);
+            table = table.row([name.clone(), unit.clone()].into_iter().chain(numbers));
+        }
+        let section = Section::new("All channels");
+        if table.is_empty() { section } else { section.with(table.html()) }
+    }
+}
+
+/// True if the values vary by more than rounding.
+fn spread(values: &[f64]) -> bool {
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    high - low > 1e-6 * low.abs().max(high.abs()) && high - low > 1e-9
+}
+
+fn side_by_side(heading: &str, plots: Vec<Html>) -> Section {
+    let section = Section::new(heading);
+    if plots.is_empty() { section } else { section.side_by_side(plots) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recording(channels: &[(&str, &str, &dyn Fn(f64) -> f64)]) -> Recording {
+        let time: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.01).collect();
+        let channels = channels
+            .iter()
+            .map(|(name, unit, f)| Channel {
+                name: (*name).into(),
+                unit: (*unit).into(),
+                values: time.iter().map(|t| f(*t)).collect(),
+            })
+            .collect();
+        Recording { time, channels, source: "run.csv".into() }
+    }
+
+    fn tire() -> Recording {
+        recording(&[
+            ("slip", "1", &|t| 0.1 * t),
+            ("slip_angle", "rad", &|t| 0.1 * t),
+            ("camber", "rad", &|_| 0.1),
+            ("force_x", "N", &|t| 3000.0 * t),
+            ("force_y", "N", &|t| -3000.0 * t),
+            ("force_z", "N", &|_| 4000.0),
+            ("moment_z", "N.m", &|t| t),
+            ("contact_length_center", "m", &|_| 0.12),
+            ("sliding_share", "1", &|t| 0.3 * t),
+            ("belt_yaw", "rad", &|t| t),
+        ])
+    }
+
+    #[test]
+    fn a_tire_has_its_sections_and_units() {
+        let html = simulation_report("t", "d", &tire(), None, &[], &[("step size".into(), "1 ms".into())]);
+        for text in [
+            "Forces and moments",
+            "Commands",
+            "Force over slip",
+            "Inside the patch",
+            "Other channels",
+            "All channels",
+            "force [N]",
+            "moment [N.m]",
+            "slip angle [deg]",
+            "slip [%]",
+            "contact length [mm]",
+            "belt_yaw [rad]",
+            "<td>step size</td><td>1 ms</td>",
+        ] {
+            assert!(html.contains(text), "{text}");
+        }
+        // a constant command is a row, not a plot
+        assert!(html.contains("<td>camber</td><td class=\"number\">5.73</td><td>deg</td>"));
+        assert!(!html.contains("camber [deg]") && !html.contains("Contact patch"));
+        // two plots of forces and moments, two strips, four over slip, two inside, one other
+        assert_eq!(html.matches("<svg").count(), 2 + 2 + 4 + 2 + 1);
+    }
+
+    #[test]
+    fn nothing_is_loaded_from_elsewhere() {
+        let frame = PatchFrame { cells: vec![super::super::Cell::default(); 2], ..PatchFrame::default() };
+        let html = simulation_report("t", "d", &tire(), Some(&tire()), &[frame.clone(), frame], &[]);
+        let rest = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+        for outside in ["http:", "https:", "url(", "@import", "src=", "href=\"h"] {
+            assert!(!rest.contains(outside), "{outside}");
+        }
+    }
+
+    #[test]
+    fn every_plot_says_its_units() {
+        let html = simulation_report("t", "", &tire(), None, &[], &[]);
+        for svg in html.split("<svg").skip(1) {
+            let svg = svg.split("</svg>").next().unwrap();
+            let texts = svg.split("<text").skip(1).filter(|t| t.contains(']')).count();
+            assert_eq!(texts, 2, "{svg}");
+        }
+    }
+
+    #[test]
+    fn any_model_is_shown_by_unit() {
+        let run = recording(&[
+            ("displacement", "m", &|t| t.sin()),
+            ("velocity", "m/s", &|t| t.cos()),
+            ("target", "m", &|_| 0.0),
+        ]);
+        let html = simulation_report("oscillator", "", &run, None, &[], &[]);
+        assert!(
+            html.contains("Channels over time")
+                && html.contains("velocity [m/s]")
+                && html.contains("value [m]")
+        );
+        assert_eq!(html.matches("<svg").count(), 2);
+        let headings: Vec<&str> = html.split("<h2>").skip(1).filter_map(|h| h.split('<').next()).collect();
+        assert_eq!(headings, ["Channels over time", "All channels"]);
+    }
+
+    #[test]
+    fn many_channels_of_one_unit_share_plots_of_a_few() {
+        let names: Vec<String> = (0..14).map(|i| format!("c{i}")).collect();
+        let channels: Vec<(&str, &str, &dyn Fn(f64) -> f64)> =
+            names.iter().map(|n| (n.as_str(), "N", &(|t| t) as &dyn Fn(f64) -> f64)).collect();
+        let html = simulation_report("", "", &recording(&channels), None, &[], &[]);
+        assert_eq!(html.matches("<svg").count(), 3);
+    }
+
+    #[test]
+    fn measured_channels_are_drawn_in_the_unit_of_the_simulation_and_compared() {
+        let run = recording(&[("force_z", "N", &|t| 1000.0 * t)]);
+        let rig = recording(&[("force_z", "kN", &|t| t - 0.1), ("noise", "Pa", &|_| 0.0)]);
+        let html = simulation_report("", "", &run, Some(&rig), &[], &[]);
+        assert!(html.contains("force_z, measured"));
+        assert_eq!(html.matches("stroke-dasharray").count(), 1);
+        // 100 N off everywhere, 1890 N at most measured
+        assert!(html.contains("<td>force_z</td><td>N</td><td class=\"number\">100</td><td class=\"number\">100</td><td class=\"number\">100</td><td class=\"number\">5.291</td>"));
+        assert!(html.contains("&quot;noise&quot; was not simulated"));
+    }
+
+    #[test]
+    fn text_stays_text() {
+        let bad = "<script>alert(1)</script>";
+        let mut run = recording(&[(bad, bad, &|t| t), ("force_x", "N", &|t| t)]);
+        run.source = bad.into();
+        let frame = PatchFrame {
+            title: bad.into(),
+            cells: vec![super::super::Cell::default()],
+            ..PatchFrame::default()
+        };
+        let html = simulation_report(bad, bad, &run, Some(&run), &[frame], &[(bad.into(), bad.into())]);
+        assert!(!html.contains("<script>"));
+        assert!(html.contains("&lt;script&gt;alert(1)"));
+    }
+
+    #[test]
+    fn an_empty_run_is_a_page() {
+        let html = simulation_report("nothing", "", &Recording::default(), None, &[], &[]);
+        assert!(html.contains("nothing") && !html.contains("<svg"));
+    }
+}
