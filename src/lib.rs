@@ -17,8 +17,8 @@ pub mod recording;
 pub mod report;
 pub mod rig;
 pub mod shipped;
-//#[cfg]
-//pub mod simulate;
+#[cfg(feature = "host")]
+pub mod simulate;
 pub mod solver;
 pub mod tire;
 

@@ -1,5 +1,293 @@
+//! `latsch simulate`: a model or FMU along recorded inputs.
+
+use super::export::read_settings;
+use super::print;
+use indicatif::{ProgressBar, ProgressStyle};
+use latsch::fmi::Entry;
+use latsch::fmi::import::ImportedFmu;
+use latsch::model::unit::Unit;
+use latsch::model::{Causality, Interface, Kind, Model, Native, Settings, Slave, Value, VariableInfo};
+use latsch::recording::{Recording, read_csv, write_csv};
+use latsch::report::{PatchFrame, patch_caption, simulation_report, write_html};
+use latsch::rig::RingBrushFlatTrack;
+use latsch::shipped::MODELS;
+use latsch::simulate::{Experiment, Outcome, Schedule, simulate};
+use latsch::{Error, Result, VERSION};
+use std::path::{Path, PathBuf};
+
+/// Run a model, or any FMI 2.0 co-simulation FMU, along recorded inputs
+///
+/// Running an FMU runs its code: use only those that you trust.
 #[derive(clap::Args)]
-pub struct Args {}
-pub fn run(_: &Args) -> latsch::Result<()> {
-    Ok(())
+pub struct Args {
+    /// Name of a shipped model (see `latsch models`) or an FMU file
+    #[arg(value_name = "MODEL|F.fmu")]
+    model: String,
+    /// Recorded inputs: CSV with the columns `time [s]` and `name [unit]`; columns named like outputs
+    /// are shown beside the simulation
+    #[arg(long, value_name = "F.csv")]
+    inputs: Option<PathBuf>,
+    /// Value of a parameter, or of an input for the whole run; `path_speed="90 km/h"` is converted
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// Parameters and inputs of a shipped model: TOML with [parameters] and [inputs], SI units
+    #[arg(long, value_name = "F.toml")]
+    parameters: Option<PathBuf>,
+    /// Start time [s] [default: the first recorded time]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    start: Option<f64>,
+    /// Stop time [s] [default: the last recorded time]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    stop: Option<f64>,
+    /// Communication step [s] [default: the model's]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    step: Option<f64>,
+    /// Results to write: CSV with the inputs and outputs
+    #[arg(long, short, value_name = "F.csv")]
+    output: PathBuf,
+    /// Also write the internal quantities
+    #[arg(long)]
+    all: bool,
+    /// Page with plots to write
+    #[arg(long, value_name = "F.html")]
+    report: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> Result<()> {
+    let inputs = args.inputs.as_deref().map(read_csv).transpose()?;
+    let mut subject = Subject::load(&args.model, args.parameters.as_deref())?;
+    let mut experiment = Experiment {
+        inputs: inputs.as_ref(),
+        values: Vec::new(),
+        start: args.start,
+        stop: args.stop,
+        step: args.step,
+    };
+    for assignment in &args.set {
+        experiment.values.push(parse_assignment(subject.slave.interface(), assignment)?);
+    }
+    let outcome = subject.run(&experiment, &args.model)?;
+    write_csv(&args.output, &selected(subject.slave.interface(), &outcome.recording, args.all))?;
+    if let Some(report) = &args.report {
+        let page = subject.report(&experiment, &outcome)?;
+        write_html(report, &page)?;
+    }
+    finish(&args.output, outcome)
+}
+
+/// Says what was written, or why the run ended early.
+fn finish(output: &Path, outcome: Outcome) -> Result<()> {
+    let samples = outcome.recording.time.len();
+    match outcome.stopped {
+        None => {
+            print(&format!("{}: {samples} samples", output.display()));
+            Ok(())
+        }
+        Some(error) => Err(Error::numeric(format!(
+            "stopped at {error}\n{} has the {samples} samples before that",
+            output.display()
+        ))),
+    }
+}
+
+/// What is run: the slave, and what else is known of it.
+pub struct Subject {
+    pub slave: Box<dyn Slave>,
+    /// Settings of the flat track that the slave is, which can also be run in this process.
+    flat_track: Option<Settings>,
+    even_steps_only: bool,
+    description: String,
+}
+
+impl Subject {
+    /// A shipped model by name, or an FMU by its file.
+    ///
+    /// # Errors
+    /// Neither; or an FMU or settings that cannot be used.
+    pub fn load(model: &str, parameters: Option<&Path>) -> Result<Self> {
+        let path = Path::new(model);
+        let is_file = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) || path.is_file();
+        if !is_file {
+            let entry = Entry::find(MODELS, model)
+                .map_err(|e| Error::variable(format!("{e}; an FMU is named by its file, F.fmu")))?;
+            let settings = read_settings(parameters)?;
+            let slave = entry.slave(&settings)?;
+            let flat_track = (model == RingBrushFlatTrack::NAME).then_some(settings);
+            let description = format!("{model}, in this program (latsch {VERSION})");
+            return Ok(Self { slave, flat_track, even_steps_only: false, description });
+        }
+        if parameters.is_some() {
+            return Err(Error::call("an FMU has its parameters inside; change them with --set"));
+        }
+        let fmu = ImportedFmu::load(path)?;
+        let about = fmu.description();
+        let maker = about.generation_tool.as_deref().unwrap_or("an unnamed tool");
+        let description = format!("{} ({}), made by {maker}", path.display(), about.model_name);
+        let even_steps_only = !about.capabilities.can_handle_variable_step;
+        // an FMU of this version's flat track: the same code runs here as in its binary
+        let flat_track = fmu
+            .resource("model.toml")
+            .and_then(|bytes| String::from_utf8(bytes).ok())
+            .and_then(|text| Settings::parse(&text, "model.toml").ok())
+            .filter(|s| s.version.as_deref() == Some(VERSION))
+            .filter(|s| s.model.as_deref() == Some(RingBrushFlatTrack::NAME));
+        Ok(Self { slave: Box::new(fmu), flat_track, even_steps_only, description })
+    }
+
+    /// Runs it, with a progress bar on a terminal.
+    ///
+    /// # Errors
+    /// See [`simulate`].
+    pub fn run(&mut self, experiment: &Experiment<'_>, title: &str) -> Result<Outcome> {
+        let schedule = experiment.schedule(self.slave.interface())?;
+        if self.even_steps_only && !schedule.is_even() {
+            return Err(Error::call(format!(
+                "this FMU cannot vary its step, and {} s to {} s is no whole number of steps of {} s",
+                schedule.start, schedule.stop, schedule.step
+            )));
+        }
+        let bar = progress(&schedule, title);
+        let outcome = simulate(self.slave.as_mut(), experiment, |k, slave| {
+            if k == 0
+                && let Some(warning) = slave.warning()
+            {
+                bar.suspend(|| eprintln!("warning: {warning}"));
+            }
+            bar.set_position(k as u64);
+        });
+        bar.finish_and_clear();
+        outcome
+    }
+
+    /// The page of a run.
+    ///
+    /// # Errors
+    /// As [`simulate`].
+    pub fn report(&self, experiment: &Experiment<'_>, outcome: &Outcome) -> Result<String> {
+        let interface = self.slave.interface();
+        let schedule = experiment.schedule(interface)?;
+        let mut facts = vec![
+            ("Model".into(), self.description.clone()),
+            ("Time".into(), format!("{} s to {} s", schedule.start, schedule.stop)),
+            ("Communication step".into(), format!("{} ms", schedule.step * 1e3)),
+        ];
+        if let Some(inputs) = experiment.inputs {
+            facts.push(("Inputs".into(), inputs.source.clone()));
+        }
+        for (variable, value) in &experiment.values {
+            let info = &interface.variables[*variable];
+            let unit = info.unit.as_deref().map(|u| format!(" {u}")).unwrap_or_default();
+            facts.push((info.name.clone(), format!("{value}{unit}")));
+        }
+        if let Some(error) = &outcome.stopped {
+            facts.push(("Stopped".into(), error.to_string()));
+        }
+        let frames = match &self.flat_track {
+            Some(settings) => patch_frames(settings, experiment, &schedule)?,
+            None => Vec::new(),
+        };
+        let measured = experiment.inputs.map(|r| measured(interface, r)).filter(|r| !r.channels.is_empty());
+        Ok(simulation_report(
+            &interface.name,
+            &interface.description,
+            &outcome.recording,
+            measured.as_ref(),
+            &frames,
+            &facts,
+        ))
+    }
+}
+
+fn progress(schedule: &Schedule, title: &str) -> ProgressBar {
+    // indicatif draws on a terminal's standard error and nowhere else
+    let bar = ProgressBar::new(schedule.steps as u64).with_message(title.to_string());
+    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} %  {eta} left") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// Pictures of the contact patch along the run. An FMU does not tell of single bristles; the same
+/// model in this process has the same bits.
+fn patch_frames(
+    settings: &Settings,
+    experiment: &Experiment<'_>,
+    schedule: &Schedule,
+) -> Result<Vec<PatchFrame>> {
+    const FRAMES: usize = 48;
+    let every = schedule.steps.div_ceil(FRAMES).max(1);
+    let mut twin = Native::<RingBrushFlatTrack>::new(settings)?;
+    let mut frames = Vec::new();
+    simulate(&mut twin, experiment, |k, twin| {
+        if k % every != 0 {
+            return;
+        }
+        let mut value = |name: &str| twin.find(name).and_then(|i| twin.get(i)).unwrap_or(f64::NAN);
+        let title = patch_caption(value("force_z"), value("actual_slip"), value("actual_slip_angle"));
+        frames.push(PatchFrame::from_model(twin.model(), schedule.point(k), &title));
+    })?;
+    Ok(frames)
+}
+
+/// The recorded channels that are no inputs: what was measured.
+fn measured(interface: &Interface, recording: &Recording) -> Recording {
+    let mut measured = recording.clone();
+    measured.channels.retain(|c| {
+        interface.index(&c.name).is_some_and(|i| interface.variables[i].causality != Causality::Input)
+    });
+    measured
+}
+
+/// Inputs and outputs, or everything.
+pub fn selected(interface: &Interface, recording: &Recording, all: bool) -> Recording {
+    let mut selected = recording.clone();
+    selected.channels.retain(|c| {
+        let causality = interface.index(&c.name).map(|i| interface.variables[i].causality);
+        all || causality != Some(Causality::Local)
+    });
+    selected
+}
+
+/// NAME=VALUE, with an optional unit behind the value.
+fn parse_assignment(interface: &Interface, text: &str) -> Result<(usize, Value)> {
+    let at = |e: Error| Error::variable(e.to_string()).at(format!("--set {text}"));
+    let Some((name, value)) = text.split_once('=') else {
+        return Err(at(Error::variable("the form is NAME=VALUE")));
+    };
+    let index = interface.find(name.trim()).map_err(at)?;
+    let variable = &interface.variables[index];
+    if !matches!(variable.causality, Causality::Parameter | Causality::Input) {
+        return Err(at(Error::variable("computed by the model; it cannot be set")));
+    }
+    let value = parse_value(variable, value.trim()).and_then(|v| variable.accept(&v)).map_err(at)?;
+    Ok((index, value))
+}
+
+fn parse_value(variable: &VariableInfo, text: &str) -> Result<Value> {
+    let not = |what: &str| Err(Error::variable(format!("{text:?} is not {what}")));
+    match variable.kind {
+        Kind::Text => Ok(Value::Text(text.into())),
+        Kind::Boolean => match text {
+            "true" | "1" => Ok(Value::Boolean(true)),
+            "false" | "0" => Ok(Value::Boolean(false)),
+            _ => not("true or false"),
+        },
+        Kind::Integer => text.parse().map(Value::Integer).or_else(|_| not("a whole number")),
+        Kind::Enumeration(_) => {
+            Ok(text.parse().map(Value::Integer).unwrap_or_else(|_| Value::Text(text.into())))
+        }
+        Kind::Real => {
+            let (number, unit) = match text.split_once(char::is_whitespace) {
+                Some((number, unit)) => (number, Some(unit.trim())),
+                None => (text, None),
+            };
+            let Ok(number) = number.parse::<f64>() else { return not("a number, or a number and a unit") };
+            let Some(unit) = unit else { return Ok(Value::Real(number)) };
+            let own = variable.unit.as_deref().unwrap_or("1");
+            match Unit::parse(unit)?.to(Unit::parse(own)?) {
+                Some((factor, offset)) => Ok(Value::Real(number * factor + offset)),
+                None => not(&format!("in a unit that converts to {own}")),
+            }
+        }
+    }
 }

@@ -334,6 +334,10 @@ impl<M: Model> Slave for Native<M> {
         Ok(())
     }
 
+    fn can_interpolate(&self) -> bool {
+        true
+    }
+
     fn start(&mut self, start: f64, stop: Option<f64>) -> Result<()> {
         let clock = &mut self.data.clock;
         if clock.phase != Phase::New {

@@ -49,6 +49,9 @@ pub trait Slave {
     /// Not a real input, or the slave cannot interpolate.
     fn set_rate(&mut self, variable: usize, rate: f64) -> Result<()>;
 
+    /// True if [`set_rate`](Slave::set_rate) has an effect.
+    fn can_interpolate(&self) -> bool;
+
     /// Fixes the experiment's start and, if given, its end \[s\], and begins initialization.
     ///
     /// # Errors

@@ -119,11 +119,6 @@ impl ImportedFmu {
         fs::read(self.folder.path().join("resources").join(name)).ok()
     }
 
-    /// True if inputs can be given derivatives.
-    pub fn can_interpolate(&self) -> bool {
-        self.description.capabilities.can_interpolate_inputs
-    }
-
     fn variable(&self, index: usize) -> Result<&VariableInfo> {
         let Interface { name, variables, .. } = &self.description.interface;
         variables.get(index).ok_or_else(|| {
@@ -265,6 +260,10 @@ impl Slave for ImportedFmu {
                 self.description.interface.name
             )))
         })
+    }
+
+    fn can_interpolate(&self) -> bool {
+        self.description.capabilities.can_interpolate_inputs
     }
 
     fn start(&mut self, start: f64, stop: Option<f64>) -> Result<()> {

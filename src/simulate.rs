@@ -1,0 +1,256 @@
+//! Runs a slave along a recording of its inputs and records what comes out.
+
+use crate::model::unit::Unit;
+use crate::model::{Causality, Interface, Kind, Slave, Value};
+use crate::recording::{Channel, Recording, interpolate};
+use crate::{Error, Result};
+
+/// How far a last step may be from a whole one, in steps, to count as whole.
+const STEP_TOLERANCE: f64 = 1e-6;
+
+/// What to run.
+#[derive(Debug, Clone, Default)]
+pub struct Experiment<'a> {
+    /// Recorded inputs. Channels named like outputs are what was measured; they are left alone.
+    pub inputs: Option<&'a Recording>,
+    /// Values of parameters and of inputs that are not recorded.
+    pub values: Vec<(usize, Value)>,
+    /// Start \[s\]; else the first recorded time, else that of the default experiment.
+    pub start: Option<f64>,
+    /// Stop \[s\]; else the last recorded time, else that of the default experiment.
+    pub stop: Option<f64>,
+    /// Communication step \[s\]; else the one that suits the slave.
+    pub step: Option<f64>,
+}
+
+/// What came out.
+#[derive(Debug)]
+pub struct Outcome {
+    /// Inputs, outputs and internal quantities at the communication points, as far as it went.
+    pub recording: Recording,
+    /// Why it ended before the stop time, if it did.
+    pub stopped: Option<Error>,
+}
+
+/// The times of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Schedule {
+    /// First communication point \[s\].
+    pub start: f64,
+    /// Last one \[s\].
+    pub stop: f64,
+    /// Communication step \[s\].
+    pub step: f64,
+    /// Number of steps; the last one may be shorter.
+    pub steps: usize,
+}
+
+impl Schedule {
+    /// Communication point `k`: never a sum of steps, so that rounding does not pile up.
+    pub fn point(&self, k: usize) -> f64 {
+        if k >= self.steps { self.stop } else { self.start + k as f64 * self.step }
+    }
+
+    /// True if the last step is as long as the others.
+    pub fn is_even(&self) -> bool {
+        let last = self.stop - (self.start + (self.steps - 1) as f64 * self.step);
+        (last / self.step - 1.0).abs() <= STEP_TOLERANCE
+    }
+}
+
+/// A recorded input, in the unit of its variable.
+struct Course {
+    variable: usize,
+    values: Vec<f64>,
+    continuous: bool,
+}
+
+impl Experiment<'_> {
+    /// The times of the run on a slave with this interface.
+    ///
+    /// # Errors
+    /// Times that are not finite or reversed, a step that is not positive, a recording that does not
+    /// reach from start to stop.
+    pub fn schedule(&self, interface: &Interface) -> Result<Schedule> {
+        let recorded = self.inputs.and_then(|r| Some((*r.time.first()?, *r.time.last()?)));
+        let start = self.start.or(recorded.map(|r| r.0)).unwrap_or(interface.start_time);
+        let stop = self.stop.or(recorded.map(|r| r.1)).unwrap_or(interface.stop_time);
+        let step = self.step.unwrap_or(interface.communication_step);
+        if !(start.is_finite() && stop.is_finite() && stop > start) {
+            return Err(Error::call(format!(
+                "the stop time {stop} s has to be after the start time {start} s"
+            )));
+        }
+        if !(step.is_finite() && step > 0.0) {
+            return Err(Error::call(format!("the step {step} s has to be a positive time")));
+        }
+        if let Some(recording) = self.inputs {
+            recording.covers(start, stop)?;
+        }
+        let steps = ((stop - start) / step - STEP_TOLERANCE).ceil().max(1.0);
+        if steps > 1e8 {
+            return Err(Error::call(format!("{steps:.1e} steps of {step} s are more than fit into memory")));
+        }
+        Ok(Schedule { start, stop, step, steps: steps as usize })
+    }
+
+    fn courses(&self, interface: &Interface) -> Result<Vec<Course>> {
+        let Some(recording) = self.inputs else { return Ok(Vec::new()) };
+        let mut courses = Vec::new();
+        for channel in &recording.channels {
+            let place = format!("{}: channel {:?}", recording.source, channel.name);
+            let variable =
+                interface.find(&channel.name).map_err(|e| Error::file(e.to_string()).at(&place))?;
+            let info = &interface.variables[variable];
+            match info.causality {
+                Causality::Input => {}
+                // measured, to be compared with
+                Causality::Output | Causality::Local => continue,
+                _ => {
+                    return Err(Error::file(format!(
+                        "{place}: {} is a parameter of {}; set it with --set or in a parameter file",
+                        info.name, interface.name
+                    )));
+                }
+            }
+            if self.values.iter().any(|(index, _)| *index == variable) {
+                return Err(Error::file(format!("{place}: the input is recorded and set at the same time")));
+            }
+            let values = recording.channel_in(&channel.name, info.unit.as_deref().unwrap_or("1"))?;
+            for (time, value) in recording.time.iter().zip(&values) {
+                let value = match info.kind {
+                    Kind::Real => Value::Real(*value),
+                    Kind::Boolean => Value::Boolean(*value != 0.0),
+                    _ => Value::Integer(*value as i32),
+                };
+                info.accept(&value).map_err(|e| Error::file(format!("{place}: at {time} s {e}")))?;
+            }
+            courses.push(Course { variable, values, continuous: info.kind == Kind::Real });
+        }
+        Ok(courses)
+    }
+}
+
+/// Runs `slave`, which was just made or reset, through an experiment.
+///
+/// Between communication points real inputs run straight from value to value: the slave gets value
+/// and derivative at the beginning of each step if it can use derivatives, else it holds the value.
+/// `observe` is called at every communication point with its number.
+///
+/// # Errors
+/// An experiment that does not fit the slave, or a slave that does not start. A slave that stops on
+/// the way is no error of this function: see [`Outcome::stopped`].
+pub fn simulate<S: Slave + ?Sized>(
+    slave: &mut S,
+    experiment: &Experiment<'_>,
+    mut observe: impl FnMut(usize, &mut S),
+) -> Result<Outcome> {
+    let schedule = experiment.schedule(slave.interface())?;
+    let courses = experiment.courses(slave.interface())?;
+    let time = experiment.inputs.map(|r| r.time.as_slice()).unwrap_or_default();
+    let value = |course: &Course, t: f64| {
+        if course.continuous {
+            interpolate(time, &course.values, t)
+        } else {
+            // the last sample that is not later
+            let next = time.partition_point(|sample| *sample <= t + STEP_TOLERANCE * schedule.step);
+            course.values[next.saturating_sub(1)]
+        }
+    };
+
+    for (variable, value) in &experiment.values {
+        match value {
+            Value::Text(text) => slave.set_text(*variable, text)?,
+            Value::Real(v) => slave.set(*variable, *v)?,
+            Value::Integer(v) => slave.set(*variable, f64::from(*v))?,
+            Value::Boolean(v) => slave.set(*variable, f64::from(u8::from(*v)))?,
+        }
+    }
+    slave.start(schedule.start, Some(schedule.stop))?;
+    for course in &courses {
+        slave.set(course.variable, value(course, schedule.start))?;
+    }
+    slave.finish_start()?;
+
+    let mut recorder = Recorder::new(slave.interface(), schedule.steps + 1);
+    recorder.take(schedule.start, slave)?;
+    observe(0, slave);
+    let rates = slave.can_interpolate();
+    for k in 0..schedule.steps {
+        let (now, next) = (schedule.point(k), schedule.point(k + 1));
+        let mut step = || -> Result<()> {
+            for course in &courses {
+                let at = value(course, now);
+                slave.set(course.variable, at)?;
+                if course.continuous && rates {
+                    slave.set_rate(course.variable, (value(course, next) - at) / (next - now))?;
+                }
+            }
+            slave.step(now, next - now)?;
+            recorder.take(next, slave)
+        };
+        if let Err(error) = step() {
+            return Ok(Outcome {
+                recording: recorder.recording,
+                stopped: Some(error.at(format!("{now} s"))),
+            });
+        }
+        for course in &courses {
+            // what was asked for, also from slaves that hold it
+            recorder.correct(course.variable, value(course, next));
+        }
+        observe(k + 1, slave);
+    }
+    Ok(Outcome { recording: recorder.recording, stopped: None })
+}
+
+/// Collects the values of all numeric variables that can change.
+struct Recorder {
+    variables: Vec<usize>,
+    recording: Recording,
+}
+
+impl Recorder {
+    fn new(interface: &Interface, samples: usize) -> Self {
+        let mut recorder = Self {
+            variables: Vec::new(),
+            recording: Recording {
+                time: Vec::with_capacity(samples),
+                channels: Vec::new(),
+                source: interface.name.clone(),
+            },
+        };
+        for causality in [Causality::Input, Causality::Output, Causality::Local] {
+            for variable in interface.with(causality) {
+                let info = &interface.variables[variable];
+                if info.kind == Kind::Text {
+                    continue;
+                }
+                // a unit from outside that is not known here could not be written to a file that reads back
+                let unit = info.unit.clone().filter(|u| Unit::parse(u).is_ok()).unwrap_or_else(|| "1".into());
+                recorder.variables.push(variable);
+                let values = Vec::with_capacity(samples);
+                recorder.recording.channels.push(Channel { name: info.name.clone(), unit, values });
+            }
+        }
+        recorder
+    }
+
+    fn take(&mut self, time: f64, slave: &mut (impl Slave + ?Sized)) -> Result<()> {
+        let values =
+            self.variables.iter().map(|variable| slave.get(*variable)).collect::<Result<Vec<f64>>>()?;
+        self.recording.time.push(time);
+        for (channel, value) in self.recording.channels.iter_mut().zip(values) {
+            channel.values.push(value);
+        }
+        Ok(())
+    }
+
+    fn correct(&mut self, variable: usize, value: f64) {
+        if let Some(i) = self.variables.iter().position(|v| *v == variable)
+            && let Some(last) = self.recording.channels[i].values.last_mut()
+        {
+            *last = value;
+        }
+    }
+}
