@@ -224,10 +224,7 @@ impl Picture {
             let (x, y) = self.place(cell.x - 0.5 * cell.length, cell.y + 0.5 * cell.width);
             let color =
                 if cell.pressure < 0.0 { PULLING.into() } else { color(cell.pressure / self.pressure) };
-            let _ = writeln!(
-                svg,
-                "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{w:.1}\" height=\"{h:.1}\" fill=\"{color}\"/>"
-            );
+            let _ = writeln!(svg, "<path d=\"M{x:.1} {y:.1}h{w:.1}v{h:.1}h-{w:.1}z\" fill=\"{color}\"/>");
             if cell.sliding {
                 slides.push_str(&slide(x, y, w, h));
             }
@@ -236,8 +233,7 @@ impl Picture {
         let _ = write!(
             svg,
             "<g fill=\"none\" stroke=\"{SLIDING}\" stroke-width=\"1.6\">\n{slides}</g>\n\
-             <g fill=\"none\" stroke=\"#fff\" stroke-opacity=\".75\" stroke-width=\"3.4\"><path d=\"{arrows}\"/></g>\n\
-             <g fill=\"none\" stroke=\"#111\" stroke-width=\"1.4\"><path d=\"{arrows}\"/></g>\n</svg>\n"
+             <path d=\"{arrows}\" fill=\"#111\" stroke=\"#fff\" stroke-width=\"1.6\" paint-order=\"stroke\"/>\n</svg>\n"
         );
         svg
     }
@@ -246,24 +242,31 @@ impl Picture {
         let [dx, dy] = cell.deflection;
         let length = dx.hypot(dy) / self.deflection * self.arrow;
         // NaN and arrows that would be dots are left out
-        if !(length > 1.5) {
+        if length.is_nan() || length <= 1.5 {
             return String::new();
         }
-        let angle = -dy.atan2(dx);
+        // in the drawing y points down
+        let (ux, uy) = (dx / dx.hypot(dy), -dy / dx.hypot(dy));
         let (x, y) = self.place(cell.x, cell.y);
-        let (sin, cos) = angle.sin_cos();
-        let (tip_x, tip_y) = (x + 0.5 * length * cos, y + 0.5 * length * sin);
-        let head = (0.4 * length).min(6.0);
-        let barb = |side: f64| {
-            let (sin, cos) = (angle + side * 0.86 * PI).sin_cos();
-            (tip_x + head * cos, tip_y + head * sin)
-        };
-        let ((lx, ly), (rx, ry)) = (barb(1.0), barb(-1.0));
-        format!(
-            "M{:.1} {:.1}L{tip_x:.1} {tip_y:.1}M{lx:.1} {ly:.1}L{tip_x:.1} {tip_y:.1}L{rx:.1} {ry:.1}",
-            x - 0.5 * length * cos,
-            y - 0.5 * length * sin
-        )
+        let head = (0.45 * length).min(7.0);
+        // the outline, from the tail's one corner around the tip to its other: along, across
+        let outline = [
+            (-0.5 * length, 0.6),
+            (0.5 * length - head, 0.6),
+            (0.5 * length - head, 0.42 * head),
+            (0.5 * length, 0.0),
+            (0.5 * length - head, -0.42 * head),
+            (0.5 * length - head, -0.6),
+            (-0.5 * length, -0.6),
+        ];
+        let mut path = String::new();
+        for (i, (along, across)) in outline.into_iter().enumerate() {
+            let command = if i == 0 { 'M' } else { 'L' };
+            let (px, py) = (x + along * ux - across * uy, y + along * uy + across * ux);
+            let _ = write!(path, "{command}{px:.1} {py:.1}");
+        }
+        path.push('z');
+        path
     }
 
     fn axes(&self, svg: &mut String) {
@@ -381,7 +384,7 @@ fn slide_path(x: f64, y: f64, w: f64, h: f64) -> String {
 
 /// A round step that divides `span` into at most `count` parts.
 fn tick_step(span: f64, count: f64) -> f64 {
-    if !(span > 0.0) {
+    if span.is_nan() || span <= 0.0 {
         return 1.0;
     }
     let raw = span / count;
@@ -433,7 +436,7 @@ mod tests {
     fn as_many_marks_as_sliding_bristles() {
         let one = frame(0.0, vec![cell(-0.01, true), cell(0.0, false), cell(0.01, true)]);
         let other = frame(1.0, vec![cell(0.0, true)]);
-        assert_eq!(patch_frames(&[one.clone()]).as_str().matches("class=\"slides\"").count(), 2);
+        assert_eq!(patch_frames(std::slice::from_ref(&one)).as_str().matches("class=\"slides\"").count(), 2);
         let html = patch_frames(&[one, other]);
         assert_eq!(html.as_str().matches("class=\"slides\"").count(), 3);
     }

@@ -62,9 +62,9 @@ impl Size {
     /// Width, height and height of letters in the units of the drawing.
     fn drawing(self) -> (u32, u32, u32) {
         match self {
-            Size::Full => (2400, 860, 30),
-            Size::Strip => (2400, 400, 30),
-            Size::Half => (1600, 920, 41),
+            Size::Full => (2400, 880, 36),
+            Size::Strip => (2400, 440, 36),
+            Size::Half => (1600, 940, 48),
         }
     }
 }

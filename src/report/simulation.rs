@@ -15,8 +15,13 @@ const COMMANDS: [(&str, &str); 6] = [
     ("deflection", "mm"),
     ("path_speed", "km/h"),
 ];
-const FORCES: [&str; 3] = ["force_x", "force_y", "force_z"];
-const MOMENTS: [&str; 3] = ["moment_x", "moment_y", "moment_z"];
+/// Forces and moments: quantity, unit, size of the plot, channels. The aligning moment is so much
+/// smaller than the others that it would vanish among them.
+const LOADS: [(&str, &str, Size, &[&str]); 3] = [
+    ("force", "N", Size::Full, &["force_x", "force_y", "force_z"]),
+    ("moment", "N.m", Size::Full, &["moment_x", "moment_y"]),
+    ("moment z", "N.m", Size::Strip, &["moment_z"]),
+];
 
 /// What happens inside the tire: title, unit, channels.
 const INSIDE: [(&str, &str, &[&str]); 6] = [
@@ -38,6 +43,8 @@ const OVER_SLIP: [(&str, &str, &str, &str); 4] = [
 
 /// More lines than this in one plot cannot be told apart.
 const MAX_LINES: usize = 6;
+/// Channels share a plot if the largest values of any two differ by less than this factor.
+const MAX_RATIO: f64 = 30.0;
 
 /// The page of a simulation: what went in and out over time, forces over slip and the contact patch
 /// where there are such channels, what was measured beside it, and a table of all channels.
@@ -123,8 +130,8 @@ impl<'a> Run<'a> {
 
     fn forces(&mut self) -> Section {
         let mut section = Section::new("Forces and moments");
-        for (quantity, unit, names) in [("force", "N", FORCES), ("moment", "N.m", MOMENTS)] {
-            let plot = self.over_time("", quantity, unit, &names);
+        for (quantity, unit, size, names) in LOADS {
+            let plot = self.over_time("", quantity, unit, names).size(size);
             if !plot.is_empty() {
                 section = section.with(plot.html());
             }
@@ -197,24 +204,25 @@ impl<'a> Run<'a> {
         side_by_side("Inside the patch", plots)
     }
 
-    /// All that has not been shown, grouped by unit in the order of the recording.
+    /// All that has not been shown, grouped by unit and size in the order of the recording.
     fn others(&mut self) -> Section {
         let recording = self.recording;
-        let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
-        for Channel { name, unit, .. } in &recording.channels {
-            if self.shown.contains(name.as_str()) {
-                continue;
-            }
-            match groups.iter_mut().find(|(u, names)| u == unit && names.len() < MAX_LINES) {
-                Some((_, names)) => names.push(name),
-                None => groups.push((unit, vec![name])),
+        let mut groups: Vec<Group> = Vec::new();
+        for channel in recording.channels.iter().filter(|c| !self.shown.contains(c.name.as_str())) {
+            match groups.iter_mut().find(|group| group.takes(channel)) {
+                Some(group) => group.add(channel),
+                None => {
+                    let mut group = Group { unit: &channel.unit, ..Group::default() };
+                    group.add(channel);
+                    groups.push(group);
+                }
             }
         }
         let first = self.shown.is_empty();
         let size = if first && groups.len() < 4 { Size::Full } else { Size::Half };
         let plots: Vec<Html> = groups
             .into_iter()
-            .map(|(unit, names)| {
+            .map(|Group { unit, names, .. }| {
                 let quantity = if let [only] = names[..] { only } else { "value" };
                 self.over_time("", quantity, unit, &names).size(size).html()
             })
@@ -311,6 +319,37 @@ impl<'a> Run<'a> {
     }
 }
 
+/// Channels that share a plot.
+#[derive(Default)]
+struct Group<'a> {
+    unit: &'a str,
+    names: Vec<&'a str>,
+    /// Smallest and largest of the channels' largest magnitudes; none if all are zero.
+    sizes: Option<(f64, f64)>,
+}
+
+impl<'a> Group<'a> {
+    /// The group's sizes with those of one more channel.
+    fn with(&self, channel: &Channel) -> Option<(f64, f64)> {
+        let size = channel.values.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
+        match self.sizes {
+            sizes if size == 0.0 => sizes,
+            None => Some((size, size)),
+            Some((low, high)) => Some((low.min(size), high.max(size))),
+        }
+    }
+
+    fn takes(&self, channel: &Channel) -> bool {
+        let alike = self.with(channel).is_none_or(|(low, high)| high < MAX_RATIO * low);
+        self.unit == channel.unit && self.names.len() < MAX_LINES && alike
+    }
+
+    fn add(&mut self, channel: &'a Channel) {
+        self.sizes = self.with(channel);
+        self.names.push(&channel.name);
+    }
+}
+
 /// True if the values vary by more than rounding.
 fn spread(values: &[f64]) -> bool {
     let (low, high) =
@@ -327,7 +366,10 @@ fn side_by_side(heading: &str, plots: Vec<Html>) -> Section {
 mod tests {
     use super::*;
 
-    fn recording(channels: &[(&str, &str, &dyn Fn(f64) -> f64)]) -> Recording {
+    /// Name, unit, course.
+    type Course<'a> = (&'a str, &'a str, &'a dyn Fn(f64) -> f64);
+
+    fn recording(channels: &[Course]) -> Recording {
         let time: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.01).collect();
         let channels = channels
             .iter()
@@ -366,7 +408,7 @@ mod tests {
             "Other channels",
             "All channels",
             "force [N]",
-            "moment [N.m]",
+            "moment z [N.m]",
             "slip angle [deg]",
             "slip [%]",
             "contact length [mm]",
@@ -378,7 +420,7 @@ mod tests {
         // a constant command is a row, not a plot
         assert!(html.contains("<td>camber</td><td class=\"number\">5.73</td><td>deg</td>"));
         assert!(!html.contains("camber [deg]") && !html.contains("Contact patch"));
-        // two plots of forces and moments, two strips, four over slip, two inside, one other
+        // forces, aligning moment, two commands, four over slip, two inside, one other
         assert_eq!(html.matches("<svg").count(), 2 + 2 + 4 + 2 + 1);
     }
 
@@ -423,10 +465,30 @@ mod tests {
     #[test]
     fn many_channels_of_one_unit_share_plots_of_a_few() {
         let names: Vec<String> = (0..14).map(|i| format!("c{i}")).collect();
-        let channels: Vec<(&str, &str, &dyn Fn(f64) -> f64)> =
+        let channels: Vec<Course> =
             names.iter().map(|n| (n.as_str(), "N", &(|t| t) as &dyn Fn(f64) -> f64)).collect();
         let html = simulation_report("", "", &recording(&channels), None, &[], &[]);
         assert_eq!(html.matches("<svg").count(), 3);
+    }
+
+    #[test]
+    fn small_channels_do_not_vanish_beside_large_ones() {
+        let run = recording(&[
+            ("angle", "rad", &|t| 100.0 * t),
+            ("tilt", "rad", &|t| 0.1 * t),
+            ("yaw", "rad", &|t| -0.2 * t),
+            ("still", "rad", &|_| 0.0),
+        ]);
+        let html = simulation_report("", "", &run, None, &[], &[]);
+        let captions: Vec<&str> =
+            html.split("<figcaption>").skip(1).filter_map(|f| f.split("</figcaption>").next()).collect();
+        let [large, small] = captions[..] else { panic!("{captions:?}") };
+        assert!(
+            large.contains("angle")
+                && large.contains("still")
+                && small.contains("tilt")
+                && small.contains("yaw")
+        );
     }
 
     #[test]
