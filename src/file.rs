@@ -34,6 +34,14 @@ pub(crate) fn write_whole(
     write().map_err(|e| Error::file(format!("{} cannot be written: {e}", path.display())))
 }
 
+/// Writes bytes to a file, whole or not at all.
+///
+/// # Errors
+/// Any failure of the file system, with the path.
+pub fn write_file(path: &Path, content: &[u8]) -> Result<()> {
+    write_whole(path, |writer| writer.write_all(content))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -23,6 +23,8 @@ pub mod solver;
 pub mod tire;
 
 pub use error::{Error, ErrorKind, Result};
+#[cfg(feature = "host")]
+pub use file::write_file;
 
 /// The version of the library: part of every FMU's GUID.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

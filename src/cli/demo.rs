@@ -1,6 +1,5 @@
 //! `latsch demo`: an FMU, a rig programme through it, a page to look at.
 
-use super::export::write;
 use super::print;
 use super::simulate::{Subject, selected};
 use latsch::fmi::archive::ModelLibrary;
@@ -9,7 +8,7 @@ use latsch::recording::{parse_csv, write_csv};
 use latsch::report::write_html;
 use latsch::rig::RingBrushFlatTrack;
 use latsch::simulate::Experiment;
-use latsch::{Error, Result};
+use latsch::{Error, Result, write_file};
 use std::path::PathBuf;
 
 /// The rig programme of the demo, see examples/README.md.
@@ -29,9 +28,9 @@ pub fn run(args: &Args) -> Result<()> {
     let model = RingBrushFlatTrack::NAME;
 
     let fmu = folder.join(format!("{model}.fmu"));
-    write(&fmu, &ModelLibrary::shipped()?.fmu(model, &Settings::default())?)?;
+    write_file(&fmu, &ModelLibrary::shipped()?.fmu(model, &Settings::default())?)?;
     let programme = folder.join("rig-programme.csv");
-    write(&programme, PROGRAMME.as_bytes())?;
+    write_file(&programme, PROGRAMME.as_bytes())?;
 
     let inputs = parse_csv(PROGRAMME, "rig-programme.csv")?;
     let experiment = Experiment { inputs: Some(&inputs), ..Experiment::default() };

@@ -3,7 +3,7 @@
 use super::print;
 use latsch::fmi::archive::ModelLibrary;
 use latsch::model::Settings;
-use latsch::{Error, Result};
+use latsch::{Error, Result, write_file};
 use std::path::{Path, PathBuf};
 
 /// Write a model as an FMU for co-simulation
@@ -30,7 +30,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let fmu = library.fmu(&args.model, &settings)?;
     let output = args.output.clone().unwrap_or_else(|| format!("{}.fmu", args.model).into());
-    write(&output, &fmu)?;
+    write_file(&output, &fmu)?;
     print(&format!("{}: {} kB", output.display(), fmu.len() / 1000));
     Ok(())
 }
@@ -40,20 +40,4 @@ pub fn read_settings(path: Option<&Path>) -> Result<Settings> {
     let Some(path) = path else { return Ok(Settings::default()) };
     let text = std::fs::read_to_string(path).map_err(|e| Error::file(format!("{}: {e}", path.display())))?;
     Settings::parse(&text, &path.display().to_string())
-}
-
-/// Writes a file so that nobody ever sees half of it.
-pub fn write(path: &Path, content: &[u8]) -> Result<()> {
-    let fail = |e: std::io::Error| Error::file(format!("{}: {e}", path.display()));
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(fail)?;
-    std::io::Write::write_all(&mut file, content).map_err(fail)?;
-    // temporary files are private; a result is an ordinary file
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        let _ = file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644));
-    }
-    file.persist(path).map_err(|e| fail(e.error))?;
-    Ok(())
 }

@@ -140,6 +140,7 @@ impl<const N: usize> Neg for Dual<N> {
 /// Binary operators from the value and the two partial derivatives, for dual and plain right sides.
 macro_rules! operator {
     ($trait:ident $method:ident, $assign:ident $assign_method:ident, |$a:ident, $b:ident| $value:expr, $by_a:expr, $by_b:expr) => {
+        #[allow(clippy::suspicious_arithmetic_impl)] // partial derivatives use other operators
         impl<const N: usize> $trait for Dual<N> {
             type Output = Self;
             #[inline]
@@ -150,6 +151,7 @@ macro_rules! operator {
                 Self { value: $value, gradient }
             }
         }
+        #[allow(clippy::suspicious_arithmetic_impl)]
         impl<const N: usize> $trait<f64> for Dual<N> {
             type Output = Self;
             #[inline]

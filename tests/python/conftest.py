@@ -1,0 +1,124 @@
+"""What the tests from outside share: the program, exported FMUs, a slave driven by hand."""
+
+import csv
+import pathlib
+import shutil
+import subprocess
+
+import fmpy
+import fmpy.fmi2
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / "target" / "debug" / "latsch"
+MODEL = "ring-brush-flat-track"
+INPUTS = ["steer", "deflection", "path_speed", "camber", "slip", "slip_angle"]
+
+
+def latsch(*arguments, cwd=None):
+    """Runs the program; returns the finished process with its texts."""
+    return subprocess.run(
+        [PROGRAM, *map(str, arguments)], capture_output=True, text=True, cwd=cwd, timeout=300
+    )
+
+
+def read_results(path):
+    """Columns of a CSV file by name without unit."""
+    with open(path, newline="") as file:
+        header, *rows = csv.reader(file)
+    names = [cell.split(" [")[0] for cell in header]
+    return {name: [float(row[i]) for row in rows] for i, name in enumerate(names)}
+
+
+class Slave:
+    """An instance in FMPy, by variable names, with the messages that it logged."""
+
+    def __init__(self, fmu, start=None, name="tire"):
+        self.description = fmpy.read_model_description(str(fmu))
+        self.folder = fmpy.extract(str(fmu))
+        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.messages = []
+        self.raw = fmpy.fmi2.FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=self.folder,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        # kept: the FMU copies the struct but not the Python function behind it
+        self.callbacks = self._callbacks()
+        self.raw.instantiate(callbacks=self.callbacks)
+        if start is not None:
+            self.begin(start)
+
+    def _callbacks(self):
+        functions = fmpy.fmi2.fmi2CallbackFunctions()
+
+        def log(_environment, instance, status, category, message):
+            self.messages.append((status, category.decode(), message.decode()))
+
+        functions.logger = fmpy.fmi2.fmi2CallbackLoggerTYPE(log)
+        functions.allocateMemory = fmpy.fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+        functions.freeMemory = fmpy.fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+        return functions
+
+    def begin(self, start, time=0.0, stop=None):
+        self.raw.setupExperiment(startTime=time, stopTime=stop)
+        self.raw.enterInitializationMode()
+        self.set(**start)
+        self.raw.exitInitializationMode()
+
+    def set(self, **values):
+        self.raw.setReal([self.references[n] for n in values], list(values.values()))
+
+    def rates(self, **values):
+        references = [self.references[n] for n in values]
+        count = len(references)
+        self.raw.fmi2SetRealInputDerivatives(
+            self.raw.component,
+            (fmpy.fmi2.fmi2ValueReference * count)(*references),
+            count,
+            (fmpy.fmi2.fmi2Integer * count)(*[1] * count),
+            (fmpy.fmi2.fmi2Real * count)(*values.values()),
+        )
+
+    def get(self, *names):
+        return self.raw.getReal([self.references[n] for n in names])
+
+    def outputs(self):
+        references = [
+            v.valueReference
+            for v in self.description.modelVariables
+            if v.causality in ("output", "local") and v.type == "Real"
+        ]
+        return self.raw.getReal(references)
+
+    def steps(self, count, start=0.0, length=1e-3):
+        for k in range(count):
+            self.raw.doStep(start + k * length, length)
+
+    def close(self):
+        self.raw.freeInstance()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+@pytest.fixture(scope="session")
+def fmu(tmp_path_factory):
+    """The flat track's FMU with the example tire."""
+    path = tmp_path_factory.mktemp("fmu") / f"{MODEL}.fmu"
+    done = latsch("export", MODEL, "--output", path)
+    assert done.returncode == 0, done.stderr
+    return path
+
+
+@pytest.fixture
+def slaves(fmu):
+    """Makes slaves and frees them after the test."""
+    made = []
+
+    def make(start=None, path=fmu, **options):
+        made.append(Slave(path, start, **options))
+        return made[-1]
+
+    yield make
+    for slave in made:
+        slave.close()

@@ -1,0 +1,229 @@
+"""The FMU from outside: FMPy validates it, drives it and gets what the native model gives."""
+
+import math
+import zipfile
+
+import fmpy
+import fmpy.validation
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+
+from conftest import INPUTS, MODEL, Slave, latsch, read_results
+
+START = dict(steer=0.0, deflection=0.02, path_speed=15.0, camber=0.0, slip=0.0, slip_angle=0.0)
+
+
+def programme(count, step):
+    """Inputs at communication points: all six move."""
+    rows = []
+    for k in range(count + 1):
+        t = k * step
+        rows.append(
+            dict(
+                steer=0.02 * math.sin(3 * t),
+                deflection=0.02 + 0.004 * math.sin(11 * t),
+                path_speed=15.0 + 2.0 * t,
+                camber=0.03 * math.sin(5 * t),
+                slip=0.04 * math.sin(13 * t),
+                slip_angle=0.05 * math.sin(7 * t),
+            )
+        )
+    return rows
+
+
+def test_fmpy_finds_nothing_to_complain_about(fmu):
+    assert fmpy.validation.validate_fmu(str(fmu)) == []
+
+
+def test_description_has_what_masters_ask_for(fmu):
+    description = fmpy.read_model_description(str(fmu), validate=True)
+    variables = {v.name: v for v in description.modelVariables}
+    assert [v.name for v in description.modelVariables if v.causality == "input"] == INPUTS
+    assert variables["slip_angle"].unit == "rad" and variables["moment_z"].unit == "N.m"
+    assert variables["belt_mass"].variability == "fixed" and float(variables["belt_mass"].start) == 8.8
+    assert description.coSimulation.canInterpolateInputs
+    assert description.coSimulation.canSerializeFMUstate
+    assert not description.coSimulation.providesDirectionalDerivative
+    outputs = [v for v in description.modelVariables if v.causality == "output"]
+    assert [u.variable for u in description.outputs] == outputs
+    assert [u.variable for u in description.initialUnknowns] == outputs
+
+
+def test_archive_is_plain(fmu):
+    with zipfile.ZipFile(fmu) as archive:
+        assert archive.testzip() is None
+        for entry in archive.infolist():
+            assert entry.extract_version <= 20 and entry.compress_type == zipfile.ZIP_DEFLATED
+            assert "\\" not in entry.filename and not entry.filename.startswith("/")
+
+
+def test_same_bits_as_the_native_model(tmp_path, slaves):
+    count, step = 400, 1e-3
+    rows = programme(count, step)
+    times = [0.0 + k * step for k in range(count)] + [count * step]
+    with open(tmp_path / "inputs.csv", "w") as file:
+        units = dict(path_speed="m/s", deflection="m", slip="1")
+        file.write(",".join(["time [s]"] + [f"{n} [{units.get(n, 'rad')}]" for n in INPUTS]) + "\n")
+        for time, row in zip(times, rows):
+            file.write(",".join(repr(x) for x in [time, *row.values()]) + "\n")
+    done = latsch("simulate", MODEL, "--inputs", tmp_path / "inputs.csv", "--all",
+                  "--output", tmp_path / "native.csv")
+    assert done.returncode == 0, done.stderr
+    native = read_results(tmp_path / "native.csv")
+
+    slave = slaves(rows[0])
+    names = ["force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z", "sliding_distance",
+             "friction_power", "belt_yaw", "pressure_max"]
+    for k in range(count):
+        assert slave.get(*names) == [native[n][k] for n in names], f"at {times[k]} s"
+        slave.set(**rows[k])
+        length = times[k + 1] - times[k]
+        slave.rates(**{n: (rows[k + 1][n] - rows[k][n]) / length for n in INPUTS})
+        slave.raw.doStep(times[k], length)
+    assert slave.get(*names) == [native[n][count] for n in names]
+    assert max(abs(x) for x in native["force_y"]) > 1000
+
+
+def test_our_importer_sees_what_fmpy_sees(tmp_path, fmu):
+    done = latsch("simulate", fmu, "--set", "slip=0.03", "--stop", "0.2", "--output", tmp_path / "fmu.csv")
+    assert done.returncode == 0, done.stderr
+    done = latsch("simulate", MODEL, "--set", "slip=0.03", "--stop", "0.2", "--output", tmp_path / "native.csv")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "fmu.csv").read_text() == (tmp_path / "native.csv").read_text()
+
+
+def test_simulate_fmu_with_inputs_as_a_user_writes_it(fmu):
+    inputs = np.zeros(201, dtype=[("time", float), ("slip_angle", float)])
+    inputs["time"] = np.linspace(0, 2, 201)
+    inputs["slip_angle"] = np.radians(5) * np.sin(np.pi * inputs["time"])
+    result = fmpy.simulate_fmu(str(fmu), stop_time=2, output_interval=1e-3, input=inputs,
+                               start_values={"deflection": 0.025, "belt_mass": 9.5},
+                               output=["force_y", "force_z", "belt_deflection"])
+    assert np.isfinite(result["force_y"]).all()
+    # positive slip angle, negative lateral force (ISO 8855)
+    assert result["force_y"][500] < -3000 and result["force_y"][1500] > 3000
+    # springs in series: the belt's weight hangs on the side wall
+    f = result["belt_deflection"][0]
+    assert result["force_z"][0] == pytest.approx(1.54e5 * f + 2.47e6 * f * f - 9.5 * 9.81, rel=1e-6)
+
+
+def test_partition_of_time_does_not_matter_on_the_grid(slaves):
+    start = dict(START, slip=0.05, slip_angle=0.03)
+    coarse, fine, odd = slaves(start), slaves(start), slaves(start)
+    coarse.raw.doStep(0.0, 0.1)
+    fine.steps(100)
+    # points between the grid points of 1e-4 s, and the drifting clock of a master that adds up
+    time = 0.0
+    while time < 0.1 - 1e-9:
+        length = min(0.00137, 0.1 - time)
+        odd.raw.doStep(time, length)
+        time += length
+    assert coarse.outputs() == fine.outputs() == odd.outputs()
+
+
+def test_between_grid_points_the_result_is_near_its_neighbours(slaves):
+    start = dict(START, slip=0.02)
+    before, between, after = slaves(start), slaves(start), slaves(start)
+    for slave, length in [(before, 0.05), (between, 0.05005), (after, 0.0501)]:
+        slave.set(slip=0.06)
+        slave.raw.doStep(0.0, length)
+    low, middle, high = (s.get("force_x")[0] for s in (before, between, after))
+    assert low < middle < high
+
+
+def test_save_restore_and_serialise(slaves):
+    slave = slaves(dict(START, slip_angle=0.02))
+    slave.steps(50)
+    state = slave.raw.getFMUState()
+    here = slave.outputs()
+    slave.set(slip=0.1)
+    slave.steps(30, 0.05)
+    there = slave.outputs()
+    assert there != here
+
+    slave.raw.setFMUState(state)
+    assert slave.outputs() == here
+    slave.set(slip=0.1)
+    slave.steps(30, 0.05)
+    assert slave.outputs() == there
+
+    # bytes continue in another instance, which has seen nothing
+    data = slave.raw.serializeFMUState(state)
+    other = slaves()
+    copy = other.raw.deserializeFMUState(data)
+    other.raw.setFMUState(copy)
+    assert other.outputs() == here
+    other.set(slip=0.1)
+    other.steps(30, 0.05)
+    assert other.outputs() == there
+    slave.raw.freeFMUState(state)
+    other.raw.freeFMUState(copy)
+
+
+def test_damaged_state_is_refused(slaves):
+    slave = slaves(START)
+    state = slave.raw.getFMUState()
+    data = bytearray(slave.raw.serializeFMUState(state))
+    data[len(data) // 2] ^= 1
+    with pytest.raises(FMICallException):
+        slave.raw.deserializeFMUState(bytes(data))
+    assert "damaged" in slave.messages[-1][2]
+
+
+def test_reset_is_as_good_as_new(slaves):
+    used, fresh = slaves(dict(START, slip=0.08)), slaves(dict(START, camber=0.05))
+    used.steps(100)
+    used.raw.reset()
+    used.begin(dict(START, camber=0.05))
+    assert used.outputs() == fresh.outputs()
+    used.steps(20)
+    fresh.steps(20)
+    assert used.outputs() == fresh.outputs()
+
+
+def test_two_instances_do_not_feel_each_other(slaves):
+    alone, one, two = slaves(dict(START, slip=0.03)), slaves(dict(START, slip=0.03)), slaves(dict(START, slip=-0.2))
+    alone.steps(40)
+    for k in range(40):
+        one.raw.doStep(k * 1e-3, 1e-3)
+        two.raw.doStep(k * 1e-3, 1e-3)
+    assert one.outputs() == alone.outputs() != two.outputs()
+
+
+def test_parameters_reach_the_model(tmp_path, slaves):
+    tire = tmp_path / "tire.toml"
+    tire.write_text(
+        'model = "ring-brush-flat-track"\n[parameters]\ntire_name = "soft"\nvertical_stiffness = 1e5\n'
+        "stripes = 4\neven_stripes = true\n[inputs]\ndeflection = 0.03\n"
+    )
+    path = tmp_path / "soft.fmu"
+    done = latsch("export", MODEL, "--parameters", tire, "--output", path)
+    assert done.returncode == 0, done.stderr
+    description = fmpy.read_model_description(str(path))
+    starts = {v.name: v.start for v in description.modelVariables}
+    assert float(starts["vertical_stiffness"]) == 1e5 and starts["stripes"] == "4"
+    assert starts["even_stripes"] == "true" and starts["tire_name"] == "soft"
+    assert description.guid != slaves().description.guid
+
+    slave = Slave(path)
+    slave.begin({})
+    f = slave.get("belt_deflection")[0]
+    assert slave.get("force_z")[0] == pytest.approx(1e5 * f + 2.47e6 * f * f - 8.8 * 9.81, rel=1e-6)
+    assert slave.raw.getString([slave.references["tire_name"]]) == [b"soft"]
+    assert slave.raw.getInteger([slave.references["stripes"]]) == [4]
+    assert slave.raw.getBoolean([slave.references["even_stripes"]]) == [True]
+    slave.close()
+
+
+def test_initialization_mode_answers_at_once(slaves):
+    slave = slaves()
+    slave.raw.setupExperiment()
+    slave.raw.enterInitializationMode()
+    for deflection in (0.01, 0.02, -0.01):
+        slave.set(deflection=deflection)
+        force = slave.get("force_z")[0]
+        assert (force > 0) == (deflection > 0)
+    # hanging in the air: the belt's weight pulls at the rim
+    assert slave.get("force_z")[0] == pytest.approx(-8.8 * 9.81, rel=1e-12)
+    slave.raw.exitInitializationMode()
