@@ -1,0 +1,79 @@
+//! The checked-in `modelDescription/` is what the models export: a change of an interface shows in a
+//! review. `UPDATE_DESCRIPTIONS=1 cargo test --test model_description` writes the files anew.
+#![allow(missing_docs, clippy::unwrap_used, clippy::panic)]
+
+use latsch::fmi::archive::{ModelLibrary, description_of};
+use latsch::model::unit::Unit;
+use latsch::model::{Causality, Settings};
+use latsch::shipped::MODELS;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+#[test]
+fn checked_in_descriptions_are_current() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("modelDescription");
+    for entry in MODELS {
+        let path = folder.join(format!("{}.xml", entry.name));
+        let current = description_of(&(entry.table)(), &Settings::default()).unwrap();
+        if std::env::var_os("UPDATE_DESCRIPTIONS").is_some() {
+            std::fs::write(&path, &current).unwrap();
+        }
+        let kept = std::fs::read_to_string(&path).unwrap_or_default();
+        if kept != current {
+            let line = kept.lines().zip(current.lines()).position(|(a, b)| a != b);
+            panic!(
+                "{} differs from line {:?} on: an interface changed; if that is meant, run the test with UPDATE_DESCRIPTIONS=1",
+                path.display(),
+                line.map(|l| l + 1)
+            );
+        }
+    }
+}
+
+#[test]
+fn shipped_library_has_the_shipped_models() {
+    // it refuses a library with other tables by itself
+    let library = ModelLibrary::shipped().unwrap();
+    let names: Vec<&str> = library.models.iter().map(|m| m.name.as_str()).collect();
+    let shipped: Vec<&str> = MODELS.iter().map(|m| m.name).collect();
+    assert_eq!(names, shipped);
+}
+
+#[test]
+fn archives_are_reproducible() {
+    let library = ModelLibrary::shipped().unwrap();
+    let make = || library.fmu(MODELS[0].name, &Settings::default()).unwrap();
+    assert!(make() == make());
+}
+
+#[test]
+fn tables_are_well_formed() {
+    for entry in MODELS {
+        let table = (entry.table)();
+        let mut names = BTreeSet::new();
+        for v in &table.variables {
+            assert!(names.insert(&v.name), "{} twice", v.name);
+            assert!(
+                v.name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_'),
+                "{}",
+                v.name
+            );
+            assert!(
+                v.description.len() > 3 && !v.description.ends_with('.'),
+                "{}: {:?}",
+                v.name,
+                v.description
+            );
+            assert_eq!(v.is_real(), v.unit.is_some(), "{} and its unit", v.name);
+            if let Some(unit) = &v.unit {
+                let unit = Unit::parse(unit).unwrap();
+                assert!(unit.factor == 1.0 && unit.offset == 0.0, "{} is not in SI units", v.name);
+            }
+            let given = matches!(v.causality, Causality::Parameter | Causality::Input);
+            assert_eq!(given, v.start.is_some(), "{} and its start value", v.name);
+            if let Some(start) = &v.start {
+                v.accept(start).unwrap();
+            }
+        }
+    }
+}

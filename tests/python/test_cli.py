@@ -1,0 +1,213 @@
+"""The command line as a user meets it: results, exit codes, messages that say where."""
+
+import json
+import os
+import pty
+import subprocess
+import zipfile
+
+import pytest
+
+from conftest import INPUTS, MODEL, PROGRAM, latsch, read_results
+
+
+def test_models_and_describe():
+    done = latsch("models")
+    assert done.returncode == 0 and MODEL in done.stdout
+    assert [m["name"] for m in json.loads(latsch("models", "--format", "json").stdout)] == [MODEL]
+
+    done = latsch("describe", MODEL)
+    assert done.returncode == 0
+    for words in ("slip_angle", "[rad]", "default 0.02, range -0.2 to 0.1", "c_GF quer", "Parameters"):
+        assert words in done.stdout
+    model = json.loads(latsch("describe", MODEL, "--format", "json").stdout)
+    variables = {v["name"]: v for v in model["variables"]}
+    assert [n for n, v in variables.items() if v["causality"] == "input"] == INPUTS
+    assert variables["stripes"]["default"] == 6 and variables["stripes"]["max"] == 64
+
+
+def test_unknown_model_gets_a_list():
+    done = latsch("describe", "ring-brush")
+    assert done.returncode == 2 and MODEL in done.stderr
+
+
+def write(path, *lines):
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def simulate(tmp_path, inputs, *arguments):
+    done = latsch("simulate", MODEL, "--inputs", inputs, "--output", tmp_path / "out.csv", *arguments)
+    return done
+
+
+def test_units_are_converted(tmp_path):
+    inputs = write(
+        tmp_path / "rig.csv",
+        "time [ms],path_speed [km/h],slip_angle [deg],deflection [mm]",
+        "0,54,0,20",
+        "100,54,3,20",
+    )
+    done = simulate(tmp_path, inputs)
+    assert done.returncode == 0, done.stderr
+    results = read_results(tmp_path / "out.csv")
+    assert results["time"][-1] == 0.1 and len(results["time"]) == 101
+    assert results["path_speed"][50] == pytest.approx(15, rel=1e-12)
+    assert results["slip_angle"][-1] == pytest.approx(0.0523598775598, rel=1e-9)
+    assert results["force_y"][-1] < -500
+
+
+@pytest.mark.parametrize(
+    "lines, words",
+    [
+        (["time [s],slipp [1]", "0,0", "1,0"], ["rig.csv", "slipp", "did you mean", "slip"]),
+        (["time [s],slip [m]", "0,0", "1,0"], ["rig.csv", "slip", '"m"', '"1"']),
+        (["time [s],slip [furlong]", "0,0", "1,0"], ["rig.csv:1", "furlong"]),
+        (["time [s],slip", "0,0", "1,0"], ["rig.csv:1", "slip", "[1]"]),
+        (["time [s],slip [1]", "0,0", "1,x"], ["rig.csv:3", "slip", "x"]),
+        (["time [s],slip [1]", "0,0", "0,0"], ["rig.csv:3", "time"]),
+        (["time [s],slip [1]", "0,0", "1,nan"], ["rig.csv:3", "slip"]),
+        (["time [s],slip [1],slip [1]", "0,0,0", "1,0,0"], ["rig.csv:1", "slip"]),
+        (["time [s],deflection [mm]", "0,20", "1,500"], ["rig.csv", "deflection", "at 1 s", "range"]),
+        (["time [s],belt_mass [kg]", "0,8", "1,8"], ["rig.csv", "belt_mass", "parameter"]),
+    ],
+)
+def test_wrong_recordings(tmp_path, lines, words):
+    done = simulate(tmp_path, write(tmp_path / "rig.csv", *lines))
+    assert done.returncode == 2
+    for word in words:
+        assert word in done.stderr, done.stderr
+    assert not (tmp_path / "out.csv").exists()
+
+
+def test_nothing_is_extrapolated(tmp_path):
+    inputs = write(tmp_path / "rig.csv", "time [s],slip [1]", "0.1,0", "0.2,0.01")
+    assert simulate(tmp_path, inputs).returncode == 0
+    done = simulate(tmp_path, inputs, "--stop", "0.3")
+    assert done.returncode == 2 and "0.3" in done.stderr and "0.2" in done.stderr
+
+
+@pytest.mark.parametrize(
+    "arguments, words",
+    [
+        (["--set", "slip"], ["NAME=VALUE"]),
+        (["--set", "slip=fast"], ["slip", "fast", "number"]),
+        (["--set", "slop=1"], ["did you mean", "slip"]),
+        (["--set", "force_x=1"], ["force_x", "computed"]),
+        (["--set", "deflection=3 kg"], ["deflection", "m"]),
+        (["--set", "deflection=200 mm"], ["0.2 m", "range"]),
+        (["--set", "stripes=2.5"], ["stripes", "whole number"]),
+        (["--set", "even_stripes=maybe"], ["true or false"]),
+        (["--step", "-1"], ["step"]),
+        (["--start", "1", "--stop", "0"], ["stop time"]),
+    ],
+)
+def test_wrong_arguments(tmp_path, arguments, words):
+    done = latsch("simulate", MODEL, "--output", tmp_path / "out.csv", *arguments)
+    assert done.returncode == 2
+    for word in words:
+        assert word in done.stderr, done.stderr
+
+
+def test_a_model_that_gives_up_is_no_and_keeps_what_it_has(tmp_path):
+    inputs = write(
+        tmp_path / "rig.csv", "time [s],deflection [mm],camber [deg]", "0,20,0", "0.2,95,34"
+    )
+    done = simulate(tmp_path, inputs)
+    assert done.returncode == 1
+    assert "ring of bristles" in done.stderr and "out.csv" in done.stderr
+    results = read_results(tmp_path / "out.csv")
+    assert 0.05 < results["time"][-1] < 0.2
+
+
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        ("[parameters]\nbelt_mas = 9.0\n", ["tire.toml:2", "belt_mas", "belt_mass"]),
+        ("[parameters]\nbelt_mass = -1.0\n", ["tire.toml:2", "belt_mass", "range"]),
+        ("[parameters]\nbelt_mass = true\n", ["tire.toml:2", "number"]),
+        ("[parameters]\nslip = 0.1\n", ["tire.toml:2", "[inputs]"]),
+        ("[parameter]\nbelt_mass = 9.0\n", ["tire.toml:1", "parameter"]),
+        ("[parameters]\nbelt_mass = = 9\n", ["tire.toml:2"]),
+        ('model = "bicycle"\n', ["bicycle", MODEL]),
+    ],
+)
+def test_wrong_tire_files(tmp_path, text, words):
+    path = tmp_path / "tire.toml"
+    path.write_text(text)
+    done = latsch("export", MODEL, "--parameters", path, "--output", tmp_path / "x.fmu")
+    assert done.returncode == 2
+    for word in words:
+        assert word in done.stderr, done.stderr
+    assert not (tmp_path / "x.fmu").exists()
+
+
+def rewrite(source, target, change):
+    """Copies an FMU, entry by entry, through `change(name, data)`; None leaves it out."""
+    with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
+        for name in old.namelist():
+            data = change(name, old.read(name))
+            if data is not None:
+                new.writestr(name, data)
+    return target
+
+
+def test_fmus_from_outside_are_not_trusted(fmu, tmp_path):
+    def refused(path, *words):
+        done = latsch("simulate", path, "--output", tmp_path / "out.csv")
+        assert done.returncode == 2, done.stderr
+        for word in words:
+            assert word in done.stderr, done.stderr
+
+    refused(write(tmp_path / "text.fmu", "no archive"), "text.fmu")
+    refused(tmp_path / "absent.fmu", "absent.fmu")
+    escaping = rewrite(fmu, tmp_path / "escape.fmu", lambda n, d: d)
+    with zipfile.ZipFile(escaping, "a") as archive:
+        archive.writestr("../escaped.txt", "out")
+    refused(escaping, "../escaped.txt")
+    assert not (tmp_path / "escaped.txt").exists()
+    refused(rewrite(fmu, tmp_path / "bare.fmu", lambda n, d: None if n.startswith("bin") else d), "linux64")
+    refused(rewrite(fmu, tmp_path / "mute.fmu", lambda n, d: None if n.endswith(".xml") else d),
+            "modelDescription.xml")
+    refused(rewrite(fmu, tmp_path / "cut.fmu", lambda n, d: d[: len(d) // 2] if n.endswith(".xml") else d),
+            "modelDescription.xml")
+    # resources that do not belong to the description: the binary itself refuses
+    refused(rewrite(fmu, tmp_path / "mixed.fmu", lambda n, d: d.replace(b"8.8", b"9.9") if n.endswith(".toml") else d),
+            "GUID")
+
+
+def test_progress_shows_on_a_terminal_and_nowhere_else(tmp_path):
+    arguments = ["simulate", MODEL, "--stop", "3", "--output", str(tmp_path / "out.csv")]
+    done = latsch(*arguments)
+    assert done.returncode == 0 and done.stderr == ""
+    assert done.stdout.count("\n") == 1
+
+    master, slave = pty.openpty()
+    process = subprocess.Popen([PROGRAM, *arguments], stdout=subprocess.PIPE, stderr=slave)
+    os.close(slave)
+    shown = b""
+    while True:
+        try:
+            piece = os.read(master, 4096)
+        except OSError:
+            break
+        if not piece:
+            break
+        shown += piece
+    assert process.wait() == 0
+    os.close(master)
+    assert b"%" in shown and b"left" in shown
+
+
+def test_demo_makes_a_page_that_needs_nothing_else(tmp_path):
+    done = latsch("demo", "--output", tmp_path / "demo")
+    assert done.returncode == 0, done.stderr
+    names = {p.name for p in (tmp_path / "demo").iterdir()}
+    assert names == {f"{MODEL}.fmu", "rig-programme.csv", "results.csv", "index.html"}
+    page = (tmp_path / "demo" / "index.html").read_text()
+    assert "src=" not in page and "@import" not in page and "https://" not in page
+    results = read_results(tmp_path / "demo" / "results.csv")
+    # a triangle of the slip angle at each of three loads, then slip: the tire answers with its limits
+    assert 4500 < max(results["force_y"]) < 6000
+    assert 3000 < max(results["force_x"]) < 4500
+    assert min(results["force_z"]) > 1000

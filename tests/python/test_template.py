@@ -1,0 +1,69 @@
+"""A user's own model: the template copied out of the repository, with the oscillator of its README."""
+
+import math
+import os
+import re
+import shutil
+import subprocess
+
+import pytest
+
+from conftest import ROOT, Slave, latsch
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    crate = tmp_path_factory.mktemp("own") / "my-models"
+    shutil.copytree(ROOT / "fmu-template", crate)
+    manifest = (crate / "Cargo.toml").read_text()
+    assert 'path = ".."' in manifest
+    (crate / "Cargo.toml").write_text(manifest.replace('path = ".."', f'path = "{ROOT}"'))
+    shutil.copy(ROOT / "Cargo.lock", crate)
+    code = re.search(r"```rust\n(.*?)```", (crate / "README.md").read_text(), re.S).group(1)
+    (crate / "src" / "lib.rs").write_text(code)
+    # a folder of its own in the repository's target, so that a second run is fast
+    target = ROOT / "target" / "template"
+    done = subprocess.run(
+        ["cargo", "build", "--manifest-path", crate / "Cargo.toml"],
+        env=dict(os.environ, CARGO_TARGET_DIR=str(target)),
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    return target / "debug" / "liblatsch_fmu.so"
+
+
+def test_oscillator_swings_as_it_should(library, tmp_path):
+    path = tmp_path / "oscillator.fmu"
+    done = latsch("export", "oscillator", "--library", library, "--output", path)
+    assert done.returncode == 0, done.stderr
+    slave = Slave(path)
+    slave.begin(dict(force=10.0))
+    assert slave.get("position") == [0.1]
+    slave.set(force=0.0)
+    for k in range(200):
+        # released: 0.1 m cos(10 t); symplectic Euler with 1e-4 s is within 1e-4 m
+        assert slave.get("position")[0] == pytest.approx(0.1 * math.cos(10 * k * 0.01), abs=1e-4)
+        slave.raw.doStep(k * 0.01, 0.01)
+    slave.close()
+
+
+def test_our_own_importer_runs_it_too(library, tmp_path):
+    path = tmp_path / "oscillator.fmu"
+    assert latsch("export", "oscillator", "--library", library, "--output", path).returncode == 0
+    done = latsch("simulate", path, "--set", "force=10", "--set", "stiffness=0.4 kN/m", "--output",
+                  tmp_path / "o.csv", "--report", tmp_path / "o.html")
+    assert done.returncode == 0, done.stderr
+    last = (tmp_path / "o.csv").read_text().splitlines()[-1].split(",")
+    assert float(last[0]) == 1.0 and float(last[2]) == pytest.approx(0.025)
+    assert "position" in (tmp_path / "o.html").read_text()
+
+
+def test_export_refuses_what_is_no_model_library(library, tmp_path):
+    done = latsch("export", "pendulum", "--library", library, "--output", tmp_path / "x.fmu")
+    assert done.returncode == 2 and "oscillator" in done.stderr
+    other = tmp_path / "libother.so"
+    other.write_bytes(b"\x7fELF no")
+    done = latsch("export", "oscillator", "--library", other, "--output", tmp_path / "x.fmu")
+    assert done.returncode == 2 and "libother.so" in done.stderr
+    assert not (tmp_path / "x.fmu").exists()
