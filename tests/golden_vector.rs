@@ -1,6 +1,6 @@
 //! One instantaneous evaluation of the tire against numbers that were computed outside this code,
 //! by a prototype in another language, from the same equations.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::expect_used)]
 
 mod common;
 

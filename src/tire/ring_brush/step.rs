@@ -213,6 +213,14 @@ impl Tire {
                 let k = i * n + j;
                 let cell_pressure = pressure.at(x, bristles.pressure[k]);
                 bristles.pressure[k] = cell_pressure;
+                if cell_pressure == 0.0 {
+                    // out of contact: no force, the deflection dies away (F = 0 in the bristle's law)
+                    let decay = p.bristle_damping / (p.bristle_damping + p.bristle_stiffness * dt);
+                    bristles.deflection_x[k] *= decay;
+                    bristles.deflection_y[k] *= decay;
+                    bristles.stick[k] = false;
+                    continue;
+                }
                 let normal = area * cell_pressure;
                 let limits = Limits::new(p, cell_pressure, normal);
                 let old = [bristles.deflection_x[k], bristles.deflection_y[k]];
@@ -233,15 +241,13 @@ impl Tire {
                 force.y += force_y;
                 torque.x += place_y * normal;
                 torque.z += place_x * force_y - place_y * force_x;
-                if normal != 0.0 {
-                    touching += 1;
-                    highest = highest.max(cell_pressure);
-                    negative += (-normal).max(0.0);
-                    if !step.stick {
-                        sliding += 1;
-                        power += limits.sliding * step.slip_speed;
-                        slip += normal.max(0.0) * step.slip_speed;
-                    }
+                touching += 1;
+                highest = highest.max(cell_pressure);
+                negative += (-normal).max(0.0);
+                if !step.stick {
+                    sliding += 1;
+                    power += limits.sliding * step.slip_speed;
+                    slip += normal.max(0.0) * step.slip_speed;
                 }
             }
         }
