@@ -1,7 +1,7 @@
 //! The claims that the source and its specification make about stationary states: closed forms for
 //! small slip, limits, signs and monotonicities. (4.xx) and C.xx are the source's equations; "check
 //! n" is section 14 of the model's specification, "8.2" the table of targets of the identification's.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod common;
 
@@ -234,9 +234,8 @@ mod check_16_to_27 {
             p.patch_compliance_x *= 0.5;
             p.sidewall_lateral_stiffness *= 2.0;
         });
-        // by the moment of the lateral offset, (r_F - r_G) x F, the side wall is felt at 1e-4
-        assert_close("independent", z4(&other), base, 3e-4);
-        assert_close("kappa independent", kappa(&other), tilt, 1e-5);
+        assert_close("independent", z4(&other), base, 1e-6);
+        assert_close("kappa independent", kappa(&other), tilt, 1e-6);
 
         let patch = |camber: f64| straight(&tire, camber).patch.force;
         let (whole, half) = (patch(0.02), patch(0.01));
@@ -280,18 +279,10 @@ mod check_16_to_27 {
         let tire = example_tire();
         for slip in [0.01, 0.1, 1.0, 10.0, -0.5, -0.999] {
             for alpha in [0.0, 0.05, 0.5] {
-                let Ok(s) = stationary_refined(
-                    &tire,
-                    &Point { slip, alpha, ..FREE }.rim(&tire),
-                    Vertical::Load(5000.0),
-                    FINE,
-                ) else {
-                    println!("no stationary state at slip {slip}, alpha {alpha}");
-                    continue;
-                };
+                let s = at(&tire, Point { slip, alpha, ..FREE });
                 let size = s.patch.force.x.hypot(s.patch.force.y);
                 assert!(size <= 1.5 * s.patch.force.z);
-                if slip >= 1.0 || slip < -0.9 {
+                if !(-0.9..1.0).contains(&slip) {
                     // the kinetic coefficient is between 1.1 at no pressure and 0.94 at 3.2 bar
                     let mu = size / s.patch.force.z;
                     assert!((0.94..1.1).contains(&mu), "slip {slip}, alpha {alpha}: {mu}");
