@@ -506,6 +506,7 @@ impl Stationary {
         // in balance by construction; the ripple of the bristles is no reason to start with a jerk
         state.acceleration = [Vector3::zeros(); 2];
         state.lag_rates = Loads::default();
+        state.lag_accelerations = Loads::default();
         Ok(state)
     }
 }
