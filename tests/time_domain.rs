@@ -265,6 +265,81 @@ fn second_order_in_time() {
     }
 }
 
+/// The same for patch, lag and side wall: a standing wheel whose bristles stick is steered and
+/// cambered a little.
+#[test]
+fn second_order_in_time_with_a_sticking_patch() {
+    let at = |h: f64| {
+        let mut rig = flat_track(&[
+            ("path_speed", 0.0),
+            ("deflection", 0.02),
+            ("step_size", h),
+            ("friction_static_zero", 10.0),
+            ("friction_static_reference", 10.0),
+            ("friction_sliding_zero", 10.0),
+            ("friction_sliding_reference", 10.0),
+        ]);
+        set(&mut rig, &[("steer", 0.002), ("camber", 0.002)]);
+        run(&mut rig, 0.03, |_| {});
+        let state = rig.model().state();
+        let lagged = [state.lagged.force_y, state.lagged.moment_z];
+        assert_eq!(get(&mut rig, "sliding_share"), 0.0);
+        [get(&mut rig, "moment_z"), get(&mut rig, "force_y"), lagged[0], lagged[1]]
+    };
+    let results = [2e-4, 1e-4, 5e-5].map(at);
+    for quantity in 0..4 {
+        let r = results.map(|r| r[quantity]);
+        let ratio = (r[0] - r[1]) / (r[1] - r[2]);
+        println!("{:.6} {:.6} {:.6}: ratio {ratio:.3}", r[0], r[1], r[2]);
+        assert!((3.6..4.4).contains(&ratio), "{r:?}");
+    }
+}
+
+/// Steady rolling does not know the step: the way of the tops is integrated exactly.
+#[test]
+fn steady_means_and_the_step() {
+    let inputs = [
+        [("camber", 0.05), ("slip_angle", 0.0)],
+        [("camber", 0.0), ("slip_angle", 0.01)],
+        [("camber", -0.02), ("slip_angle", -0.04)],
+    ];
+    for inputs in inputs {
+        let mean = |h: f64| {
+            let mut rig = flat_track(&[&inputs[..], &[("deflection", 0.025), ("step_size", h)]].concat());
+            run(&mut rig, 0.2, |_| {});
+            means(&mut rig, 0.48)
+        };
+        let (coarse, fine) = (mean(2e-4), mean(2.5e-5));
+        println!(
+            "{inputs:?}: force_y {:.2} {:.2}, moment_z {:.3} {:.3}",
+            coarse[1], fine[1], coarse[5], fine[5]
+        );
+        assert!((coarse[1] - fine[1]).abs() < 2.0 && (coarse[5] - fine[5]).abs() < 0.1);
+    }
+}
+
+/// The patch's deformation closes a loop over its own forces within a step; at the largest step and
+/// with the softest patch of the source's search range it still settles.
+#[test]
+fn largest_step_with_a_soft_patch() {
+    let mean = |h: f64| {
+        let mut rig = flat_track(&[
+            ("deflection", 0.0287),
+            ("slip", 0.03),
+            ("slip_angle", 0.02),
+            ("patch_compliance_x", 5e-6),
+            ("patch_compliance_y", 1e-5),
+            ("step_size", h),
+        ]);
+        run(&mut rig, 0.2, check_sanity);
+        means(&mut rig, 0.48)
+    };
+    let (coarse, fine) = (mean(5e-4), mean(5e-5));
+    println!("{coarse:.2?} {fine:.2?}");
+    assert_close("force_x", coarse[0], fine[0], 0.01);
+    assert_close("force_y", coarse[1], fine[1], 0.01);
+}
+
 #[test]
 fn vertical_balance_and_standstill() {
     let mut rig = flat_track(&[("path_speed", 0.0), ("deflection", 0.0)]);
