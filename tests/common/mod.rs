@@ -4,6 +4,9 @@
 use latsch::model::{Native, Settings, Slave};
 use latsch::rig::RingBrushFlatTrack;
 use latsch::tire::ring_brush::{Parameters, Tire};
+use std::sync::OnceLock;
+
+pub mod rolling;
 
 pub type FlatTrack = Native<RingBrushFlatTrack>;
 
@@ -30,11 +33,12 @@ pub fn get(slave: &mut dyn Slave, name: &str) -> f64 {
 
 /// The example tire of the source.
 pub fn example() -> Parameters {
-    flat_track(&[]).model().tire().parameters().clone()
+    example_tire().parameters().clone()
 }
 
 pub fn example_tire() -> Tire {
-    Tire::new(&example()).unwrap()
+    static TIRE: OnceLock<Tire> = OnceLock::new();
+    TIRE.get_or_init(|| flat_track(&[]).model().tire().clone()).clone()
 }
 
 /// Fails unless the two agree to `tolerance`, relative to the expected number.

@@ -17,6 +17,8 @@ pub struct State {
     pub lagged: Loads<f64>,
     /// Their rates.
     pub lag_rates: Loads<f64>,
+    /// How the rates changed over the last step, per second.
+    pub lag_accelerations: Loads<f64>,
     /// Loads of the patch at the end of the last step.
     pub loads: Loads<f64>,
     /// The bristles.

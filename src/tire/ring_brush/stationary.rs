@@ -8,7 +8,7 @@
 use super::patch::{Moments, Pressure, Shape};
 use super::step::wind;
 use super::{
-    Bristles, Contact, Deformation, Limits, Loads, Parameters, State, Tire, Tops, advance, moment_y,
+    Bristles, Contact, Deformation, Limits, Loads, Parameters, State, Step, Tire, Tops, advance, moment_y,
     patch_on_belt, stationary_coupling,
 };
 use crate::solver::{Convergence, Dual, Real, newton};
@@ -289,7 +289,8 @@ struct Node<T> {
 ///
 /// Each stripe is marched from its entry with the bristle's own law. The point at which a bristle
 /// breaks away is located inside its interval, so that the loads and their derivatives contain its
-/// motion.
+/// motion. A bristle that slides turns while it does; the bristle's law is of first order there, and
+/// of second with Richardson's extrapolation from one step and two half steps.
 fn continuum<T: Real>(
     tire: &Tire,
     contact: &Contact<T>,
@@ -366,7 +367,32 @@ fn continuum<T: Real>(
             let velocity = tops.velocity((x + node.x) * 0.5, y_real);
             let load = if k == intervals { zero } else { normal(x) };
             let next_limits = Limits::new(p, load / p.cell_area(), load);
-            let mut step = advance(p, deflection, velocity, stick, &next_limits, dt);
+            // sliding from one place to another; the last interval ends where nothing is carried
+            let slide = |from: T, deflection: [T; 2], dt: T| {
+                let middle = (from + x) * 0.5;
+                let half_load = normal(middle);
+                let half_limits = Limits::new(p, half_load / p.cell_area(), half_load);
+                let velocity = |at: T| tops.velocity(at, y_real);
+                let whole = advance(p, deflection, velocity(middle), false, &next_limits, dt);
+                let (quarter, half) = ((from + middle) * 0.5, dt * 0.5);
+                let first = advance(p, deflection, velocity(quarter), false, &half_limits, half);
+                let last = (middle + x) * 0.5;
+                let second = advance(p, first.deflection, velocity(last), false, &next_limits, half);
+                if k == intervals || whole.stick || first.stick || second.stick {
+                    return whole;
+                }
+                let better = |a: [T; 2], b: [T; 2]| std::array::from_fn(|c| a[c] * 2.0 - b[c]);
+                Step {
+                    deflection: better(second.deflection, whole.deflection),
+                    force: better(second.force, whole.force),
+                    ..second
+                }
+            };
+            let mut step = if stick {
+                advance(p, deflection, velocity, true, &next_limits, dt)
+            } else {
+                slide(node.x, deflection, dt)
+            };
             let trial: [T; 2] = std::array::from_fn(|c| {
                 (deflection[c] - dt * velocity[c]) * p.bristle_stiffness - velocity[c] * p.bristle_damping
             });
@@ -385,7 +411,7 @@ fn continuum<T: Real>(
                 add(node, held);
                 node = released;
                 deflection = std::array::from_fn(|c| deflection[c] - dt * part * velocity[c]);
-                step = advance(p, deflection, velocity, false, &next_limits, dt * (-part + 1.0));
+                step = slide(held.x, deflection, dt * (-part + 1.0));
             }
             let next = Node { x, force: step.force };
             add(node, next);
@@ -480,6 +506,7 @@ impl Stationary {
         // in balance by construction; the ripple of the bristles is no reason to start with a jerk
         state.acceleration = [Vector3::zeros(); 2];
         state.lag_rates = Loads::default();
+        state.lag_accelerations = Loads::default();
         Ok(state)
     }
 }

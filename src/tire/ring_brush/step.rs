@@ -60,8 +60,10 @@ impl Tire {
     ///
     /// Velocity Verlet: half a kick, drift, forces at the new place, half a kick. The patch is
     /// evaluated once: bristles move with the velocity at mid-step and carry their force at the end.
-    /// Second order but for the instants at which bristles change between sticking and sliding. With
-    /// `dt` = 0 the state is evaluated where it is: forces and accelerations are brought up to date.
+    /// Second order but for bristles that slide, whose turning backward Euler follows with the first,
+    /// the instants at which bristles change between sticking and sliding, and jumps of the rim's
+    /// velocity. With `dt` = 0 the state is evaluated where it is: forces and accelerations are brought
+    /// up to date.
     ///
     /// # Errors
     /// A state outside the model's validity: the belt falls over, the patch gets longer than the ring
@@ -95,9 +97,10 @@ impl Tire {
 
         // patch: contact, pressure, bristles
         let contact = Contact::new(p, &end);
-        let lagged_middle = ahead(&state.lagged, &state.lag_rates, half);
-        let lagged_end = ahead(&state.lagged, &state.lag_rates, dt);
-        let tops = Tops::new(p, &Contact::new(p, &middle), middle.rates.y, &lagged_middle, &state.lag_rates);
+        let lag_rates = ahead(&state.lag_rates, &state.lag_accelerations, half);
+        let lagged_middle = ahead(&state.lagged, &lag_rates, half);
+        let lagged_end = ahead(&state.lagged, &lag_rates, dt);
+        let tops = Tops::new(p, &Contact::new(p, &middle), middle.rates.y, &lagged_middle, &lag_rates);
         let old_loads = state.loads;
         self.advance_patch(
             state,
@@ -120,7 +123,12 @@ impl Tire {
         let (force_y, rate_y) = relax(lagged.force_y, old_loads.force_y, loads.force_y, lags[1]);
         let (moment_z, rate_z) = relax(lagged.moment_z, old_loads.moment_z, loads.moment_z, lags[2]);
         state.lagged = Loads { force_x, force_y, moment_z };
+        let old_rates = state.lag_rates;
         state.lag_rates = Loads { force_x: rate_x, force_y: rate_y, moment_z: rate_z };
+        if dt > 0.0 {
+            let change = ahead(&state.lag_rates, &old_rates, -1.0);
+            state.lag_accelerations = ahead(&Loads::default(), &change, 1.0 / dt);
+        }
 
         // side wall and belt: the second half of the kick
         let (patch, side): (Wrench<f64>, Coupling<f64>) =
