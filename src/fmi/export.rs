@@ -587,7 +587,7 @@ macro_rules! __c_functions {
 
 /// Exports the named models as the FMI 2.0 functions of a crate of type `cdylib`.
 ///
-/// ```ignore
+/// ```text
 /// latsch::export_fmus!(MyModel, AnotherModel);
 /// ```
 #[macro_export]

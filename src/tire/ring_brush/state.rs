@@ -98,6 +98,7 @@ clone_in_place!(State {
     acceleration,
     lagged,
     lag_rates,
+    lag_accelerations,
     loads,
     bristles,
     on_rim,
