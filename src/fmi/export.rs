@@ -1,4 +1,4 @@
-//! The C functions of an FMU: pointers in, [`Instance`] calls, status out.
+//! The C functions of an FMU: pointers in, `Instance` calls, status out.
 //!
 //! [`export_fmus!`](crate::export_fmus) makes the `fmi2...` symbols from these in a crate of type
 //! `cdylib`. No panic gets past them: it becomes fmi2Fatal.
@@ -155,7 +155,7 @@ pub unsafe fn free_instance(component: Component) {
 /// fmi2SetDebugLogging.
 ///
 /// # Safety
-/// As [`call`]; `categories` points to `count` texts.
+/// As `call`; `categories` points to `count` texts.
 pub unsafe fn set_debug_logging(c: Component, on: Boolean, count: usize, categories: *const Text) -> Status {
     // SAFETY: the caller's promise, here and inside.
     unsafe {
@@ -172,7 +172,7 @@ pub unsafe fn set_debug_logging(c: Component, on: Boolean, count: usize, categor
 /// fmi2SetupExperiment.
 ///
 /// # Safety
-/// As [`call`].
+/// As `call`.
 pub unsafe fn setup_experiment(
     c: Component,
     tolerance_defined: Boolean,
@@ -193,7 +193,7 @@ macro_rules! plain {
         $(#[$doc])*
         ///
         /// # Safety
-        /// As [`call`].
+        /// As `call`.
         pub unsafe fn $name(c: Component) -> Status {
             // SAFETY: the caller's promise.
             unsafe { call(c, Function::$function, Instance::$method) }
@@ -218,7 +218,7 @@ macro_rules! getter {
         #[doc = concat!("fmi2", stringify!($function), ".")]
         ///
         /// # Safety
-        /// As [`call`]; the arrays have `count` items.
+        /// As `call`; the arrays have `count` items.
         pub unsafe fn $name(c: Component, references: *const ValueReference, count: usize, values: *mut $type) -> Status {
             // SAFETY: the caller's promise, here and inside.
             unsafe {
@@ -244,7 +244,7 @@ getter! {
 /// fmi2GetString.
 ///
 /// # Safety
-/// As [`call`]; the arrays have `count` items.
+/// As `call`; the arrays have `count` items.
 pub unsafe fn get_string(
     c: Component,
     references: *const ValueReference,
@@ -270,7 +270,7 @@ macro_rules! setter {
         #[doc = concat!("fmi2", stringify!($function), ".")]
         ///
         /// # Safety
-        /// As [`call`]; the arrays have `count` items.
+        /// As `call`; the arrays have `count` items.
         pub unsafe fn $name(c: Component, references: *const ValueReference, count: usize, values: *const $type) -> Status {
             // SAFETY: the caller's promise, here and inside.
             unsafe {
@@ -293,7 +293,7 @@ setter! {
 /// fmi2SetString.
 ///
 /// # Safety
-/// As [`call`]; the arrays have `count` items.
+/// As `call`; the arrays have `count` items.
 pub unsafe fn set_string(
     c: Component,
     references: *const ValueReference,
@@ -317,7 +317,7 @@ pub unsafe fn set_string(
 /// fmi2SetRealInputDerivatives.
 ///
 /// # Safety
-/// As [`call`]; the arrays have `count` items.
+/// As `call`; the arrays have `count` items.
 pub unsafe fn set_real_input_derivatives(
     c: Component,
     references: *const ValueReference,
@@ -355,7 +355,7 @@ fn nowhere() -> Error {
 /// fmi2GetFMUstate.
 ///
 /// # Safety
-/// As [`call`]; `handle` points to null or to a handle of this instance.
+/// As `call`; `handle` points to null or to a handle of this instance.
 pub unsafe fn get_fmu_state(c: Component, handle: *mut FmuState) -> Status {
     // SAFETY: the caller's promise, here and inside.
     unsafe {
@@ -373,7 +373,7 @@ pub unsafe fn get_fmu_state(c: Component, handle: *mut FmuState) -> Status {
 /// fmi2SetFMUstate.
 ///
 /// # Safety
-/// As [`call`] and [`saved`].
+/// As `call` and `saved`.
 pub unsafe fn set_fmu_state(c: Component, handle: FmuState) -> Status {
     // SAFETY: the caller's promise, here and inside.
     unsafe { call(c, Function::SetFMUstate, |instance| instance.restore(saved(handle)?)) }
@@ -382,7 +382,7 @@ pub unsafe fn set_fmu_state(c: Component, handle: FmuState) -> Status {
 /// fmi2FreeFMUstate.
 ///
 /// # Safety
-/// As [`call`]; `handle` is null, or points to null or to a handle of this instance.
+/// As `call`; `handle` is null, or points to null or to a handle of this instance.
 pub unsafe fn free_fmu_state(c: Component, handle: *mut FmuState) -> Status {
     // SAFETY: the caller's promise, here and inside.
     unsafe {
@@ -401,7 +401,7 @@ pub unsafe fn free_fmu_state(c: Component, handle: *mut FmuState) -> Status {
 /// fmi2SerializedFMUstateSize.
 ///
 /// # Safety
-/// As [`call`] and [`saved`]; `size` is null or can be written.
+/// As `call` and `saved`; `size` is null or can be written.
 pub unsafe fn serialized_fmu_state_size(c: Component, handle: FmuState, size: *mut usize) -> Status {
     // SAFETY: the caller's promise, here and inside.
     unsafe {
@@ -416,7 +416,7 @@ pub unsafe fn serialized_fmu_state_size(c: Component, handle: FmuState, size: *m
 /// fmi2SerializeFMUstate.
 ///
 /// # Safety
-/// As [`call`] and [`saved`]; `bytes` has room for `size`.
+/// As `call` and `saved`; `bytes` has room for `size`.
 pub unsafe fn serialize_fmu_state(c: Component, handle: FmuState, bytes: *mut Byte, size: usize) -> Status {
     // SAFETY: the caller's promise, here and inside.
     unsafe {
@@ -463,7 +463,7 @@ pub unsafe fn deserialize_fmu_state(
 /// fmi2DoStep.
 ///
 /// # Safety
-/// As [`call`].
+/// As `call`.
 pub unsafe fn do_step(c: Component, time: f64, length: f64, _no_state_prior: Boolean) -> Status {
     // SAFETY: the caller's promise.
     unsafe { call(c, Function::DoStep, |instance| instance.do_step(time, length)) }
@@ -472,7 +472,7 @@ pub unsafe fn do_step(c: Component, time: f64, length: f64, _no_state_prior: Boo
 /// A function that this version does not offer; the capability flags say so.
 ///
 /// # Safety
-/// As [`call`].
+/// As `call`.
 pub unsafe fn not_offered(c: Component, function: Function) -> Status {
     // SAFETY: the caller's promise.
     unsafe {
@@ -488,7 +488,7 @@ const TERMINATED: c_int = 3;
 /// answers; the others are about asynchronous steps, which there are none of.
 ///
 /// # Safety
-/// As [`call`]; `value` is null or can be written.
+/// As `call`; `value` is null or can be written.
 pub unsafe fn get_status<T: StatusValue>(
     c: Component,
     function: Function,
@@ -513,7 +513,7 @@ pub unsafe fn get_status<T: StatusValue>(
 /// fmi2GetIntegerStatus: there is no kind of status that is an integer.
 ///
 /// # Safety
-/// As [`call`].
+/// As `call`.
 pub unsafe fn get_integer_status(c: Component, _kind: c_int, _value: *mut c_int) -> Status {
     // SAFETY: the caller's promise.
     match unsafe { call(c, Function::GetIntegerStatus, |_| Ok(())) } {
