@@ -339,6 +339,31 @@ pub unsafe fn set_real_input_derivatives(
     }
 }
 
+/// fmi2GetRealOutputDerivatives.
+///
+/// # Safety
+/// As `call`; the arrays have `count` items.
+pub unsafe fn get_real_output_derivatives(
+    c: Component,
+    references: *const ValueReference,
+    count: usize,
+    orders: *const c_int,
+    values: *mut f64,
+) -> Status {
+    // SAFETY: the caller's promise, here and inside.
+    unsafe {
+        call(c, Function::GetRealOutputDerivatives, |instance| {
+            let references = array(references, count, "value references")?;
+            let orders = array(orders, count, "orders")?;
+            let values = array_mut(values, count, "values")?;
+            for ((reference, order), value) in references.iter().zip(orders).zip(values) {
+                *value = instance.output_derivative(*reference, *order)?;
+            }
+            Ok(())
+        })
+    }
+}
+
 /// The saved state behind a handle.
 ///
 /// # Safety
@@ -636,8 +661,8 @@ macro_rules! export_fmus {
                     = export::not_offered(c, Function::GetDirectionalDerivative);
                 fmi2SetRealInputDerivatives(c: Component, vr: *const ValueReference, n: usize, orders: *const c_int, values: *const f64) -> Status
                     = export::set_real_input_derivatives(c, vr, n, orders, values);
-                fmi2GetRealOutputDerivatives(c: Component, _vr: *const ValueReference, _n: usize, _orders: *const c_int, _values: *mut f64) -> Status
-                    = export::not_offered(c, Function::GetRealOutputDerivatives);
+                fmi2GetRealOutputDerivatives(c: Component, vr: *const ValueReference, n: usize, orders: *const c_int, values: *mut f64) -> Status
+                    = export::get_real_output_derivatives(c, vr, n, orders, values);
                 fmi2DoStep(c: Component, time: f64, length: f64, no_state_prior: Boolean) -> Status = export::do_step(c, time, length, no_state_prior);
                 fmi2CancelStep(c: Component) -> Status = export::not_offered(c, Function::CancelStep);
                 fmi2GetStatus(c: Component, kind: c_int, value: *mut Status) -> Status = export::get_status(c, Function::GetStatus, kind, value);

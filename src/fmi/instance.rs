@@ -262,6 +262,17 @@ impl Instance {
         self.slave.set_rate(index, value)
     }
 
+    /// fmi2GetRealOutputDerivatives for one variable. Orders that are not known are 0, as the standard
+    /// has it.
+    pub fn output_derivative(&mut self, reference: u32, order: i32) -> Result<f64> {
+        let index = self.real(reference)?;
+        if order < 1 {
+            return Err(Error::call(format!("derivative of order {order}: the order is at least 1")));
+        }
+        let first = self.slave.output_derivative(index)?;
+        Ok(if order == 1 { first } else { 0.0 })
+    }
+
     /// fmi2DoStep.
     pub fn do_step(&mut self, time: f64, length: f64) -> Result<()> {
         self.slave.step(time, length)?;

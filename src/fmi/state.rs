@@ -97,7 +97,8 @@ impl Function {
             // to wait for initialization; FMPy sets their start values before, which does no harm.
             SetReal | SetInteger | SetBoolean | SetString => WRITE,
             SetRealInputDerivatives => N | C,
-            GetDirectionalDerivative | GetRealOutputDerivatives => READ,
+            GetDirectionalDerivative => READ,
+            GetRealOutputDerivatives => C,
             GetFMUstate
             | SetFMUstate
             | FreeFMUstate

@@ -49,6 +49,8 @@ struct Data<M> {
     grid: M,
     /// The state at the communication point, where `clock.off_grid`.
     between: M,
+    /// The state one grid step before `grid`, for derivatives of outputs.
+    before: M,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -67,6 +69,8 @@ struct Clock {
     steps: u64,
     /// The communication point lies between grid points.
     off_grid: bool,
+    /// The time of the state before.
+    time_before: f64,
 }
 
 /// The course of one input.
@@ -86,7 +90,7 @@ impl Signal {
     }
 }
 
-clone_in_place!(Data<M> { clock, signals, grid, between });
+clone_in_place!(Data<M> { clock, signals, grid, between, before });
 
 impl<M: Model> Native<M> {
     /// The interface of the model with the start values of its variable table.
@@ -189,13 +193,17 @@ impl<M: Model> Native<M> {
     }
 
     fn advance(&mut self, target: f64) -> Result<()> {
-        let Data { clock, signals, grid, between } = &mut self.data;
+        let Data { clock, signals, grid, between, before } = &mut self.data;
         let h = clock.step_size;
         let position = (target - clock.start) / h;
         // Times of long runs are rounded more coarsely than the grid tolerance.
         let tolerance = GRID_TOLERANCE.max(4.0 * f64::EPSILON * position);
         let ticks = (position + tolerance).floor() as u64;
         while clock.ticks < ticks {
+            if clock.ticks + 1 == ticks {
+                before.clone_from(grid);
+                clock.time_before = clock.start + clock.ticks as f64 * h;
+            }
             clock.ticks += 1;
             feed(grid, signals, clock.start + clock.ticks as f64 * h);
             grid.step(h)?;
@@ -242,8 +250,9 @@ impl<M: Model> Data<M> {
             step_size: 0.0,
             steps: 0,
             off_grid: false,
+            time_before: 0.0,
         };
-        Self { clock, signals, between: grid.clone(), grid }
+        Self { clock, signals, between: grid.clone(), before: grid.clone(), grid }
     }
 }
 
@@ -373,8 +382,34 @@ impl<M: Model> Slave for Native<M> {
         let clock = &mut self.data.clock;
         clock.step_size = h;
         clock.phase = Phase::Running;
+        clock.time_before = clock.start;
         self.data.between.clone_from(&self.data.grid);
+        self.data.before.clone_from(&self.data.grid);
         Ok(())
+    }
+
+    fn output_derivative(&mut self, variable: usize) -> Result<f64> {
+        let info = &self.interface.variables[variable];
+        let clock = self.data.clock;
+        let (Access::Real(get, _), Causality::Output, Phase::Running) =
+            (M::VARIABLES[variable].access(), info.causality, clock.phase)
+        else {
+            let what = format!("the derivative of {}", info.name);
+            return Err(match clock.phase {
+                Phase::Running => Error::variable(format!("{what}: only real outputs have one")),
+                _ => wrong_order(&what, "before the end of initialization or after a failed step"),
+            });
+        };
+        let past = clock.time - clock.time_before;
+        if past > 0.0 {
+            return Ok((get(self.model()) - get(&self.data.before)) / past);
+        }
+        // no step yet: look ahead on a copy
+        let Data { clock, signals, grid, between, .. } = &mut self.data;
+        between.clone_from(grid);
+        feed(between, signals, clock.start + clock.step_size);
+        between.step(clock.step_size)?;
+        Ok((get(between) - get(grid)) / clock.step_size)
     }
 
     fn warning(&self) -> Option<String> {

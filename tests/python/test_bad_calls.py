@@ -166,7 +166,6 @@ def test_what_is_not_offered_says_so(slaves):
     one = ctypes.c_size_t(1)
     for call in (
         lambda: dll.fmi2GetDirectionalDerivative(component, None, one, None, one, None, None),
-        lambda: dll.fmi2GetRealOutputDerivatives(component, None, one, None, None),
         lambda: dll.fmi2CancelStep(component),
     ):
         slave.messages.clear()

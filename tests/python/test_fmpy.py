@@ -132,6 +132,27 @@ def test_between_grid_points_the_result_is_near_its_neighbours(slaves):
     assert low < middle < high
 
 
+def test_derivatives_of_outputs_are_those_of_the_last_internal_step(slaves):
+    slave = slaves(START)
+    names = ["force_x", "force_z", "wheel_angle"]
+    slave.set(slip=0.05, deflection=0.025)
+    slave.steps(5)
+    for time, length in [(0.005, 1e-4), (0.0051, 1e-4), (0.0052, 0.5e-4)]:
+        before = slave.get(*names)
+        slave.raw.doStep(time, length)
+        now, rates = slave.get(*names), slave.derivatives(*names)
+        if length == 1e-4:
+            for y0, y1, rate in zip(before, now, rates):
+                assert rate == pytest.approx((y1 - y0) / length, rel=1e-9)
+    # the wheel's angle has a rate that everybody knows: (slip + 1) v / R
+    spin = (1 + slave.get("actual_slip")[0]) * 15.0 / 0.328
+    assert slave.derivatives("wheel_angle")[0] == pytest.approx(spin, rel=1e-3)
+    # before the first step a stationary state
+    fresh = slaves(START)
+    assert fresh.derivatives("force_z")[0] == pytest.approx(0.0, abs=1e4)
+    assert fresh.derivatives("wheel_angle")[0] == pytest.approx(15.0 / 0.328, rel=1e-12)
+
+
 def test_save_restore_and_serialise(slaves):
     slave = slaves(dict(START, slip_angle=0.02))
     slave.steps(50)
