@@ -23,7 +23,6 @@ pub fn run(args: &Args) -> Result<()> {
         Format::Json => print_json(&as_json(&interface)),
         Format::Text => print(&as_text(&interface)),
     }
-    Ok(())
 }
 
 fn as_text(interface: &Interface) -> String {

@@ -1,8 +1,9 @@
 //! `latsch export`: an FMU of a model.
 
-use super::print;
+use super::{check_outputs, print};
 use latsch::fmi::archive::ModelLibrary;
-use latsch::model::Settings;
+use latsch::fmi::import::ImportedFmu;
+use latsch::model::{Settings, Slave};
 use latsch::{Error, Result, write_file};
 use std::path::{Path, PathBuf};
 
@@ -30,9 +31,30 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let fmu = library.fmu(&args.model, &settings)?;
     let output = args.output.clone().unwrap_or_else(|| format!("{}.fmu", args.model).into());
+    check_outputs(
+        &[&output],
+        &args.parameters.iter().chain(&args.library).map(|p| p.as_path()).collect::<Vec<_>>(),
+    )?;
+    try_out(&fmu).map_err(|e| match &args.parameters {
+        Some(path) => e.at(path.display()),
+        None => e,
+    })?;
     write_file(&output, &fmu)?;
-    print(&format!("{}: {} kB", output.display(), fmu.len() / 1000));
-    Ok(())
+    print(&format!("{}: {} kB", output.display(), fmu.len() / 1000))
+}
+
+/// Initializes the FMU once: parameters may contradict each other, which no range can say.
+fn try_out(fmu: &[u8]) -> Result<()> {
+    let io = |e: std::io::Error| Error::file(format!("a temporary folder cannot be used: {e}"));
+    let folder = tempfile::tempdir().map_err(io)?;
+    let path = folder.path().join("new.fmu");
+    write_file(&path, fmu)?;
+    let start = |path| {
+        let mut fmu = ImportedFmu::load(path)?;
+        fmu.start(0.0, None)?;
+        fmu.finish_start()
+    };
+    start(&path).map_err(|e| Error::variable(format!("the FMU would not start: {e}")))
 }
 
 /// The settings in a file; none without a file.

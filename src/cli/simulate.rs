@@ -1,10 +1,10 @@
 //! `latsch simulate`: a model or FMU along recorded inputs.
 
 use super::export::read_settings;
-use super::print;
+use super::{check_outputs, print};
 use indicatif::{ProgressBar, ProgressStyle};
-use latsch::fmi::Entry;
 use latsch::fmi::import::ImportedFmu;
+use latsch::fmi::{Entry, guid};
 use latsch::model::unit::Unit;
 use latsch::model::{Causality, Interface, Kind, Model, Native, Settings, Slave, Value, VariableInfo};
 use latsch::recording::{Recording, read_csv, write_csv};
@@ -54,6 +54,11 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<()> {
+    let mut read: Vec<&Path> = vec![Path::new(&args.model)];
+    read.extend(args.inputs.iter().chain(&args.parameters).map(PathBuf::as_path));
+    let outputs: Vec<&Path> =
+        std::iter::once(&args.output).chain(&args.report).map(PathBuf::as_path).collect();
+    check_outputs(&outputs, &read)?;
     let inputs = args.inputs.as_deref().map(read_csv).transpose()?;
     let mut subject = Subject::load(&args.model, args.parameters.as_deref())?;
     let mut experiment = Experiment {
@@ -64,7 +69,11 @@ pub fn run(args: &Args) -> Result<()> {
         step: args.step,
     };
     for assignment in &args.set {
-        experiment.values.push(parse_assignment(subject.slave.interface(), assignment)?);
+        let value = parse_assignment(subject.slave.interface(), assignment)?;
+        if experiment.values.iter().any(|(index, _)| *index == value.0) {
+            return Err(Error::variable(format!("--set {assignment}: the variable is set twice")));
+        }
+        experiment.values.push(value);
     }
     let outcome = subject.run(&experiment, &args.model)?;
     write_csv(&args.output, &selected(subject.slave.interface(), &outcome.recording, args.all))?;
@@ -79,10 +88,7 @@ pub fn run(args: &Args) -> Result<()> {
 fn finish(output: &Path, outcome: Outcome) -> Result<()> {
     let samples = outcome.recording.time.len();
     match outcome.stopped {
-        None => {
-            print(&format!("{}: {samples} samples", output.display()));
-            Ok(())
-        }
+        None => print(&format!("{}: {samples} samples", output.display())),
         Some(error) => Err(Error::numeric(format!(
             "stopped at {error}\n{} has the {samples} samples before that",
             output.display()
@@ -124,13 +130,7 @@ impl Subject {
         let maker = about.generation_tool.as_deref().unwrap_or("an unnamed tool");
         let description = format!("{} ({}), made by {maker}", path.display(), about.model_name);
         let even_steps_only = !about.capabilities.can_handle_variable_step;
-        // an FMU of this version's flat track: the same code runs here as in its binary
-        let flat_track = fmu
-            .resource("model.toml")
-            .and_then(|bytes| String::from_utf8(bytes).ok())
-            .and_then(|text| Settings::parse(&text, "model.toml").ok())
-            .filter(|s| s.version.as_deref() == Some(VERSION))
-            .filter(|s| s.model.as_deref() == Some(RingBrushFlatTrack::NAME));
+        let flat_track = own_flat_track(&fmu);
         Ok(Self { slave: Box::new(fmu), flat_track, even_steps_only, description })
     }
 
@@ -196,6 +196,17 @@ impl Subject {
             &facts,
         ))
     }
+}
+
+/// The settings of an FMU that is this version's flat track: the same code runs here as in its binary,
+/// and its variables have the same numbers.
+fn own_flat_track(fmu: &ImportedFmu) -> Option<Settings> {
+    let text = String::from_utf8(fmu.resource("model.toml")?).ok()?;
+    let table = Native::<RingBrushFlatTrack>::table();
+    let same_variables = fmu.interface().variables.iter().map(|v| (&v.name, v.reference));
+    let same = guid(&table, &text) == fmu.description().guid
+        && same_variables.eq(table.variables.iter().map(|v| (&v.name, v.reference)));
+    if same { Settings::parse(&text, "model.toml").ok() } else { None }
 }
 
 fn progress(schedule: &Schedule, title: &str) -> ProgressBar {
@@ -277,12 +288,14 @@ fn parse_value(variable: &VariableInfo, text: &str) -> Result<Value> {
             Ok(text.parse().map(Value::Integer).unwrap_or_else(|_| Value::Text(text.into())))
         }
         Kind::Real => {
-            let (number, unit) = match text.split_once(char::is_whitespace) {
-                Some((number, unit)) => (number, Some(unit.trim())),
-                None => (text, None),
-            };
-            let Ok(number) = number.parse::<f64>() else { return not("a number, or a number and a unit") };
-            let Some(unit) = unit else { return Ok(Value::Real(number)) };
+            // the longest beginning that is a number: 90km/h, 1e-3 m
+            let number = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
+            let number = number.filter_map(|end| Some((text[..end].trim().parse::<f64>().ok()?, end))).next();
+            let Some((number, end)) = number else { return not("a number, or a number and a unit") };
+            let unit = text[end..].trim();
+            if unit.is_empty() {
+                return Ok(Value::Real(number));
+            }
             let own = variable.unit.as_deref().unwrap_or("1");
             match Unit::parse(unit)?.to(Unit::parse(own)?) {
                 Some((factor, offset)) => Ok(Value::Real(number * factor + offset)),

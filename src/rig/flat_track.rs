@@ -11,7 +11,7 @@ use crate::model::{
     text_parameter,
 };
 use crate::tire::Motion;
-use crate::tire::ring_brush::{Parameters, State, Stationary, Tire, Vertical, stationary};
+use crate::tire::ring_brush::{Bristles, Parameters, State, Stationary, Tire, Vertical, stationary};
 use crate::{Result, boolean, clone_in_place, integer, real};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -223,6 +223,11 @@ impl Model for RingBrushFlatTrack {
         self.state = stationary.state(&self.tire, &self.rim)?;
         self.measure();
         Ok(())
+    }
+
+    fn is_consistent(&self) -> bool {
+        let fresh = self.tire == Tire::default() && self.state.bristles == Bristles::default();
+        fresh || self.tire.fits(&self.parameters) && self.state.bristles.fit(&self.parameters)
     }
 
     fn warning(&self) -> Option<String> {

@@ -248,3 +248,17 @@ def test_initialization_mode_answers_at_once(slaves):
     # hanging in the air: the belt's weight pulls at the rim
     assert slave.get("force_z")[0] == pytest.approx(-8.8 * 9.81, rel=1e-12)
     slave.raw.exitInitializationMode()
+
+
+@pytest.mark.parametrize("start", [0.0, -5.0, 1.7e9])
+def test_clocks_of_masters(slaves, start):
+    # each point computed anew, and added up; also where a second is many units in the last place
+    one, two = slaves(), slaves()
+    one.begin(dict(START, slip=0.02), time=start, stop=start + 0.5)
+    two.begin(dict(START, slip=0.02), time=start, stop=start + 0.5)
+    time = start
+    for k in range(500):
+        one.raw.doStep(start + k * 1e-3, 1e-3)
+        two.raw.doStep(time, 1e-3)
+        time += 1e-3
+    assert one.get("force_x")[0] == pytest.approx(two.get("force_x")[0], rel=1e-3)

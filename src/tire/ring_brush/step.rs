@@ -41,6 +41,11 @@ impl Tire {
         })
     }
 
+    /// True if this is the tire with these parameters.
+    pub fn fits(&self, parameters: &Parameters) -> bool {
+        Self::new(parameters).is_ok_and(|tire| tire == *self)
+    }
+
     /// The parameters.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
