@@ -159,7 +159,7 @@ impl Instance {
         let reason = reason(&self.foundation.log);
         // many FMUs begin their message with the function, which stands here already
         let reason = match reason.split_once(": ") {
-            Some((function, rest)) if what.contains(function) => rest,
+            Some((function, rest)) if what.to_string().contains(function) => rest,
             _ => &reason,
         };
         let error = Error::fmu(format!("{}: {what} returned {word}: {reason}", self.name));
