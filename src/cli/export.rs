@@ -1,9 +1,11 @@
 //! `latsch export`: an FMU of a model.
 
 use super::{check_outputs, print};
+use latsch::fmi::Entry;
 use latsch::fmi::archive::ModelLibrary;
 use latsch::fmi::import::ImportedFmu;
 use latsch::model::{Settings, Slave};
+use latsch::shipped::MODELS;
 use latsch::{Error, Result, write_file};
 use std::path::{Path, PathBuf};
 
@@ -35,26 +37,29 @@ pub fn run(args: &Args) -> Result<()> {
         &[&output],
         &args.parameters.iter().chain(&args.library).map(|p| p.as_path()).collect::<Vec<_>>(),
     )?;
-    try_out(&fmu).map_err(|e| match &args.parameters {
-        Some(path) => e.at(path.display()),
-        None => e,
-    })?;
+    try_out(args, &settings, &fmu)?;
     write_file(&output, &fmu)?;
     print(&format!("{}: {} kB", output.display(), fmu.len() / 1000))
 }
 
-/// Initializes the FMU once: parameters may contradict each other, which no range can say.
-fn try_out(fmu: &[u8]) -> Result<()> {
-    let io = |e: std::io::Error| Error::file(format!("a temporary folder cannot be used: {e}"));
-    let folder = tempfile::tempdir().map_err(io)?;
-    let path = folder.path().join("new.fmu");
-    write_file(&path, fmu)?;
-    let start = |path| {
-        let mut fmu = ImportedFmu::load(path)?;
-        fmu.start(0.0, None)?;
-        fmu.finish_start()
+/// Initializes the model once: parameters may contradict each other, which no range can say.
+fn try_out(args: &Args, settings: &Settings, fmu: &[u8]) -> Result<()> {
+    let start = |slave: &mut dyn Slave| {
+        slave.start(0.0, None)?;
+        slave.finish_start()
     };
-    start(&path).map_err(|e| Error::variable(format!("the FMU would not start: {e}")))
+    let tried = if args.library.is_none() {
+        start(Entry::find(MODELS, &args.model)?.slave(settings)?.as_mut())
+    } else {
+        // the model of another library runs in its FMU only
+        let io = |e: std::io::Error| Error::file(format!("a temporary folder cannot be used: {e}"));
+        let folder = tempfile::tempdir().map_err(io)?;
+        let path = folder.path().join("new.fmu");
+        write_file(&path, fmu)?;
+        start(&mut ImportedFmu::load(&path)?)
+    };
+    let place = args.parameters.as_ref().map(|path| format!("{}: ", path.display())).unwrap_or_default();
+    tried.map_err(|e| Error::variable(format!("{place}the FMU would not start: {e}")))
 }
 
 /// The settings in a file; none without a file.
