@@ -104,8 +104,11 @@ impl Experiment<'_> {
         let mut courses = Vec::new();
         for channel in &recording.channels {
             let place = format!("{}: channel {:?}", recording.source, channel.name);
-            let variable =
-                interface.find(&channel.name).map_err(|e| Error::file(e.to_string()).at(&place))?;
+            let variable = interface.find(&channel.name).map_err(|e| {
+                let way_out =
+                    format!("a column that is not needed is left out with --ignore {}", channel.name);
+                Error::file(format!("{place}: {e}; {way_out}"))
+            })?;
             let info = &interface.variables[variable];
             match info.causality {
                 Causality::Input => {}

@@ -5,7 +5,7 @@ use super::{check_outputs, print};
 use indicatif::{ProgressBar, ProgressStyle};
 use latsch::fmi::import::ImportedFmu;
 use latsch::fmi::{Entry, guid};
-use latsch::model::unit::Unit;
+use latsch::model::unit::quantity;
 use latsch::model::{Causality, Interface, Kind, Model, Native, Settings, Slave, Value, VariableInfo};
 use latsch::recording::{Recording, read_csv, write_csv};
 use latsch::report::{PatchFrame, patch_caption, simulation_report, write_html};
@@ -27,6 +27,9 @@ pub struct Args {
     /// are shown beside the simulation
     #[arg(long, value_name = "F.csv")]
     inputs: Option<PathBuf>,
+    /// A column of the recording that is left out
+    #[arg(long, value_name = "COLUMN")]
+    ignore: Vec<String>,
     /// Value of a parameter, or of an input for the whole run; `path_speed="90 km/h"` is converted
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -59,7 +62,12 @@ pub fn run(args: &Args) -> Result<()> {
     let outputs: Vec<&Path> =
         std::iter::once(&args.output).chain(&args.report).map(PathBuf::as_path).collect();
     check_outputs(&outputs, &read)?;
-    let inputs = args.inputs.as_deref().map(read_csv).transpose()?;
+    let mut inputs = args.inputs.as_deref().map(read_csv).transpose()?;
+    for name in &args.ignore {
+        let recording = inputs.as_mut().ok_or_else(|| Error::call("--ignore goes with --inputs"))?;
+        recording.channel(name)?;
+        recording.channels.retain(|c| c.name != *name);
+    }
     let mut subject = Subject::load(&args.model, args.parameters.as_deref())?;
     let mut experiment = Experiment {
         inputs: inputs.as_ref(),
@@ -103,6 +111,8 @@ pub struct Subject {
     flat_track: Option<Settings>,
     even_steps_only: bool,
     description: String,
+    /// Names and values of text parameters, such as the name of the tire.
+    texts: Vec<(String, String)>,
 }
 
 impl Subject {
@@ -120,7 +130,7 @@ impl Subject {
             let slave = entry.slave(&settings)?;
             let flat_track = (model == RingBrushFlatTrack::NAME).then_some(settings);
             let description = format!("{model}, in this program (latsch {VERSION})");
-            return Ok(Self { slave, flat_track, even_steps_only: false, description });
+            return Ok(Self { slave, flat_track, even_steps_only: false, description, texts: Vec::new() });
         }
         if parameters.is_some() {
             return Err(Error::call("an FMU has its parameters inside; change them with --set"));
@@ -131,7 +141,7 @@ impl Subject {
         let description = format!("{} ({}), made by {maker}", path.display(), about.model_name);
         let even_steps_only = !about.capabilities.can_handle_variable_step;
         let flat_track = own_flat_track(&fmu);
-        Ok(Self { slave: Box::new(fmu), flat_track, even_steps_only, description })
+        Ok(Self { slave: Box::new(fmu), flat_track, even_steps_only, description, texts: Vec::new() })
     }
 
     /// Runs it, with a progress bar on a terminal.
@@ -156,6 +166,14 @@ impl Subject {
             bar.set_position(k as u64);
         });
         bar.finish_and_clear();
+        let texts: Vec<usize> = (0..self.slave.interface().variables.len())
+            .filter(|&i| self.slave.interface().variables[i].kind == Kind::Text)
+            .collect();
+        for index in texts {
+            if let Ok(text) = self.slave.text(index) {
+                self.texts.push((self.slave.interface().variables[index].name.clone(), text));
+            }
+        }
         outcome
     }
 
@@ -171,11 +189,15 @@ impl Subject {
             ("Time".into(), format!("{} s to {} s", schedule.start, schedule.stop)),
             ("Communication step".into(), format!("{} ms", schedule.step * 1e3)),
         ];
+        facts.extend(self.texts.iter().cloned());
         if let Some(inputs) = experiment.inputs {
             facts.push(("Inputs".into(), inputs.source.clone()));
         }
         for (variable, value) in &experiment.values {
             let info = &interface.variables[*variable];
+            if info.kind == Kind::Text {
+                continue;
+            }
             let unit = info.unit.as_deref().map(|u| format!(" {u}")).unwrap_or_default();
             facts.push((info.name.clone(), format!("{value}{unit}")));
         }
@@ -287,20 +309,6 @@ fn parse_value(variable: &VariableInfo, text: &str) -> Result<Value> {
         Kind::Enumeration(_) => {
             Ok(text.parse().map(Value::Integer).unwrap_or_else(|_| Value::Text(text.into())))
         }
-        Kind::Real => {
-            // the longest beginning that is a number: 90km/h, 1e-3 m
-            let number = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
-            let number = number.filter_map(|end| Some((text[..end].trim().parse::<f64>().ok()?, end))).next();
-            let Some((number, end)) = number else { return not("a number, or a number and a unit") };
-            let unit = text[end..].trim();
-            if unit.is_empty() {
-                return Ok(Value::Real(number));
-            }
-            let own = variable.unit.as_deref().unwrap_or("1");
-            match Unit::parse(unit)?.to(Unit::parse(own)?) {
-                Some((factor, offset)) => Ok(Value::Real(number * factor + offset)),
-                None => not(&format!("in a unit that converts to {own}")),
-            }
-        }
+        Kind::Real => quantity(text, variable.unit.as_deref().unwrap_or("1")).map(Value::Real),
     }
 }

@@ -57,6 +57,14 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
         Ok(())
     }
 
+    /// Takes over tunable parameters that were set after initialization; called before the next step.
+    ///
+    /// # Errors
+    /// Parameters that contradict each other.
+    fn tune(&mut self) -> Result<()> {
+        Ok(())
+    }
+
     /// What the user should know about the state that [`initialize`](Model::initialize) found.
     fn warning(&self) -> Option<String> {
         None

@@ -2,8 +2,8 @@
 
 use super::slave::wrong_order;
 use super::{
-    Access, Causality, Initial, Interface, Kind, Model, Settings, Slave, Snapshot, Value, VariableInfo,
-    check_experiment, check_step,
+    Access, Causality, Initial, Interface, Kind, Model, Settings, Slave, Snapshot, Value, Variability,
+    VariableInfo, check_experiment, check_step,
 };
 use crate::{Error, Result, clone_in_place};
 use serde::{Deserialize, Serialize};
@@ -57,7 +57,7 @@ struct Data<M> {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Clock {
     phase: Phase,
-    /// Something was set after the last `initialize`.
+    /// Something was set after the last `initialize`, or a parameter was tuned after the last step.
     stale: bool,
     start: f64,
     stop: Option<f64>,
@@ -147,9 +147,11 @@ impl<M: Model> Native<M> {
     fn settable(&self, index: usize) -> Result<()> {
         let variable = self.info(index)?;
         let name = &variable.name;
+        let tunable = variable.variability == Variability::Tunable;
         match (variable.causality, self.data.clock.phase) {
             (_, Phase::Failed) => Err(wrong_order(&format!("setting {name}"), "after a failed step")),
             (Causality::Input, _) | (Causality::Parameter, Phase::New | Phase::Starting) => Ok(()),
+            (Causality::Parameter, Phase::Running) if tunable => Ok(()),
             (Causality::Parameter, _) => {
                 Err(wrong_order(&format!("setting the fixed parameter {name}"), "after initialization"))
             }
@@ -201,9 +203,11 @@ impl<M: Model> Native<M> {
                 signal.rate = None;
             }
         }
-        if matches!(clock.phase, Phase::New | Phase::Starting) {
+        let parameter = self.interface.variables[index].causality == Causality::Parameter;
+        if parameter || matches!(clock.phase, Phase::New | Phase::Starting) {
             clock.stale = true;
             put(&mut self.data.grid, index, &value);
+            put(&mut self.data.between, index, &value);
         }
         Ok(())
     }
@@ -489,6 +493,10 @@ impl<M: Model> Slave for Native<M> {
             }
             info.accept(&Value::Real(value))
                 .map_err(|e| e.at(format!("with its derivative, at {target} s")))?;
+        }
+        if clock.stale {
+            self.data.grid.tune()?;
+            self.data.clock.stale = false;
         }
         // what is left to read if the step fails
         if !clock.off_grid {

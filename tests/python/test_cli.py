@@ -80,6 +80,15 @@ def test_wrong_recordings(tmp_path, lines, words):
     assert not (tmp_path / "out.csv").exists()
 
 
+def test_files_as_german_spreadsheets_write_them(tmp_path):
+    inputs = write(tmp_path / "rig.csv", "time [s];slip [%];temperature [degC]", "0;0,5;21,5", "0,1;1,5;21,6")
+    done = simulate(tmp_path, inputs)
+    assert done.returncode == 2 and "--ignore temperature" in done.stderr
+    done = simulate(tmp_path, inputs, "--ignore", "temperature")
+    assert done.returncode == 0, done.stderr
+    assert read_results(tmp_path / "out.csv")["slip"][50] == pytest.approx(0.01, rel=1e-12)
+
+
 def test_nothing_is_extrapolated(tmp_path):
     inputs = write(tmp_path / "rig.csv", "time [s],slip [1]", "0.1,0", "0.2,0.01")
     assert simulate(tmp_path, inputs).returncode == 0
@@ -126,6 +135,8 @@ def test_a_model_that_gives_up_is_no_and_keeps_what_it_has(tmp_path):
         ("[parameters]\nbelt_mas = 9.0\n", ["tire.toml:2", "belt_mas", "belt_mass"]),
         ("[parameters]\nbelt_mass = -1.0\n", ["tire.toml:2", "belt_mass", "range"]),
         ("[parameters]\nbelt_mass = true\n", ["tire.toml:2", "number"]),
+        ('[parameters]\nbelt_mass = "9 N"\n', ["tire.toml:2", "belt_mass", '"kg"']),
+        ("[parameters]\nrolling_radius = 0.5\n", ["tire.toml", "rolling_radius", "tire_radius"]),
         ("[parameters]\nslip = 0.1\n", ["tire.toml:2", "[inputs]"]),
         ("[parameter]\nbelt_mass = 9.0\n", ["tire.toml:1", "parameter"]),
         ("[parameters]\nbelt_mass = = 9\n", ["tire.toml:2"]),

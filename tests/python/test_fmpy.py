@@ -262,3 +262,24 @@ def test_clocks_of_masters(slaves, start):
         two.raw.doStep(time, 1e-3)
         time += 1e-3
     assert one.get("force_x")[0] == pytest.approx(two.get("force_x")[0], rel=1e-3)
+
+
+def test_friction_can_be_tuned_between_steps(slaves):
+    # a wheel that slides sideways answers with sliding friction: halve it, and so is force over load
+    slave = slaves(dict(START, slip_angle=math.pi / 2))
+    slave.steps(100)
+
+    def used():
+        force, load = slave.get("patch_force_y", "patch_force_z")
+        return force / load
+
+    before = used()
+    slave.set(friction_sliding_zero=0.55, friction_sliding_reference=0.5)
+    assert slave.get("friction_sliding_zero") == [0.55]
+    slave.steps(400, 0.1)
+    assert used() == pytest.approx(0.5 * before, rel=0.01)
+    # what does not fit together is refused at the next step
+    slave.set(friction_static_zero=0.1)
+    with pytest.raises(FMICallException):
+        slave.raw.doStep(0.5, 1e-3)
+    assert "friction_static_zero" in slave.messages[-1][2]
