@@ -1,6 +1,6 @@
 //! The page of one run.
 
-use super::page::{Html, Page, Section, Table, number};
+use crate::page::{Html, Page, Section, Table, number};
 use super::patch::{PatchFrame, patch_frames};
 use super::plot::{Axis, Plot, Size};
 use crate::recording::{Channel, Recording, interpolate};

@@ -6,7 +6,7 @@ pub struct Html(String);
 
 impl Html {
     /// HTML as it stands; whoever calls this has escaped the text in it.
-    pub(super) fn raw(html: impl Into<String>) -> Self {
+    pub(crate) fn raw(html: impl Into<String>) -> Self {
         Self(html.into())
     }
 
@@ -27,7 +27,7 @@ impl Html {
 }
 
 /// Text in which nothing is markup any more, inside elements and inside quoted attributes.
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -102,7 +102,7 @@ fn is_number(text: &str) -> bool {
 }
 
 /// A number for people: four significant digits and a true minus sign; a dash if it is not finite.
-pub(super) fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if !value.is_finite() {
         return "–".into();
     }
