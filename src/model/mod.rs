@@ -36,10 +36,10 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
     const NAME: &'static str;
     /// What it models, in one sentence.
     const DESCRIPTION: &'static str;
-    /// Documentation for the FMU's `documentation/index.html`, beside the tables that are made from
-    /// [`VARIABLES`](Model::VARIABLES): HTML that may stand inside `<main>`, with a `<section>` and an
-    /// `<h2>` per topic, and without anything from outside (`include_str!` a file). It is trusted and
-    /// taken as it stands. It is no part of the GUID.
+    /// Documentation for the FMU's `documentation/index.html`, where the tables that follow from
+    /// [`VARIABLES`](Model::VARIABLES) come after it: HTML whose topics begin with `<h2>`, with nothing
+    /// from outside (`include_str!` a file). It is trusted and taken as it stands, and no part of the
+    /// GUID.
     const DOCUMENTATION: &'static str = "";
     /// Every variable. The position in the table is the FMI value reference: append, do not insert.
     const VARIABLES: &'static [Variable<Self>];
