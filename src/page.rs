@@ -261,6 +261,12 @@ dl.eq dt, dl.eq dd { margin: 0; white-space: nowrap; }
 dl.eq dd { color: #5b6770; font-size: .87rem; }
 math { font-size: 1.06em; }
 math[display=block] { margin: .25rem 0; text-align: left; }
+math .matrix { margin: 0 .2em; padding: 0 .1em; border: solid; border-width: 0 1.5px; border-radius: .6em; }
+math .cases { margin-left: .2em; border-left: 1.5px solid; border-radius: .6em; }
+math .cases mtd { text-align: left; }
+math mrow.matrix { padding: 0 .25em; }
+math mover > mo { font-size: 1.25em; }
+math mfrac > * { padding: .12em .1em; }
 .range { white-space: nowrap; }
 .wide .text { white-space: normal; }
 .changed { background: #fff6dc; }
@@ -284,6 +290,12 @@ dl.eq dt, dl.eq dd { margin: 0; white-space: nowrap; }
 dl.eq dd { color: #5b6770; font-size: .87rem; }
 math { font-size: 1.06em; }
 math[display=block] { margin: .25rem 0; text-align: left; }
+math .matrix { margin: 0 .2em; padding: 0 .1em; border: solid; border-width: 0 1.5px; border-radius: .6em; }
+math .cases { margin-left: .2em; border-left: 1.5px solid; border-radius: .6em; }
+math .cases mtd { text-align: left; }
+math mrow.matrix { padding: 0 .25em; }
+math mover > mo { font-size: 1.25em; }
+math mfrac > * { padding: .12em .1em; }
 .range { white-space: nowrap; }
 .wide .text { white-space: normal; }
 .changed { background: #fff6dc; }

@@ -221,3 +221,101 @@ fn number(value: f64) -> String {
         if size == 0.0 || (1e-4..1e6).contains(&size) { format!("{value}") } else { format!("{value:e}") };
     text.replace('-', "−")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Native, Settings};
+    use crate::rig::RingBrushFlatTrack;
+    use crate::shipped::MODELS;
+
+    const ATTACK: &str = "<script>alert(1)</script>";
+
+    #[test]
+    fn every_variable_is_there_and_nothing_comes_from_outside() {
+        for entry in MODELS {
+            let table = (entry.table)();
+            let html = page(&table, &table, "{guid}", entry.documentation);
+            for v in &table.variables {
+                assert!(html.contains(&format!("<code>{}</code></td>", v.name)), "{}", v.name);
+                assert!(html.contains(&escape(&v.description)), "{}", v.name);
+            }
+            for outside in ["http:", "https:", "url(", "@import", "src=", "<script", "<link"] {
+                assert!(!html.contains(outside), "{outside}");
+            }
+            for topic in ["Equations", "Validity and limits", "Axes and signs", "Numerics", "License"] {
+                assert!(html.contains(&format!("{topic}</h2>")), "{topic}");
+            }
+        }
+    }
+
+    #[test]
+    fn markup_in_an_authors_text_is_well_formed() {
+        for entry in MODELS {
+            let mut reader = quick_xml::Reader::from_str(entry.documentation);
+            let mut open: Vec<String> = Vec::new();
+            loop {
+                match reader.read_event().unwrap() {
+                    quick_xml::events::Event::Start(tag) => open.push(tag.name().as_ref().to_string()),
+                    quick_xml::events::Event::End(tag) => {
+                        assert_eq!(open.pop().as_deref(), Some(tag.name().as_ref()));
+                    }
+                    quick_xml::events::Event::Eof => break,
+                    _ => {}
+                }
+            }
+            assert!(open.is_empty());
+        }
+    }
+
+    #[test]
+    fn values_of_this_fmu_are_shown_and_marked() {
+        let table = Native::<RingBrushFlatTrack>::table();
+        let plain = page(&table, &table, "", "");
+        assert!(
+            plain.contains("all are the model&#39;s defaults") && !plain.contains("<tr class=\"changed\">")
+        );
+        let settings = Settings::parse("[parameters]\nbelt_mass = 9.25\ntire_radius = 0.33", "t").unwrap();
+        let mut interface = table.clone();
+        for (index, value) in settings.check(&table).unwrap() {
+            interface.variables[index].start = Some(value);
+        }
+        let html = page(&table, &interface, "", "");
+        assert_eq!(html.matches("<tr class=\"changed\">").count(), 2);
+        assert!(html.contains("<td class=\"number\">9.25</td><td class=\"number\">8.8</td>"), "{html}");
+    }
+
+    #[test]
+    fn names_units_and_texts_of_a_table_are_escaped() {
+        let mut table = Native::<RingBrushFlatTrack>::table();
+        table.name = ATTACK.into();
+        table.description = ATTACK.into();
+        for v in &mut table.variables {
+            v.name = ATTACK.into();
+            v.description = ATTACK.into();
+            if v.unit.is_some() {
+                v.unit = Some(ATTACK.into());
+            }
+            if let Kind::Enumeration(items) = &mut v.kind {
+                items.fill((ATTACK.into(), ATTACK.into()));
+            }
+            if let Some(Value::Text(text)) = &mut v.start {
+                *text = ATTACK.into();
+            }
+        }
+        assert!(!page(&table, &table, ATTACK, "").contains("<script"));
+    }
+
+    #[test]
+    fn an_author_writes_topics_a_text_or_nothing() {
+        let table = Native::<RingBrushFlatTrack>::table();
+        let of = |text: &str| page(&table, &table, "", text);
+        assert!(of("<p>Only this</p>").contains("<p>Only this</p>"));
+        let two = of("<p>0</p><h2>A &amp; B</h2><p>1</p><h2>C</h2><p>2</p>");
+        assert!(
+            two.contains("<h2>A &amp; B</h2>\n<p>1</p>") && two.contains("<h2>C</h2>\n<p>2</p>"),
+            "{two}"
+        );
+        assert!(of("").contains("<h2>Inputs</h2>"));
+    }
+}
