@@ -3,7 +3,7 @@
 use super::archive::PLATFORM;
 use super::log::CATEGORIES;
 use crate::model::{Causality, Interface, Kind, Value, VariableInfo};
-use crate::page::{Html, Page, Section, Table, escape};
+use crate::page::{Html, Page, Section, Table, escape, number as short};
 
 /// Files of `documentation/licenses/`: the project's own and what is linked into the binary.
 pub const LICENSES: [(&str, &str); 3] = [
@@ -206,6 +206,11 @@ fn start(variable: &VariableInfo) -> String {
 }
 
 fn range(variable: &VariableInfo) -> String {
+    // a limit like pi is readable in four digits
+    let number = |limit: f64| match number(limit) {
+        long if long.len() > 12 => short(limit),
+        exact => exact,
+    };
     match (variable.min, variable.max) {
         (Some(min), Some(max)) => format!("{} to {}", number(min), number(max)),
         (Some(min), None) => format!("from {}", number(min)),
