@@ -5,7 +5,8 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 /// Writes a file through a temporary one beside it that is renamed at the end: a reader, or whoever
-/// finds the file after a crash, never sees half of it.
+/// finds the file after a crash, never sees half of it. Links are followed; what is there and no
+/// ordinary file (a pipe, a device) is written to as it is.
 ///
 /// # Errors
 /// Any failure of the file system, with the path.
@@ -14,6 +15,12 @@ pub(crate) fn write_whole(
     content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<()> {
     let write = || -> std::io::Result<()> {
+        let path = &path.canonicalize().unwrap_or_else(|_| path.into());
+        if path.exists() && !path.is_file() {
+            let mut writer = BufWriter::new(std::fs::File::options().write(true).open(path)?);
+            content(&mut writer)?;
+            return writer.flush();
+        }
         let folder = match path.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
@@ -23,12 +30,13 @@ pub(crate) fn write_whole(
         // Temporary files are private by default, results are not; the umask still applies.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder.tempfile_in(folder)?;
+        // errors without the name of the temporary file, which nobody chose
+        let file = builder.tempfile_in(folder).map_err(|e| std::io::Error::from(e.kind()))?;
         let mut writer = BufWriter::new(&file);
         content(&mut writer)?;
         writer.flush()?;
         drop(writer);
-        file.persist(path)?;
+        file.persist(path).map_err(|e| std::io::Error::from(e.error.kind()))?;
         Ok(())
     };
     write().map_err(|e| Error::file(format!("{} cannot be written: {e}", path.display())))
@@ -45,6 +53,23 @@ pub fn write_file(path: &Path, content: &[u8]) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_devices_left_alone() {
+        use std::os::unix::fs::FileTypeExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (target, link) = (folder.path().join("target"), folder.path().join("link"));
+        std::fs::write(&target, "old").unwrap();
+        std::os::unix::fs::symlink(&target, &link).unwrap();
+        write_file(&link, b"new").unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(std::fs::read_to_string(&target).unwrap(), "new");
+        write_file(Path::new("/dev/null"), b"gone").unwrap();
+        assert!(std::fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+        let error = write_file(&folder.path().join("none/x.csv"), b"").unwrap_err().to_string();
+        assert!(error.contains("none/x.csv") && !error.contains(".latsch-"), "{error}");
+    }
 
     #[test]
     fn a_failed_write_leaves_the_old_file_and_nothing_else() {

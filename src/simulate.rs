@@ -5,6 +5,8 @@ use crate::model::{Causality, Interface, Kind, Slave, Value};
 use crate::recording::{Channel, Recording, interpolate};
 use crate::{Error, Result};
 
+/// More values than this (4 GB) are not recorded.
+const MAX_VALUES: f64 = 5e8;
 /// How far a last step may be from a whole one, in steps, to count as whole.
 const STEP_TOLERANCE: f64 = 1e-6;
 
@@ -88,8 +90,11 @@ impl Experiment<'_> {
             recording.covers(start, stop)?;
         }
         let steps = ((stop - start) / step - STEP_TOLERANCE).ceil().max(1.0);
-        if steps > 1e8 {
-            return Err(Error::call(format!("{steps:.1e} steps of {step} s are more than fit into memory")));
+        let values = steps * interface.variables.len() as f64;
+        if values > MAX_VALUES {
+            return Err(Error::call(format!(
+                "{steps:.1e} steps of {step} s give {values:.1e} values, more than the {MAX_VALUES:.0e} that are kept in memory; take longer steps or a shorter time"
+            )));
         }
         Ok(Schedule { start, stop, step, steps: steps as usize })
     }
@@ -99,8 +104,11 @@ impl Experiment<'_> {
         let mut courses = Vec::new();
         for channel in &recording.channels {
             let place = format!("{}: channel {:?}", recording.source, channel.name);
-            let variable =
-                interface.find(&channel.name).map_err(|e| Error::file(e.to_string()).at(&place))?;
+            let variable = interface.find(&channel.name).map_err(|e| {
+                let way_out =
+                    format!("a column that is not needed is left out with --ignore {}", channel.name);
+                Error::file(format!("{place}: {e}; {way_out}"))
+            })?;
             let info = &interface.variables[variable];
             match info.causality {
                 Causality::Input => {}

@@ -50,7 +50,7 @@ pub fn run(args: &Args) -> Result<()> {
         (&results, "inputs and outputs"),
         (&page, "open this in a browser"),
     ] {
-        print(&format!("{:40} {what}", path.display().to_string()));
+        print(&format!("{:40} {what}", path.display().to_string()))?;
     }
     Ok(())
 }

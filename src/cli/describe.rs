@@ -3,27 +3,34 @@
 use super::{Format, print, print_json};
 use latsch::Result;
 use latsch::fmi::Entry;
+use latsch::fmi::archive::ModelLibrary;
 use latsch::model::{Causality, Interface, Kind, Value, VariableInfo};
 use latsch::shipped::MODELS;
 use serde_json::json;
+use std::path::PathBuf;
 
 /// Show a model's variables with units, defaults and ranges
 #[derive(clap::Args)]
 pub struct Args {
-    /// Name of a shipped model (see `latsch models`)
+    /// Name of the model (see `latsch models`)
     model: String,
+    /// A library of own models made from fmu-template, instead of the shipped one
+    #[arg(long, value_name = "LIBRARY")]
+    library: Option<PathBuf>,
     /// How to print
     #[arg(long, value_enum, default_value = "text")]
     format: Format,
 }
 
 pub fn run(args: &Args) -> Result<()> {
-    let interface = (Entry::find(MODELS, &args.model)?.table)();
+    let interface = match &args.library {
+        Some(path) => ModelLibrary::open(path)?.model(&args.model)?.clone(),
+        None => (Entry::find(MODELS, &args.model)?.table)(),
+    };
     match args.format {
         Format::Json => print_json(&as_json(&interface)),
         Format::Text => print(&as_text(&interface)),
     }
-    Ok(())
 }
 
 fn as_text(interface: &Interface) -> String {

@@ -1,8 +1,11 @@
 //! `latsch export`: an FMU of a model.
 
-use super::print;
+use super::{check_outputs, print};
+use latsch::fmi::Entry;
 use latsch::fmi::archive::ModelLibrary;
-use latsch::model::Settings;
+use latsch::fmi::import::ImportedFmu;
+use latsch::model::{Settings, Slave};
+use latsch::shipped::MODELS;
 use latsch::{Error, Result, write_file};
 use std::path::{Path, PathBuf};
 
@@ -30,9 +33,33 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let fmu = library.fmu(&args.model, &settings)?;
     let output = args.output.clone().unwrap_or_else(|| format!("{}.fmu", args.model).into());
+    check_outputs(
+        &[&output],
+        &args.parameters.iter().chain(&args.library).map(|p| p.as_path()).collect::<Vec<_>>(),
+    )?;
+    try_out(args, &settings, &fmu)?;
     write_file(&output, &fmu)?;
-    print(&format!("{}: {} kB", output.display(), fmu.len() / 1000));
-    Ok(())
+    print(&format!("{}: {} kB", output.display(), fmu.len() / 1000))
+}
+
+/// Initializes the model once: parameters may contradict each other, which no range can say.
+fn try_out(args: &Args, settings: &Settings, fmu: &[u8]) -> Result<()> {
+    let start = |slave: &mut dyn Slave| {
+        slave.start(0.0, None)?;
+        slave.finish_start()
+    };
+    let tried = if args.library.is_none() {
+        start(Entry::find(MODELS, &args.model)?.slave(settings)?.as_mut())
+    } else {
+        // the model of another library runs in its FMU only
+        let io = |e: std::io::Error| Error::file(format!("a temporary folder cannot be used: {e}"));
+        let folder = tempfile::tempdir().map_err(io)?;
+        let path = folder.path().join("new.fmu");
+        write_file(&path, fmu)?;
+        start(&mut ImportedFmu::load(&path)?)
+    };
+    let place = args.parameters.as_ref().map(|path| format!("{}: ", path.display())).unwrap_or_default();
+    tried.map_err(|e| Error::variable(format!("{place}the FMU would not start: {e}")))
 }
 
 /// The settings in a file; none without a file.

@@ -7,7 +7,8 @@ mod models;
 mod simulate;
 
 use clap::{Parser, Subcommand, ValueEnum};
-use latsch::ErrorKind;
+use latsch::{Error, ErrorKind, Result};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Physical tire and rig models as FMI 2.0 co-simulation units
@@ -58,12 +59,45 @@ pub fn run() -> ExitCode {
 
 /// Prints a line to standard output. A reader that has gone away (`latsch models | head -1`) is no
 /// reason for a message.
-fn print(text: &str) {
-    use std::io::Write;
-    let _ = writeln!(std::io::stdout(), "{text}");
+fn print(text: &str) -> Result<()> {
+    use std::io::{ErrorKind, Write};
+    match writeln!(std::io::stdout(), "{text}") {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::file(format!("standard output cannot be written: {e}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Prints a value as JSON.
-fn print_json(value: &serde_json::Value) {
-    print(&serde_json::to_string_pretty(value).unwrap_or_default());
+fn print_json(value: &serde_json::Value) -> Result<()> {
+    print(&serde_json::to_string_pretty(value).unwrap_or_default())
+}
+
+/// Checks before a long run that its results can be written: the folders are there, and no result
+/// overwrites what is read or another result.
+fn check_outputs(outputs: &[&Path], read: &[&Path]) -> Result<()> {
+    for (i, output) in outputs.iter().enumerate() {
+        if let Some(folder) = output.parent().filter(|f| !f.as_os_str().is_empty())
+            && !folder.is_dir()
+        {
+            return Err(Error::file(format!(
+                "{} cannot be written: there is no folder {}",
+                output.display(),
+                folder.display()
+            )));
+        }
+        let same = |other: &&&Path| match (output.canonicalize(), other.canonicalize()) {
+            (Ok(a), Ok(b)) => a == b && a.is_file(),
+            _ => output == *other,
+        };
+        if let Some(other) = read.iter().chain(&outputs[..i]).find(same) {
+            return Err(Error::file(format!(
+                "writing {} would overwrite {}",
+                output.display(),
+                other.display()
+            )));
+        }
+    }
+    Ok(())
 }

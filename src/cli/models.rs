@@ -17,12 +17,10 @@ pub fn run(args: &Args) -> Result<()> {
     let tables = MODELS.iter().map(|m| (m.table)());
     if args.format == Format::Json {
         let list: Vec<_> = tables.map(|t| json!({"name": t.name, "description": t.description})).collect();
-        print_json(&json!(list));
-        return Ok(());
+        return print_json(&json!(list));
     }
     for table in tables {
-        print(&format!("{}\n    {}", table.name, table.description));
+        print(&format!("{}\n    {}", table.name, table.description))?;
     }
-    print("\n`latsch describe MODEL` lists a model's variables.");
-    Ok(())
+    print("\n`latsch describe MODEL` lists a model's variables.")
 }

@@ -1,11 +1,11 @@
 //! `latsch simulate`: a model or FMU along recorded inputs.
 
 use super::export::read_settings;
-use super::print;
+use super::{check_outputs, print};
 use indicatif::{ProgressBar, ProgressStyle};
-use latsch::fmi::Entry;
 use latsch::fmi::import::ImportedFmu;
-use latsch::model::unit::Unit;
+use latsch::fmi::{Entry, guid};
+use latsch::model::unit::quantity;
 use latsch::model::{Causality, Interface, Kind, Model, Native, Settings, Slave, Value, VariableInfo};
 use latsch::recording::{Recording, read_csv, write_csv};
 use latsch::report::{PatchFrame, patch_caption, simulation_report, write_html};
@@ -27,6 +27,9 @@ pub struct Args {
     /// are shown beside the simulation
     #[arg(long, value_name = "F.csv")]
     inputs: Option<PathBuf>,
+    /// A column of the recording that is left out
+    #[arg(long, value_name = "COLUMN")]
+    ignore: Vec<String>,
     /// Value of a parameter, or of an input for the whole run; `path_speed="90 km/h"` is converted
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -54,7 +57,17 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<()> {
-    let inputs = args.inputs.as_deref().map(read_csv).transpose()?;
+    let mut read: Vec<&Path> = vec![Path::new(&args.model)];
+    read.extend(args.inputs.iter().chain(&args.parameters).map(PathBuf::as_path));
+    let outputs: Vec<&Path> =
+        std::iter::once(&args.output).chain(&args.report).map(PathBuf::as_path).collect();
+    check_outputs(&outputs, &read)?;
+    let mut inputs = args.inputs.as_deref().map(read_csv).transpose()?;
+    for name in &args.ignore {
+        let recording = inputs.as_mut().ok_or_else(|| Error::call("--ignore goes with --inputs"))?;
+        recording.channel(name)?;
+        recording.channels.retain(|c| c.name != *name);
+    }
     let mut subject = Subject::load(&args.model, args.parameters.as_deref())?;
     let mut experiment = Experiment {
         inputs: inputs.as_ref(),
@@ -64,7 +77,11 @@ pub fn run(args: &Args) -> Result<()> {
         step: args.step,
     };
     for assignment in &args.set {
-        experiment.values.push(parse_assignment(subject.slave.interface(), assignment)?);
+        let value = parse_assignment(subject.slave.interface(), assignment)?;
+        if experiment.values.iter().any(|(index, _)| *index == value.0) {
+            return Err(Error::variable(format!("--set {assignment}: the variable is set twice")));
+        }
+        experiment.values.push(value);
     }
     let outcome = subject.run(&experiment, &args.model)?;
     write_csv(&args.output, &selected(subject.slave.interface(), &outcome.recording, args.all))?;
@@ -79,10 +96,7 @@ pub fn run(args: &Args) -> Result<()> {
 fn finish(output: &Path, outcome: Outcome) -> Result<()> {
     let samples = outcome.recording.time.len();
     match outcome.stopped {
-        None => {
-            print(&format!("{}: {samples} samples", output.display()));
-            Ok(())
-        }
+        None => print(&format!("{}: {samples} samples", output.display())),
         Some(error) => Err(Error::numeric(format!(
             "stopped at {error}\n{} has the {samples} samples before that",
             output.display()
@@ -97,6 +111,8 @@ pub struct Subject {
     flat_track: Option<Settings>,
     even_steps_only: bool,
     description: String,
+    /// Names and values of text parameters, such as the name of the tire.
+    texts: Vec<(String, String)>,
 }
 
 impl Subject {
@@ -114,7 +130,7 @@ impl Subject {
             let slave = entry.slave(&settings)?;
             let flat_track = (model == RingBrushFlatTrack::NAME).then_some(settings);
             let description = format!("{model}, in this program (latsch {VERSION})");
-            return Ok(Self { slave, flat_track, even_steps_only: false, description });
+            return Ok(Self { slave, flat_track, even_steps_only: false, description, texts: Vec::new() });
         }
         if parameters.is_some() {
             return Err(Error::call("an FMU has its parameters inside; change them with --set"));
@@ -124,14 +140,8 @@ impl Subject {
         let maker = about.generation_tool.as_deref().unwrap_or("an unnamed tool");
         let description = format!("{} ({}), made by {maker}", path.display(), about.model_name);
         let even_steps_only = !about.capabilities.can_handle_variable_step;
-        // an FMU of this version's flat track: the same code runs here as in its binary
-        let flat_track = fmu
-            .resource("model.toml")
-            .and_then(|bytes| String::from_utf8(bytes).ok())
-            .and_then(|text| Settings::parse(&text, "model.toml").ok())
-            .filter(|s| s.version.as_deref() == Some(VERSION))
-            .filter(|s| s.model.as_deref() == Some(RingBrushFlatTrack::NAME));
-        Ok(Self { slave: Box::new(fmu), flat_track, even_steps_only, description })
+        let flat_track = own_flat_track(&fmu);
+        Ok(Self { slave: Box::new(fmu), flat_track, even_steps_only, description, texts: Vec::new() })
     }
 
     /// Runs it, with a progress bar on a terminal.
@@ -156,6 +166,14 @@ impl Subject {
             bar.set_position(k as u64);
         });
         bar.finish_and_clear();
+        let texts: Vec<usize> = (0..self.slave.interface().variables.len())
+            .filter(|&i| self.slave.interface().variables[i].kind == Kind::Text)
+            .collect();
+        for index in texts {
+            if let Ok(text) = self.slave.text(index) {
+                self.texts.push((self.slave.interface().variables[index].name.clone(), text));
+            }
+        }
         outcome
     }
 
@@ -171,11 +189,15 @@ impl Subject {
             ("Time".into(), format!("{} s to {} s", schedule.start, schedule.stop)),
             ("Communication step".into(), format!("{} ms", schedule.step * 1e3)),
         ];
+        facts.extend(self.texts.iter().cloned());
         if let Some(inputs) = experiment.inputs {
             facts.push(("Inputs".into(), inputs.source.clone()));
         }
         for (variable, value) in &experiment.values {
             let info = &interface.variables[*variable];
+            if info.kind == Kind::Text {
+                continue;
+            }
             let unit = info.unit.as_deref().map(|u| format!(" {u}")).unwrap_or_default();
             facts.push((info.name.clone(), format!("{value}{unit}")));
         }
@@ -196,6 +218,17 @@ impl Subject {
             &facts,
         ))
     }
+}
+
+/// The settings of an FMU that is this version's flat track: the same code runs here as in its binary,
+/// and its variables have the same numbers.
+fn own_flat_track(fmu: &ImportedFmu) -> Option<Settings> {
+    let text = String::from_utf8(fmu.resource("model.toml")?).ok()?;
+    let table = Native::<RingBrushFlatTrack>::table();
+    let same_variables = fmu.interface().variables.iter().map(|v| (&v.name, v.reference));
+    let same = guid(&table, &text) == fmu.description().guid
+        && same_variables.eq(table.variables.iter().map(|v| (&v.name, v.reference)));
+    if same { Settings::parse(&text, "model.toml").ok() } else { None }
 }
 
 fn progress(schedule: &Schedule, title: &str) -> ProgressBar {
@@ -276,18 +309,6 @@ fn parse_value(variable: &VariableInfo, text: &str) -> Result<Value> {
         Kind::Enumeration(_) => {
             Ok(text.parse().map(Value::Integer).unwrap_or_else(|_| Value::Text(text.into())))
         }
-        Kind::Real => {
-            let (number, unit) = match text.split_once(char::is_whitespace) {
-                Some((number, unit)) => (number, Some(unit.trim())),
-                None => (text, None),
-            };
-            let Ok(number) = number.parse::<f64>() else { return not("a number, or a number and a unit") };
-            let Some(unit) = unit else { return Ok(Value::Real(number)) };
-            let own = variable.unit.as_deref().unwrap_or("1");
-            match Unit::parse(unit)?.to(Unit::parse(own)?) {
-                Some((factor, offset)) => Ok(Value::Real(number * factor + offset)),
-                None => not(&format!("in a unit that converts to {own}")),
-            }
-        }
+        Kind::Real => quantity(text, variable.unit.as_deref().unwrap_or("1")).map(Value::Real),
     }
 }

@@ -44,7 +44,7 @@ pub fn model_description(interface: &Interface, guid: &str) -> Result<String> {
             ("modelIdentifier", &model_identifier(&interface.name)),
             ("canHandleVariableCommunicationStepSize", "true"),
             ("canInterpolateInputs", "true"),
-            ("maxOutputDerivativeOrder", "0"),
+            ("maxOutputDerivativeOrder", "1"),
             ("canRunAsynchronuously", "false"),
             ("canBeInstantiatedOnlyOncePerProcess", "false"),
             ("canNotUseMemoryManagementFunctions", "true"),

@@ -2,7 +2,7 @@
 
 use super::archive::PLATFORM;
 use super::log::CATEGORIES;
-use crate::model::{Causality, Interface, Kind, Value, VariableInfo};
+use crate::model::{Causality, Interface, Kind, Value, Variability, VariableInfo};
 use crate::page::{Html, Page, Section, Table, escape, number as short};
 
 /// Files of `documentation/licenses/`: the project's own and what is linked into the binary.
@@ -73,8 +73,15 @@ fn parameters(table: &Interface, interface: &Interface) -> Section {
             let changed = variable.start != default.start;
             changes += usize::from(changed);
             let default = if changed { start(default) } else { String::new() };
-            let cells =
-                vec![name(variable), unit(variable), start(variable), default, escape(&range(variable))];
+            let settable = if variable.variability == Variability::Tunable { "any time" } else { "start" };
+            let cells = vec![
+                name(variable),
+                unit(variable),
+                start(variable),
+                default,
+                escape(&range(variable)),
+                settable.into(),
+            ];
             (changed, cells, variable)
         })
         .collect();
@@ -87,8 +94,10 @@ fn parameters(table: &Interface, interface: &Interface) -> Section {
         n => format!("The values in this FMU; the {n} marked ones differ from the model's defaults."),
     };
     Section::new("Parameters of this FMU")
-        .with(Html::text(&format!("{note} They can be set until initialization ends.")))
-        .with(table_of(&["Name", "Unit", "Value", "Default", "Range"], rows))
+        .with(Html::text(&format!(
+            "{note} They can be set until initialization ends, some also between steps."
+        )))
+        .with(table_of(&["Name", "Unit", "Value", "Default", "Range", "Set at"], rows))
 }
 
 /// Values of the enumerations.
@@ -127,7 +136,8 @@ instance. Any number of instances run side by side.</li>
 <li>A value that is not a number or out of its range, a call in the wrong order, a step that is not a positive number or
 does not begin where the last one ended: <code>fmi2Error</code> and one message. After a failed step the state can be
 restored or reset.</li>
-<li>Not offered: directional derivatives, derivatives of outputs, asynchronous steps.</li>
+<li>First derivatives of real outputs are offered (<code>fmi2GetRealOutputDerivatives</code>).</li>
+<li>Not offered: directional derivatives, asynchronous steps.</li>
 <li>The binary is for {PLATFORM}.</li>
 </ul>
 <h3>Log categories</h3>
@@ -172,7 +182,7 @@ fn table_of<'a>(
 fn alignment(title: &str) -> &'static str {
     match title {
         "Start" | "Value" | "Default" => " class=\"number\"",
-        "Range" => " class=\"range\"",
+        "Range" | "Set at" => " class=\"range\"",
         _ => "",
     }
 }

@@ -339,6 +339,31 @@ pub unsafe fn set_real_input_derivatives(
     }
 }
 
+/// fmi2GetRealOutputDerivatives.
+///
+/// # Safety
+/// As `call`; the arrays have `count` items.
+pub unsafe fn get_real_output_derivatives(
+    c: Component,
+    references: *const ValueReference,
+    count: usize,
+    orders: *const c_int,
+    values: *mut f64,
+) -> Status {
+    // SAFETY: the caller's promise, here and inside.
+    unsafe {
+        call(c, Function::GetRealOutputDerivatives, |instance| {
+            let references = array(references, count, "value references")?;
+            let orders = array(orders, count, "orders")?;
+            let values = array_mut(values, count, "values")?;
+            for ((reference, order), value) in references.iter().zip(orders).zip(values) {
+                *value = instance.output_derivative(*reference, *order)?;
+            }
+            Ok(())
+        })
+    }
+}
+
 /// The saved state behind a handle.
 ///
 /// # Safety
@@ -480,76 +505,39 @@ pub unsafe fn not_offered(c: Component, function: Function) -> Status {
     }
 }
 
-/// The kinds of status of fmi2GetStatus and its kin.
-const LAST_SUCCESSFUL_TIME: c_int = 2;
-const TERMINATED: c_int = 3;
+/// fmi2StatusKind fmi2LastSuccessfulTime.
+pub const LAST_SUCCESSFUL_TIME: c_int = 2;
+/// fmi2StatusKind fmi2Terminated.
+pub const TERMINATED: c_int = 3;
 
 /// The fmi2Get...Status functions: the last successful time and whether the slave wants to end have
 /// answers; the others are about asynchronous steps, which there are none of.
 ///
 /// # Safety
 /// As `call`; `value` is null or can be written.
-pub unsafe fn get_status<T: StatusValue>(
+pub unsafe fn get_status<T>(
     c: Component,
     function: Function,
-    kind: c_int,
     value: *mut T,
+    answer: impl FnOnce(&Instance) -> Option<T>,
 ) -> Status {
     let mut discard = false;
     // SAFETY: the caller's promise, here and inside.
     let status = unsafe {
         call(c, function, |instance| {
             let value = value.as_mut().ok_or_else(nowhere)?;
-            match T::of(instance, kind) {
+            match answer(instance) {
                 Some(answer) => *value = answer,
                 None => discard = true,
             }
             Ok(())
         })
     };
-    if status == Status::Ok && discard { Status::Discard } else { status }
-}
-
-/// fmi2GetIntegerStatus: there is no kind of status that is an integer.
-///
-/// # Safety
-/// As `call`.
-pub unsafe fn get_integer_status(c: Component, _kind: c_int, _value: *mut c_int) -> Status {
+    if status != Status::Ok || !discard {
+        return status;
+    }
     // SAFETY: the caller's promise.
-    match unsafe { call(c, Function::GetIntegerStatus, |_| Ok(())) } {
-        Status::Ok => Status::Discard,
-        other => other,
-    }
-}
-
-/// A type that some kind of status has.
-pub trait StatusValue: Sized {
-    /// The status of this kind, if it has this type and can be told.
-    fn of(instance: &Instance, kind: c_int) -> Option<Self>;
-}
-
-impl StatusValue for f64 {
-    fn of(instance: &Instance, kind: c_int) -> Option<Self> {
-        (kind == LAST_SUCCESSFUL_TIME).then(|| instance.last_successful_time())
-    }
-}
-
-impl StatusValue for Boolean {
-    fn of(_: &Instance, kind: c_int) -> Option<Self> {
-        (kind == TERMINATED).then_some(FALSE)
-    }
-}
-
-impl StatusValue for Status {
-    fn of(_: &Instance, _: c_int) -> Option<Self> {
-        None
-    }
-}
-
-impl StatusValue for Text {
-    fn of(_: &Instance, _: c_int) -> Option<Self> {
-        None
-    }
+    unsafe { c.cast::<Instance>().as_mut() }.map_or(Status::Error, |instance| instance.discard(function))
 }
 
 /// Passes the interfaces and documentations of a library's models to `sink`, for whoever makes an FMU:
@@ -636,15 +624,20 @@ macro_rules! export_fmus {
                     = export::not_offered(c, Function::GetDirectionalDerivative);
                 fmi2SetRealInputDerivatives(c: Component, vr: *const ValueReference, n: usize, orders: *const c_int, values: *const f64) -> Status
                     = export::set_real_input_derivatives(c, vr, n, orders, values);
-                fmi2GetRealOutputDerivatives(c: Component, _vr: *const ValueReference, _n: usize, _orders: *const c_int, _values: *mut f64) -> Status
-                    = export::not_offered(c, Function::GetRealOutputDerivatives);
+                fmi2GetRealOutputDerivatives(c: Component, vr: *const ValueReference, n: usize, orders: *const c_int, values: *mut f64) -> Status
+                    = export::get_real_output_derivatives(c, vr, n, orders, values);
                 fmi2DoStep(c: Component, time: f64, length: f64, no_state_prior: Boolean) -> Status = export::do_step(c, time, length, no_state_prior);
                 fmi2CancelStep(c: Component) -> Status = export::not_offered(c, Function::CancelStep);
-                fmi2GetStatus(c: Component, kind: c_int, value: *mut Status) -> Status = export::get_status(c, Function::GetStatus, kind, value);
-                fmi2GetRealStatus(c: Component, kind: c_int, value: *mut f64) -> Status = export::get_status(c, Function::GetRealStatus, kind, value);
-                fmi2GetIntegerStatus(c: Component, kind: c_int, value: *mut c_int) -> Status = export::get_integer_status(c, kind, value);
-                fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut Boolean) -> Status = export::get_status(c, Function::GetBooleanStatus, kind, value);
-                fmi2GetStringStatus(c: Component, kind: c_int, value: *mut Text) -> Status = export::get_status(c, Function::GetStringStatus, kind, value);
+                fmi2GetStatus(c: Component, _kind: c_int, value: *mut Status) -> Status
+                    = export::get_status(c, Function::GetStatus, value, |_| None);
+                fmi2GetRealStatus(c: Component, kind: c_int, value: *mut f64) -> Status
+                    = export::get_status(c, Function::GetRealStatus, value, |i| (kind == export::LAST_SUCCESSFUL_TIME).then(|| i.last_successful_time()));
+                fmi2GetIntegerStatus(c: Component, _kind: c_int, value: *mut c_int) -> Status
+                    = export::get_status(c, Function::GetIntegerStatus, value, |_| None);
+                fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut Boolean) -> Status
+                    = export::get_status(c, Function::GetBooleanStatus, value, |_| (kind == export::TERMINATED).then_some(FALSE));
+                fmi2GetStringStatus(c: Component, _kind: c_int, value: *mut Text) -> Status
+                    = export::get_status(c, Function::GetStringStatus, value, |_| None);
             }
         }
     };

@@ -6,7 +6,7 @@ use super::entry::{Entry, guid};
 use super::log::Log;
 use super::resources::model_file;
 use super::state::{Function, State};
-use crate::model::{Kind, Settings, Slave, Snapshot};
+use crate::model::{Kind, Settings, Slave, Snapshot, check_experiment};
 use crate::{Error, Result};
 use std::ffi::{CStr, CString};
 
@@ -82,8 +82,16 @@ impl Instance {
         };
         match result {
             Ok(()) => Status::Ok,
+            Err(error) if self.state == State::Fatal => self.fatal(&format!("fmi2{function:?}: {error}")),
             Err(error) => self.fail(function, &error),
         }
+    }
+
+    /// Tells the master that a question has no answer.
+    pub fn discard(&mut self, function: Function) -> Status {
+        let message = format!("fmi2{function:?}: there is no such status: steps are never asynchronous");
+        self.log.error(Status::Discard, &message);
+        Status::Discard
     }
 
     /// Tells the master of an error.
@@ -96,7 +104,7 @@ impl Instance {
     /// Tells the master that nothing helps any more.
     pub fn fatal(&mut self, message: &str) -> Status {
         self.log.error(Status::Fatal, message);
-        self.state = State::Error;
+        self.state = State::Fatal;
         Status::Fatal
     }
 
@@ -112,11 +120,7 @@ impl Instance {
         {
             return Err(Error::call(format!("the tolerance {tolerance} is not a positive number")));
         }
-        if !start.is_finite() || stop.is_some_and(|stop| !(stop.is_finite() && stop > start)) {
-            return Err(Error::call(format!(
-                "the experiment from {start} s to {stop:?} s: finite times are needed, the stop after the start"
-            )));
-        }
+        check_experiment(start, stop)?;
         self.experiment = Some((start, stop));
         Ok(())
     }
@@ -262,6 +266,17 @@ impl Instance {
         self.slave.set_rate(index, value)
     }
 
+    /// fmi2GetRealOutputDerivatives for one variable. Orders that are not known are 0, as the standard
+    /// has it.
+    pub fn output_derivative(&mut self, reference: u32, order: i32) -> Result<f64> {
+        let index = self.real(reference)?;
+        if order < 1 {
+            return Err(Error::call(format!("derivative of order {order}: the order is at least 1")));
+        }
+        let first = self.slave.output_derivative(index)?;
+        Ok(if order == 1 { first } else { 0.0 })
+    }
+
     /// fmi2DoStep.
     pub fn do_step(&mut self, time: f64, length: f64) -> Result<()> {
         self.slave.step(time, length)?;
@@ -305,13 +320,19 @@ impl Instance {
         let mut bytes = vec![saved.state as u8];
         bytes.extend(numbers.iter().flat_map(|n| n.to_le_bytes()));
         bytes.extend(self.slave.serialize(&saved.snapshot)?);
+        let digest = digest(&bytes);
+        bytes.extend(digest.as_bytes());
         Ok(bytes)
     }
 
     /// fmi2DeSerializeFMUstate.
     pub fn deserialize(&mut self, bytes: &[u8]) -> Result<Saved> {
-        let damaged = || Error::call("the bytes are not a serialised state of this FMU");
-        let (head, rest) = bytes.split_at_checked(25).ok_or_else(damaged)?;
+        let damaged = || Error::call("the bytes of the serialised state are damaged or not of this FMU");
+        let (content, end) = bytes.split_last_chunk::<16>().ok_or_else(damaged)?;
+        if end != digest(content).as_bytes() {
+            return Err(damaged());
+        }
+        let (head, rest) = content.split_at_checked(25).ok_or_else(damaged)?;
         let state = State::from_number(head[0]).ok_or_else(damaged)?;
         let mut numbers = head[1..].chunks_exact(8).map(|b| {
             let mut bytes = [0; 8];
@@ -323,4 +344,8 @@ impl Instance {
         let experiment = start.is_finite().then_some((start, stop.is_finite().then_some(stop)));
         Ok(Saved { state, experiment, time, snapshot: self.slave.deserialize(rest)? })
     }
+}
+
+fn digest(bytes: &[u8]) -> uuid::Uuid {
+    uuid::Uuid::new_v5(&uuid::Uuid::NAMESPACE_OID, bytes)
 }

@@ -6,8 +6,8 @@ use std::ffi::{CStr, CString};
 /// The categories that the model description declares.
 pub const CATEGORIES: [(&str, &str); 4] = [
     ("logEvents", "what the master asked for: initialization, steps back, reset"),
-    ("logStatusWarning", "messages that come with fmi2Warning; always passed on"),
-    ("logStatusError", "messages that come with fmi2Error; always passed on"),
+    ("logStatusWarning", "what the user should know although the call succeeded; always passed on"),
+    ("logStatusError", "why a call was refused or discarded; always passed on"),
     ("logAll", "all messages"),
 ];
 

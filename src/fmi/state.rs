@@ -1,7 +1,7 @@
 //! Which FMI function may be called when: the state machine of a co-simulation slave as a table.
 
 /// Where an instance is (FMI 2.0.5, section 4.2.4). Steps are never asynchronous, so the states
-/// `stepInProgress` and `stepCanceled` do not exist; after a fatal error there is no instance.
+/// `stepInProgress` and `stepCanceled` do not exist.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum State {
@@ -15,6 +15,8 @@ pub enum State {
     Terminated = 8,
     /// After a call that returned fmi2Error.
     Error = 16,
+    /// After a call that returned fmi2Fatal: nothing but fmi2FreeInstance is possible.
+    Fatal = 32,
 }
 
 impl State {
@@ -33,6 +35,7 @@ impl State {
             Self::StepComplete => "between steps",
             Self::Terminated => "after fmi2Terminate",
             Self::Error => "after an error; only fmi2Reset, fmi2SetFMUstate and fmi2FreeInstance help",
+            Self::Fatal => "after a fatal error; only fmi2FreeInstance is",
         }
     }
 }
@@ -97,7 +100,8 @@ impl Function {
             // to wait for initialization; FMPy sets their start values before, which does no harm.
             SetReal | SetInteger | SetBoolean | SetString => WRITE,
             SetRealInputDerivatives => N | C,
-            GetDirectionalDerivative | GetRealOutputDerivatives => READ,
+            GetDirectionalDerivative => READ,
+            GetRealOutputDerivatives => C,
             GetFMUstate
             | SetFMUstate
             | FreeFMUstate

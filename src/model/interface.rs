@@ -128,6 +128,7 @@ impl VariableInfo {
     /// A sentence that names the variable, the value and what is accepted.
     pub fn accept(&self, value: &Value) -> Result<Value> {
         let wrong = |what: &str| Err(Error::variable(format!("{} = {value}: {what}", self.name)));
+        let shown = |v: f64| if self.is_real() { format!("{v:?}") } else { format!("{v:.0}") };
         let in_range = |v: f64| {
             let low = self.min.is_none_or(|min| v >= min);
             let high = self.max.is_none_or(|max| v <= max);
@@ -136,16 +137,21 @@ impl VariableInfo {
             }
             let unit = self.unit.as_deref().map(|u| format!(" {u}")).unwrap_or_default();
             Err(Error::variable(match (self.min, self.max) {
-                (Some(min), Some(max)) => {
-                    format!("{} = {v:?}{unit} is outside its range {min:?} to {max:?}{unit}", self.name)
-                }
+                (Some(min), Some(max)) => format!(
+                    "{} = {}{unit} is outside its range {} to {}{unit}",
+                    self.name,
+                    shown(v),
+                    shown(min),
+                    shown(max)
+                ),
                 (Some(min), None) => {
-                    format!("{} = {v:?}{unit} is below its minimum {min:?}{unit}", self.name)
+                    format!("{} = {}{unit} is below its minimum {}{unit}", self.name, shown(v), shown(min))
                 }
                 (_, max) => format!(
-                    "{} = {v:?}{unit} is above its maximum {:?}{unit}",
+                    "{} = {}{unit} is above its maximum {}{unit}",
                     self.name,
-                    max.unwrap_or(f64::INFINITY)
+                    shown(v),
+                    shown(max.unwrap_or(f64::INFINITY))
                 ),
             }))
         };

@@ -3,6 +3,7 @@
 //! [`Model`] is how one writes a model, [`Slave`] is how one runs anything. [`Native`] makes a
 //! slave of a model; everything else (simulation, export, the FMI interface) knows only slaves.
 
+mod clock;
 mod clone;
 mod interface;
 mod native;
@@ -11,6 +12,7 @@ mod slave;
 pub mod unit;
 mod variable;
 
+pub use clock::{check_experiment, check_step};
 pub use interface::{Causality, Initial, Interface, Kind, Value, Variability, VariableInfo};
 pub use native::Native;
 pub use settings::Settings;
@@ -60,9 +62,24 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
         Ok(())
     }
 
+    /// Takes over tunable parameters that were set after initialization; called before the next step.
+    ///
+    /// # Errors
+    /// Parameters that contradict each other.
+    fn tune(&mut self) -> Result<()> {
+        Ok(())
+    }
+
     /// What the user should know about the state that [`initialize`](Model::initialize) found.
     fn warning(&self) -> Option<String> {
         None
+    }
+
+    /// True if the parts of the value fit each other. Asked of values that come from bytes, which may
+    /// have been made by anybody: sizes of vectors that steps rely on have to be right. Parameters
+    /// were checked against their ranges before.
+    fn is_consistent(&self) -> bool {
+        true
     }
 
     /// Advances by `length` seconds (the step size, or less to reach a point between grid points).

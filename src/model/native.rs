@@ -1,15 +1,16 @@
 //! [`Native`]: a [`Model`] as a [`Slave`], with the time grid, the inputs' courses and saved states.
 
 use super::slave::wrong_order;
-use super::{Access, Causality, Initial, Interface, Kind, Model, Settings, Slave, Snapshot, Value};
+use super::{
+    Access, Causality, Initial, Interface, Kind, Model, Settings, Slave, Snapshot, Value, Variability,
+    VariableInfo, check_experiment, check_step,
+};
 use crate::{Error, Result, clone_in_place};
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
 /// How far from a grid point, in steps, a communication point still counts as lying on it.
 const GRID_TOLERANCE: f64 = 1e-6;
-/// How far from the end of the last step, in steps of the grid, a master's clock may be.
-const CLOCK_TOLERANCE: f64 = 1e-3;
 /// More grid steps than this in one communication step are taken for a mistake.
 const MAX_TICKS_PER_STEP: f64 = 1e9;
 
@@ -49,12 +50,14 @@ struct Data<M> {
     grid: M,
     /// The state at the communication point, where `clock.off_grid`.
     between: M,
+    /// The state one grid step before `grid`, for derivatives of outputs.
+    before: M,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Clock {
     phase: Phase,
-    /// Something was set after the last `initialize`.
+    /// Something was set after the last `initialize`, or a parameter was tuned after the last step.
     stale: bool,
     start: f64,
     stop: Option<f64>,
@@ -67,6 +70,8 @@ struct Clock {
     steps: u64,
     /// The communication point lies between grid points.
     off_grid: bool,
+    /// The time of the state before.
+    time_before: f64,
 }
 
 /// The course of one input.
@@ -86,7 +91,7 @@ impl Signal {
     }
 }
 
-clone_in_place!(Data<M> { clock, signals, grid, between });
+clone_in_place!(Data<M> { clock, signals, grid, between, before });
 
 impl<M: Model> Native<M> {
     /// The interface of the model with the start values of its variable table.
@@ -130,18 +135,59 @@ impl<M: Model> Native<M> {
         Self::table().fingerprint()
     }
 
+    /// The variable number `index`.
+    fn info(&self, index: usize) -> Result<&VariableInfo> {
+        let Interface { name, variables, .. } = &self.interface;
+        variables.get(index).ok_or_else(|| {
+            Error::variable(format!("{name} has {} variables; there is no number {index}", variables.len()))
+        })
+    }
+
     /// Fails unless a variable of this causality can be set now.
     fn settable(&self, index: usize) -> Result<()> {
-        let variable = &self.interface.variables[index];
+        let variable = self.info(index)?;
         let name = &variable.name;
+        let tunable = variable.variability == Variability::Tunable;
         match (variable.causality, self.data.clock.phase) {
             (_, Phase::Failed) => Err(wrong_order(&format!("setting {name}"), "after a failed step")),
             (Causality::Input, _) | (Causality::Parameter, Phase::New | Phase::Starting) => Ok(()),
+            (Causality::Parameter, Phase::Running) if tunable => Ok(()),
             (Causality::Parameter, _) => {
                 Err(wrong_order(&format!("setting the fixed parameter {name}"), "after initialization"))
             }
             _ => Err(Error::variable(format!("{name} is computed by the model; it cannot be set"))),
         }
+    }
+
+    /// Checks a state that came as bytes: whoever knows how can give any content the right digest.
+    fn check(&self, data: &Data<M>) -> Result<()> {
+        let fail = |what: &str| Err(Error::call(format!("the bytes are not a state: {what}")));
+        let clock = &data.clock;
+        check_experiment(clock.start, clock.stop).map_err(|e| e.at("the bytes are not a state"))?;
+        let times = [clock.time, clock.time_before, clock.step_size];
+        let running = matches!(clock.phase, Phase::Running | Phase::Failed);
+        if !times.iter().all(|t| t.is_finite()) || running && clock.step_size != data.grid.step_size() {
+            return fail("its clock makes no sense");
+        }
+        let at = (clock.time - clock.start) / clock.step_size;
+        let grid_time_fits = (clock.ticks as f64 - at).abs() <= 1.0 + 1e-6 * at.abs();
+        if running && !(clock.step_size > 0.0 && at >= 0.0 && grid_time_fits) {
+            return fail("its clock makes no sense");
+        }
+        let inputs = |signals: &[Signal]| signals.iter().map(|s| s.variable).collect::<Vec<_>>();
+        let finite = |s: &Signal| [s.value, s.since, s.rate.unwrap_or(0.0)].iter().all(|x| x.is_finite());
+        if inputs(&data.signals) != inputs(&self.data.signals) || !data.signals.iter().all(finite) {
+            return fail("its inputs are others");
+        }
+        for model in [&data.grid, &data.between, &data.before] {
+            for index in self.interface.with(Causality::Parameter) {
+                self.interface.variables[index].accept(&look(model, index))?;
+            }
+            if !model.is_consistent() {
+                return fail("its parts do not fit each other");
+            }
+        }
+        Ok(())
     }
 
     fn write(&mut self, index: usize, value: &Value) -> Result<()> {
@@ -157,9 +203,11 @@ impl<M: Model> Native<M> {
                 signal.rate = None;
             }
         }
-        if matches!(clock.phase, Phase::New | Phase::Starting) {
+        let parameter = self.interface.variables[index].causality == Causality::Parameter;
+        if parameter || matches!(clock.phase, Phase::New | Phase::Starting) {
             clock.stale = true;
             put(&mut self.data.grid, index, &value);
+            put(&mut self.data.between, index, &value);
         }
         Ok(())
     }
@@ -174,13 +222,12 @@ impl<M: Model> Native<M> {
 
     /// The model to read from; brings it up to date during initialization.
     fn readable(&mut self, index: usize) -> Result<&M> {
-        let clock = self.data.clock;
-        match clock.phase {
+        let info = self.info(index)?;
+        match self.data.clock.phase {
             Phase::New => {
-                let name = &self.interface.variables[index].name;
-                return Err(wrong_order(&format!("reading {name}"), "before initialization"));
+                return Err(wrong_order(&format!("reading {}", info.name), "before initialization"));
             }
-            Phase::Starting if self.interface.variables[index].initial != Some(Initial::Exact) => {
+            Phase::Starting if info.initial != Some(Initial::Exact) => {
                 self.refresh()?;
             }
             _ => {}
@@ -189,13 +236,17 @@ impl<M: Model> Native<M> {
     }
 
     fn advance(&mut self, target: f64) -> Result<()> {
-        let Data { clock, signals, grid, between } = &mut self.data;
+        let Data { clock, signals, grid, between, before } = &mut self.data;
         let h = clock.step_size;
         let position = (target - clock.start) / h;
         // Times of long runs are rounded more coarsely than the grid tolerance.
         let tolerance = GRID_TOLERANCE.max(4.0 * f64::EPSILON * position);
         let ticks = (position + tolerance).floor() as u64;
         while clock.ticks < ticks {
+            if clock.ticks + 1 == ticks {
+                before.clone_from(grid);
+                clock.time_before = clock.start + clock.ticks as f64 * h;
+            }
             clock.ticks += 1;
             feed(grid, signals, clock.start + clock.ticks as f64 * h);
             grid.step(h)?;
@@ -205,7 +256,10 @@ impl<M: Model> Native<M> {
         if clock.off_grid {
             between.clone_from(grid);
             feed(between, signals, target);
-            between.step(rest)?;
+            if let Err(error) = between.step(rest) {
+                between.clone_from(grid);
+                return Err(error);
+            }
         }
         clock.time = target;
         clock.steps += 1;
@@ -242,8 +296,19 @@ impl<M: Model> Data<M> {
             step_size: 0.0,
             steps: 0,
             off_grid: false,
+            time_before: 0.0,
         };
-        Self { clock, signals, between: grid.clone(), grid }
+        Self { clock, signals, between: grid.clone(), before: grid.clone(), grid }
+    }
+}
+
+/// The value of a variable.
+fn look<M: Model>(model: &M, index: usize) -> Value {
+    match M::VARIABLES[index].access() {
+        Access::Real(get, _) | Access::Rated(get, _) => Value::Real(get(model)),
+        Access::Integer(get, _) => Value::Integer(get(model)),
+        Access::Boolean(get, _) => Value::Boolean(get(model)),
+        Access::Text(get, _) => Value::Text(get(model).into()),
     }
 }
 
@@ -293,7 +358,7 @@ impl<M: Model> Slave for Native<M> {
     }
 
     fn set(&mut self, variable: usize, value: f64) -> Result<()> {
-        let info = &self.interface.variables[variable];
+        let info = self.info(variable)?;
         let value = match info.kind {
             Kind::Integer | Kind::Enumeration(_) if value.fract() == 0.0 && value.abs() < 2e9 => {
                 Value::Integer(value as i32)
@@ -339,18 +404,11 @@ impl<M: Model> Slave for Native<M> {
     }
 
     fn start(&mut self, start: f64, stop: Option<f64>) -> Result<()> {
-        let clock = &mut self.data.clock;
-        if clock.phase != Phase::New {
+        if self.data.clock.phase != Phase::New {
             return Err(wrong_order("a start", "twice without a reset"));
         }
-        if !start.is_finite() || stop.is_some_and(|stop| !stop.is_finite()) {
-            return Err(Error::call(format!("start time {start} and stop time {stop:?} have to be finite")));
-        }
-        if let Some(stop) = stop
-            && stop <= start
-        {
-            return Err(Error::call(format!("the stop time {stop} is not after the start time {start}")));
-        }
+        check_experiment(start, stop)?;
+        let clock = &mut self.data.clock;
         clock.start = start;
         clock.stop = stop;
         clock.time = start;
@@ -373,8 +431,34 @@ impl<M: Model> Slave for Native<M> {
         let clock = &mut self.data.clock;
         clock.step_size = h;
         clock.phase = Phase::Running;
+        clock.time_before = clock.start;
         self.data.between.clone_from(&self.data.grid);
+        self.data.before.clone_from(&self.data.grid);
         Ok(())
+    }
+
+    fn output_derivative(&mut self, variable: usize) -> Result<f64> {
+        let info = self.info(variable)?;
+        let clock = self.data.clock;
+        let (Access::Real(get, _), Causality::Output, Phase::Running) =
+            (M::VARIABLES[variable].access(), info.causality, clock.phase)
+        else {
+            let what = format!("the derivative of {}", info.name);
+            return Err(match clock.phase {
+                Phase::Running => Error::variable(format!("{what}: only real outputs have one")),
+                _ => wrong_order(&what, "before the end of initialization or after a failed step"),
+            });
+        };
+        let past = clock.time - clock.time_before;
+        if past > 0.0 {
+            return Ok((get(self.model()) - get(&self.data.before)) / past);
+        }
+        // no step yet: look ahead on a copy
+        let Data { clock, signals, grid, between, .. } = &mut self.data;
+        between.clone_from(grid);
+        feed(between, signals, clock.start + clock.step_size);
+        between.step(clock.step_size)?;
+        Ok((get(between) - get(grid)) / clock.step_size)
     }
 
     fn warning(&self) -> Option<String> {
@@ -390,35 +474,40 @@ impl<M: Model> Slave for Native<M> {
             }
             _ => return Err(wrong_order("a step", "before the end of initialization")),
         }
-        if !time.is_finite() || !length.is_finite() {
-            return Err(Error::call(format!("a step from {time} s by {length} s: finite times are needed")));
-        }
-        if length <= 0.0 {
-            return Err(Error::call(format!("a step of {length} s: the length has to be positive")));
-        }
-        let slack = CLOCK_TOLERANCE * clock.step_size;
-        if (time - clock.time).abs() > slack {
-            return Err(Error::call(format!(
-                "a step from {time} s: the last one ended at {} s, and time can only go back by restoring a state",
-                clock.time
-            )));
-        }
-        let target = time + length;
-        if target <= clock.time {
-            return Err(Error::call(format!("a step of {length} s is too short to move the time {time} s")));
-        }
-        if let Some(stop) = clock.stop
-            && target > stop + slack
-        {
-            return Err(Error::call(format!("a step to {target} s would pass the stop time {stop} s")));
-        }
+        let target = check_step(clock.time, time, length, clock.stop)?;
         if length > MAX_TICKS_PER_STEP * clock.step_size {
             return Err(Error::call(format!(
                 "a step of {length} s is more than {MAX_TICKS_PER_STEP:e} steps of {} s",
                 clock.step_size
             )));
         }
-        self.advance(target).inspect_err(|_| self.data.clock.phase = Phase::Failed)
+        // a course that leaves its variable's range is refused before anything moves
+        for signal in self.data.signals.iter().filter(|s| s.rate.is_some()) {
+            let info = &self.interface.variables[signal.variable];
+            let mut value = signal.at(target);
+            if let (Some(min), Some(max)) = (info.min, info.max)
+                && (value.clamp(min, max) - value).abs() <= 1e-9 * (max - min)
+            {
+                // rounding of value + rate * time
+                value = value.clamp(min, max);
+            }
+            info.accept(&Value::Real(value))
+                .map_err(|e| e.at(format!("with its derivative, at {target} s")))?;
+        }
+        if clock.stale {
+            self.data.grid.tune()?;
+            self.data.clock.stale = false;
+        }
+        // what is left to read if the step fails
+        if !clock.off_grid {
+            self.data.between.clone_from(&self.data.grid);
+        }
+        let result = self.advance(target);
+        if result.is_err() {
+            self.data.clock.phase = Phase::Failed;
+            self.data.clock.off_grid = true;
+        }
+        result
     }
 
     fn save(&mut self) -> Result<Snapshot> {
@@ -468,6 +557,7 @@ impl<M: Model> Slave for Native<M> {
         }
         let data: Data<M> = postcard::from_bytes(payload)
             .map_err(|e| Error::call(format!("the bytes of the saved state cannot be read: {e}")))?;
+        self.check(&data)?;
         Ok(Box::new(data))
     }
 

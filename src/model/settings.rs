@@ -1,6 +1,7 @@
 //! Values for a model from a TOML file: a tire file, or the `resources/model.toml` of an FMU.
 
-use super::{Causality, Interface, Value};
+use super::unit::quantity;
+use super::{Causality, Interface, Kind, Value};
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -17,6 +18,7 @@ use toml::Spanned;
 ///
 /// [parameters]
 /// belt_mass = 8.8                 # SI units
+/// vertical_stiffness = "170 N/mm" # or with a unit, which is converted
 ///
 /// [inputs]                        # start values of inputs
 /// deflection = 0.02
@@ -124,7 +126,14 @@ impl Settings {
                         }
                     )));
                 }
-                Ok((index, variable.accept(&setting.value).map_err(at)?))
+                let value = match (&setting.value, &variable.kind) {
+                    (Value::Text(text), Kind::Real) => {
+                        let unit = variable.unit.as_deref().unwrap_or("1");
+                        &Value::Real(quantity(text, unit).map_err(|e| at(e.at(&setting.name)))?)
+                    }
+                    (value, _) => value,
+                };
+                Ok((index, variable.accept(value).map_err(at)?))
             })
             .collect()
     }

@@ -64,6 +64,16 @@ pub trait Slave {
     /// Parameters that contradict each other; no state at the start.
     fn finish_start(&mut self) -> Result<()>;
 
+    /// The first derivative of a real output at the last communication point \[unit/s\], over about one
+    /// internal step of the slave.
+    ///
+    /// # Errors
+    /// Not a real output, not between steps, or the slave does not know it.
+    fn output_derivative(&mut self, variable: usize) -> Result<f64> {
+        let name = &self.interface().variables[variable].name;
+        Err(Error::call(format!("the derivative of {name} is not offered")))
+    }
+
     /// What the user should know about the start, once that is finished.
     fn warning(&self) -> Option<String> {
         None

@@ -134,6 +134,29 @@ impl Unit {
     }
 }
 
+/// The number in a text such as `90 km/h`, `90km/h` or `25`, in the unit `own`; a number without unit is
+/// in that unit already.
+///
+/// # Errors
+/// No number, or a unit that does not convert.
+pub fn quantity(text: &str, own: &str) -> Result<f64> {
+    let text = text.trim();
+    // the longest beginning that is a number
+    let ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
+    let number = ends.filter_map(|end| Some((text[..end].trim().parse::<f64>().ok()?, end))).next();
+    let Some((number, end)) = number else {
+        return Err(Error::variable(format!("{text:?} is not a number, or a number and a unit")));
+    };
+    let unit = text[end..].trim();
+    if unit.is_empty() {
+        return Ok(number);
+    }
+    match Unit::parse(unit)?.to(Unit::parse(own)?) {
+        Some((factor, offset)) => Ok(number * factor + offset),
+        None => Err(Error::variable(format!("{text:?} is not in a unit that converts to {own:?}"))),
+    }
+}
+
 fn symbol(name: &str) -> Option<Unit> {
     let find = |name: &str, prefixed: bool| {
         SYMBOLS
@@ -175,6 +198,18 @@ mod tests {
             let (factor, offset) = Unit::parse(from).unwrap().to(Unit::parse(to).unwrap()).unwrap();
             let result = value * factor + offset;
             assert!((result - expected).abs() <= 1e-12 * expected.abs(), "{value} {from} = {result} {to}");
+        }
+    }
+
+    #[test]
+    fn reads_quantities() {
+        for (text, expected) in
+            [("25", 25.0), (" 90 km/h", 25.0), ("90km/h", 25.0), ("1e-3 km/s", 1.0), ("-2mm/s", -0.002)]
+        {
+            assert!((quantity(text, "m/s").unwrap() - expected).abs() < 1e-12, "{text:?}");
+        }
+        for text in ["", "fast", "90 kg", "90 km / / h", "é"] {
+            assert!(quantity(text, "m/s").is_err(), "{text:?}");
         }
     }
 

@@ -51,6 +51,7 @@ pub struct Variable<M: 'static> {
     max: Option<f64>,
     nominal: Option<f64>,
     items: &'static [(&'static str, &'static str)],
+    tunable: bool,
 }
 
 /// Access to a real field: `real!(tire.belt.mass)`, inside `impl Model`.
@@ -96,6 +97,7 @@ const fn row<M>(
         max: None,
         nominal: None,
         items: &[],
+        tunable: false,
     }
 }
 
@@ -194,6 +196,13 @@ impl<M: 'static> Variable<M> {
         self
     }
 
+    /// Lets a parameter change between steps; see [`Model::tune`](super::Model::tune).
+    #[must_use]
+    pub const fn tunable(mut self) -> Self {
+        self.tunable = true;
+        self
+    }
+
     /// Makes an enumeration of an integer variable: (name, description) of the values 1, 2, ...
     #[must_use]
     pub const fn items(mut self, items: &'static [(&'static str, &'static str)]) -> Self {
@@ -230,6 +239,7 @@ impl<M: 'static> Variable<M> {
             Start::None => None,
         };
         let variability = match (self.causality, &kind) {
+            (Causality::Parameter, _) if self.tunable => Variability::Tunable,
             (Causality::Parameter, _) => Variability::Fixed,
             (_, Kind::Real) => Variability::Continuous,
             _ => Variability::Discrete,

@@ -10,9 +10,9 @@ use std::path::Path;
 /// Characters that may separate cells.
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 
-/// Reads a CSV file: UTF-8, cells separated by `,`, `;` or tab (found in the header line), numbers
-/// with a decimal point, a header of `name [unit]` cells that begins with `time [s]` (or another
-/// unit of time, which is converted).
+/// Reads a CSV file: UTF-8, cells separated by `,`, `;` or tab (found in the header line), numbers with
+/// a decimal point (or, unless commas separate the cells, a decimal comma throughout), a header of
+/// `name [unit]` cells that begins with `time [s]` (or another unit of time, which is converted).
 ///
 /// # Errors
 /// A file that cannot be read, or content that is not as above: no time column, a column without
@@ -37,8 +37,9 @@ pub fn read_csv(path: &Path) -> Result<Recording> {
 pub fn parse_csv(text: &str, source: &str) -> Result<Recording> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = Lines { text: text.as_bytes(), byte: 0, line: 1 };
+    let separator = separator(text.as_bytes());
     let mut reader = csv::ReaderBuilder::new()
-        .delimiter(separator(text.as_bytes()))
+        .delimiter(separator)
         .has_headers(false)
         .flexible(true)
         .trim(csv::Trim::All)
@@ -57,16 +58,19 @@ pub fn parse_csv(text: &str, source: &str) -> Result<Recording> {
     };
     let Header { mut recording, columns, factor } = Header::parse(&row, source, line)?;
 
+    // the decimal mark is the first that is seen; a comma between commas could be anything
+    let mut mark = (separator == b',').then_some('.');
     while let Some(line) = next(&mut row)? {
         if row.len() != columns.len() {
             return Err(Error::file(format!(
-                "{source}:{line}: {} cells, but the header has {}; numbers need a decimal point, not a comma",
+                "{source}:{line}: the header has {} cells, this row has {}{}",
+                columns.len(),
                 row.len(),
-                columns.len()
+                if row.len() > columns.len() { "; numbers need a decimal point, not a comma" } else { "" }
             )));
         }
         let mut numbers = row.iter().zip(&columns).map(|(cell, column)| {
-            number(cell).map_err(|what| Error::file(format!("{source}:{line}:{column}: {what}")))
+            number(cell, &mut mark).map_err(|what| Error::file(format!("{source}:{line}:{column}: {what}")))
         });
         if let Some(time) = numbers.next() {
             let time = time? * factor;
@@ -116,6 +120,9 @@ impl Header {
                 if cell.is_empty() {
                     return fail("", "the header cell is empty; write `name [unit]`".into());
                 }
+                if i == 0 {
+                    return fail(cell, "the first column has to be the time, `time [s]`".into());
+                }
                 return fail(
                     cell,
                     format!(
@@ -136,7 +143,10 @@ impl Header {
                 continue;
             }
             if name != "time" {
-                return fail(name, "the first column has to be the time, `time [s]`".into());
+                return fail(
+                    name,
+                    "the first column has to be the time, written `time [s]` in small letters".into(),
+                );
             }
             match Unit::parse("s").ok().and_then(|second| parsed.to(second)) {
                 Some((to_seconds, _)) => factor = to_seconds,
@@ -154,18 +164,26 @@ fn name_and_unit(cell: &str) -> Option<(&str, &str)> {
     (!trimmed.is_empty() && trimmed.len() < name.len()).then(|| (trimmed, unit.trim()))
 }
 
-/// A finite number, or what is wrong with the cell.
-fn number(cell: &str) -> std::result::Result<f64, String> {
+/// A finite number, or what is wrong with the cell. A decimal comma is as good as a point, but not
+/// both in one file: it could separate thousands.
+fn number(cell: &str, mark: &mut Option<char>) -> std::result::Result<f64, String> {
     if cell.is_empty() {
         return Err("the cell is empty; every cell needs a number".into());
     }
     match cell.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) => Err(format!("{cell:?} is not a finite number")),
-        Err(_) if cell.replacen(',', ".", 1).parse::<f64>().is_ok() => {
-            Err(format!("{cell:?} has a decimal comma; a decimal point is needed"))
+        Ok(number) if number.is_finite() => {
+            let point = cell.contains('.');
+            if point && *mark.get_or_insert('.') == ',' {
+                return Err(format!("{cell:?} has a decimal point, but the numbers before have a comma"));
+            }
+            Ok(number)
         }
-        Err(_) => Err(format!("{cell:?} is not a number")),
+        Ok(_) => Err(format!("{cell:?} is not a finite number")),
+        Err(_) => match cell.replacen(',', ".", 1).parse::<f64>() {
+            Ok(number) if number.is_finite() && *mark.get_or_insert(',') == ',' => Ok(number),
+            Ok(_) => Err(format!("{cell:?} has a decimal comma; a decimal point is needed in this file")),
+            Err(_) => Err(format!("{cell:?} is not a number")),
+        },
     }
 }
 
@@ -356,10 +374,12 @@ mod tests {
             ("1;2;NaN", ["rig.csv:3:b (column 3)", "finite"]),
             ("1;-inf;2", ["rig.csv:3:a (column 2)", "finite"]),
             ("1;1e400;2", ["rig.csv:3:a (column 2)", "finite"]),
-            ("1;2,5;2", ["rig.csv:3:a (column 2)", "decimal point"]),
+            ("1;2.5;2\n2;2,5;2", ["rig.csv:4:a (column 2)", "decimal point"]),
+            ("1;2,5;2\n2;2.5;2", ["rig.csv:4:a (column 2)", "comma"]),
+            ("1;2,5,1;2", ["rig.csv:3:a (column 2)", "2,5,1"]),
             ("nan;2;2", ["rig.csv:3:time (column 1)", "finite"]),
-            ("1;2", ["rig.csv:3: 2 cells", "header has 3"]),
-            ("1;2;3;4", ["rig.csv:3: 4 cells", "header has 3"]),
+            ("1;2", ["rig.csv:3: the header has 3 cells", "has 2"]),
+            ("1;2;3;4", ["rig.csv:3: the header has 3 cells", "has 4", "comma"]),
         ] {
             refuse(&format!("{head}{row}\n5;6;7\n"), &words);
         }

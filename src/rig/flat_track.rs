@@ -11,7 +11,7 @@ use crate::model::{
     text_parameter,
 };
 use crate::tire::Motion;
-use crate::tire::ring_brush::{Parameters, State, Stationary, Tire, Vertical, stationary};
+use crate::tire::ring_brush::{Bristles, Parameters, State, Stationary, Tire, Vertical, stationary};
 use crate::{Result, boolean, clone_in_place, integer, real};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -89,16 +89,16 @@ impl Model for RingBrushFlatTrack {
     const DOCUMENTATION: &'static str = include_str!("flat_track.html");
     const VARIABLES: &'static [Variable<Self>] = &[
         // commands
-        input("steer", "rad", command!(steer), 0.0, "Steer angle of the wheel about z").range(-2.0 * PI, 2.0 * PI),
+        input("steer", "rad", command!(steer), 0.0, "Steer angle of the wheel about z; it turns wheel and path together, so it makes no slip angle").range(-2.0 * PI, 2.0 * PI),
         input("deflection", "m", command!(deflection), 0.02, "Unloaded radius minus height of the wheel centre; negative lifts the tire off").range(-0.2, 0.1),
         input("path_speed", "m/s", command!(path_speed), 10.0, "Speed of the wheel over the road along its path").range(-100.0, 100.0),
         input("camber", "rad", command!(camber), 0.0, "Inclination angle; positive leans the top of the wheel to -y").range(-0.6, 0.6),
         input("slip", "1", command!(slip), 0.0, "Longitudinal slip, spin speed times rolling radius over speed in the wheel's heading, minus 1; positive drives, -1 is a locked wheel").range(-100.0, 100.0),
-        input("slip_angle", "rad", command!(slip_angle), 0.0, "Slip angle of ISO 8855: positive when the wheel travels to its left (+y), which gives a negative force_y").range(-PI, PI),
+        input("slip_angle", "rad", command!(slip_angle), 0.0, "Slip angle of ISO 8855: positive when the wheel, rolling forward, travels to its left (+y), which gives a negative force_y").range(-PI, PI),
         // measured
         output("force_x", "N", real!(force.x), "Longitudinal force of the tire on the rim, H axes").nominal(1000.0),
         output("force_y", "N", real!(force.y), "Lateral force of the tire on the rim, H axes").nominal(1000.0),
-        output("force_z", "N", real!(force.z), "Vertical force of the tire on the rim, H axes").nominal(1000.0),
+        output("force_z", "N", real!(force.z), "Vertical force of the tire on the rim, H axes: the normal force on the road less the weight of the belt").nominal(1000.0),
         output("moment_x", "N.m", real!(moment.x), "Overturning moment of the tire on the rim about the wheel centre, H axes").nominal(100.0),
         output("moment_y", "N.m", real!(moment.y), "Moment about the lateral axis of the tire on the rim, H axes").nominal(100.0),
         output("moment_z", "N.m", real!(moment.z), "Aligning moment of the tire on the rim, H axes").nominal(100.0),
@@ -149,42 +149,42 @@ impl Model for RingBrushFlatTrack {
         parameter("belt_inertia_diametral", "kg.m2", real!(parameters.belt_inertia_diametral), 0.5, "Inertia of the belt about x and z (J_Grad)").range(1e-4, 1000.0),
         parameter("belt_inertia_polar", "kg.m2", real!(parameters.belt_inertia_polar), 0.928, "Inertia of the belt about its spin axis (J_Gquer)").range(1e-4, 1000.0),
         parameter("gravity", "m/s2", real!(parameters.gravity), 9.81, "Gravity (g; the source gives no value)").range(0.0, 100.0),
-        parameter("vertical_stiffness", "N/m", real!(parameters.vertical_stiffness), 1.54e5, "Spring between belt and road, linear part (c_r lin)").range(1e3, 1e8),
-        parameter("vertical_stiffness_quadratic", "N/m2", real!(parameters.vertical_stiffness_quadratic), 2.47e6, "Spring between belt and road, quadratic part (c_r quad)").range(0.0, 1e10),
-        parameter("vertical_damping", "N.s/m", real!(parameters.vertical_damping), 83.0, "Damper between belt and road (d_r)").range(0.0, 1e6),
-        parameter("sidewall_radial_stiffness", "N/m", real!(parameters.sidewall_radial_stiffness), 4.67e6, "Side wall, radial translation (c_GF rad)").range(1e4, 1e9),
-        parameter("sidewall_lateral_stiffness", "N/m", real!(parameters.sidewall_lateral_stiffness), 8.5e4, "Side wall, lateral translation (c_GF quer)").range(1e3, 1e9),
-        parameter("sidewall_tilt_stiffness", "N.m/rad", real!(parameters.sidewall_tilt_stiffness), 8e4, "Side wall, rotation about radial axes (c_GF rot rad)").range(1e2, 1e9),
-        parameter("sidewall_windup_stiffness", "N.m/rad", real!(parameters.sidewall_windup_stiffness), 4.51e5, "Side wall, rotation about the spin axis (c_GF rot ax)").range(1e2, 1e9),
-        parameter("sidewall_radial_damping", "N.s/m", real!(parameters.sidewall_radial_damping), 449.0, "Side wall, radial translation (d_GF rad)").range(0.0, 1e6),
-        parameter("sidewall_lateral_damping", "N.s/m", real!(parameters.sidewall_lateral_damping), 41.5, "Side wall, lateral translation (d_GF quer)").range(0.0, 1e6),
-        parameter("sidewall_tilt_damping", "N.m.s/rad", real!(parameters.sidewall_tilt_damping), 9.61, "Side wall, rotation about radial axes (d_GF rot rad)").range(0.0, 1e5),
-        parameter("sidewall_windup_damping", "N.m.s/rad", real!(parameters.sidewall_windup_damping), 53.1, "Side wall, rotation about the spin axis (d_GF rot ax)").range(0.0, 1e5),
+        parameter("vertical_stiffness", "N/m", real!(parameters.vertical_stiffness), 1.54e5, "Spring between belt and road, linear part (c_r lin)").range(1e3, 1e8).tunable(),
+        parameter("vertical_stiffness_quadratic", "N/m2", real!(parameters.vertical_stiffness_quadratic), 2.47e6, "Spring between belt and road, quadratic part (c_r quad)").range(0.0, 1e10).tunable(),
+        parameter("vertical_damping", "N.s/m", real!(parameters.vertical_damping), 83.0, "Damper between belt and road (d_r)").range(0.0, 1e6).tunable(),
+        parameter("sidewall_radial_stiffness", "N/m", real!(parameters.sidewall_radial_stiffness), 4.67e6, "Side wall, radial translation (c_GF rad)").range(1e4, 1e9).tunable(),
+        parameter("sidewall_lateral_stiffness", "N/m", real!(parameters.sidewall_lateral_stiffness), 8.5e4, "Side wall, lateral translation (c_GF quer)").range(1e3, 1e9).tunable(),
+        parameter("sidewall_tilt_stiffness", "N.m/rad", real!(parameters.sidewall_tilt_stiffness), 8e4, "Side wall, rotation about radial axes (c_GF rot rad)").range(1e2, 1e9).tunable(),
+        parameter("sidewall_windup_stiffness", "N.m/rad", real!(parameters.sidewall_windup_stiffness), 4.51e5, "Side wall, rotation about the spin axis (c_GF rot ax)").range(1e2, 1e9).tunable(),
+        parameter("sidewall_radial_damping", "N.s/m", real!(parameters.sidewall_radial_damping), 449.0, "Side wall, radial translation (d_GF rad)").range(0.0, 1e6).tunable(),
+        parameter("sidewall_lateral_damping", "N.s/m", real!(parameters.sidewall_lateral_damping), 41.5, "Side wall, lateral translation (d_GF quer)").range(0.0, 1e6).tunable(),
+        parameter("sidewall_tilt_damping", "N.m.s/rad", real!(parameters.sidewall_tilt_damping), 9.61, "Side wall, rotation about radial axes (d_GF rot rad)").range(0.0, 1e5).tunable(),
+        parameter("sidewall_windup_damping", "N.m.s/rad", real!(parameters.sidewall_windup_damping), 53.1, "Side wall, rotation about the spin axis (d_GF rot ax)").range(0.0, 1e5).tunable(),
         integer_parameter("stripes", integer!(parameters.stripes), 6, "Contact stripes across the tire (n_LS)").range(1.0, 64.0),
         integer_parameter("bristles_per_stripe", integer!(parameters.bristles_per_stripe), 30, "Bristles on the ring of each stripe (n_RES; the source gives no value)").range(2.0, 2000.0),
         parameter("bristle_length", "m", real!(parameters.bristle_length), 0.014, "Spacing of bristles along a stripe (l_RKE)").range(1e-4, 0.2),
-        parameter("bristle_stiffness", "N/m", real!(parameters.bristle_stiffness), 4e4, "Shear stiffness of one bristle (c_scher); scale it with the bristle's area").range(1.0, 1e8),
-        parameter("bristle_damping", "N.s/m", real!(parameters.bristle_damping), 0.65, "Shear damping of one bristle (d_scher); scale it with the bristle's area").range(1e-6, 1e4),
+        parameter("bristle_stiffness", "N/m", real!(parameters.bristle_stiffness), 4e4, "Shear stiffness of one bristle (c_scher); scale it with the bristle's area").range(1.0, 1e8).tunable(),
+        parameter("bristle_damping", "N.s/m", real!(parameters.bristle_damping), 0.65, "Shear damping of one bristle (d_scher); scale it with the bristle's area").range(1e-6, 1e4).tunable(),
         parameter("stripe_length_factor", "1", real!(parameters.stripe_length_factor), 0.75, "Length of a contact stripe over the arc of the belt shell below the road (f_L mat)").range(0.1, 2.0),
-        parameter("patch_compliance_x", "m/N", real!(parameters.patch_compliance_x), 3e-6, "Longitudinal shift of the patch on the belt (n_LKx)").range(0.0, 1e-3),
-        parameter("patch_compliance_y", "m/N", real!(parameters.patch_compliance_y), 8e-7, "Lateral shift and bending of the patch on the belt (n_LKy)").range(0.0, 1e-3),
-        parameter("patch_compliance_twist", "rad/(N.m)", real!(parameters.patch_compliance_twist), 1e-4, "Twist of the patch on the belt (n_LKt)").range(0.0, 1e-1),
-        parameter("patch_lag_x", "s", real!(parameters.patch_lag_x), 1.84e-2, "Lag of the longitudinal shift (tau_LKx); constant here, the source leaves its law open").range(1e-5, 10.0),
-        parameter("patch_lag_y", "s", real!(parameters.patch_lag_y), 7.58e-2, "Lag of the lateral shift and bending (tau_LKy); constant here, the source leaves its law open").range(1e-5, 10.0),
-        parameter("patch_lag_twist", "s", real!(parameters.patch_lag_twist), 8.24e-3, "Lag of the twist (tau_LKt); constant here, the source leaves its law open").range(1e-5, 10.0),
+        parameter("patch_compliance_x", "m/N", real!(parameters.patch_compliance_x), 3e-6, "Longitudinal shift of the patch on the belt (n_LKx)").range(0.0, 1e-3).tunable(),
+        parameter("patch_compliance_y", "m/N", real!(parameters.patch_compliance_y), 8e-7, "Lateral shift and bending of the patch on the belt (n_LKy)").range(0.0, 1e-3).tunable(),
+        parameter("patch_compliance_twist", "rad/(N.m)", real!(parameters.patch_compliance_twist), 1e-4, "Twist of the patch on the belt (n_LKt)").range(0.0, 1e-1).tunable(),
+        parameter("patch_lag_x", "s", real!(parameters.patch_lag_x), 1.84e-2, "Lag of the longitudinal shift (tau_LKx); constant here, the source leaves its law open").range(1e-5, 10.0).tunable(),
+        parameter("patch_lag_y", "s", real!(parameters.patch_lag_y), 7.58e-2, "Lag of the lateral shift and bending (tau_LKy); constant here, the source leaves its law open").range(1e-5, 10.0).tunable(),
+        parameter("patch_lag_twist", "s", real!(parameters.patch_lag_twist), 8.24e-3, "Lag of the twist (tau_LKt); constant here, the source leaves its law open").range(1e-5, 10.0).tunable(),
         parameter("pressure_exponent_long_0", "1", real!(parameters.pressure_exponent_long[0]), 3.8, "Exponent of the pressure along a stripe, at no penetration (g_l)").range(0.0, 1e3),
         parameter("pressure_exponent_long_1", "1/m", real!(parameters.pressure_exponent_long[1]), 90.5, "The same, per penetration").range(-1e6, 1e6),
         parameter("pressure_exponent_long_2", "1/m2", real!(parameters.pressure_exponent_long[2]), 1450.0, "The same, per penetration squared; the exponent is never below 1").range(-1e8, 1e8),
         parameter("pressure_exponent_lat_0", "1", real!(parameters.pressure_exponent_lat[0]), 6.0, "Exponent of the pressure across the tire, at no penetration (g_q)").range(0.0, 1e3),
         parameter("pressure_exponent_lat_1", "1/m", real!(parameters.pressure_exponent_lat[1]), 129.0, "The same, per penetration").range(-1e6, 1e6),
         parameter("pressure_exponent_lat_2", "1/m2", real!(parameters.pressure_exponent_lat[2]), 2070.0, "The same, per penetration squared; the exponent is never below 1").range(-1e8, 1e8),
-        parameter("rolling_resistance_lever", "m", real!(parameters.rolling_resistance_lever), 0.01, "Lever of the normal force that resists rolling (k_roll), read as a length").range(0.0, 0.1),
-        parameter("friction_static_zero", "1", real!(parameters.friction_static[0]), 1.5, "Static friction coefficient at no pressure (mu_haft 0bar)").range(0.0, 10.0),
-        parameter("friction_static_reference", "1", real!(parameters.friction_static[1]), 1.4, "Static friction coefficient at friction_pressure (mu_haft Delta p)").range(0.0, 10.0),
-        parameter("friction_sliding_zero", "1", real!(parameters.friction_sliding[0]), 1.1, "Sliding friction coefficient at no pressure (mu_gleit 0bar)").range(0.0, 10.0),
-        parameter("friction_sliding_reference", "1", real!(parameters.friction_sliding[1]), 1.0, "Sliding friction coefficient at friction_pressure (mu_gleit Delta p)").range(0.0, 10.0),
-        parameter("friction_pressure", "Pa", real!(parameters.friction_pressure), 2e5, "Pressure at which the reference friction coefficients hold (Delta p); extrapolated linearly beyond").range(1e3, 1e8),
-        parameter("friction_pressure_scale", "1", real!(parameters.friction_pressure_scale), 1.0, "Factor on the pressure in the friction law; 1 as printed, 1.78 brings the source's own example within 1 % of its friction values").range(0.0, 100.0),
+        parameter("rolling_resistance_lever", "m", real!(parameters.rolling_resistance_lever), 0.01, "Lever of the normal force that resists rolling (k_roll), read as a length").range(0.0, 0.1).tunable(),
+        parameter("friction_static_zero", "1", real!(parameters.friction_static[0]), 1.5, "Static friction coefficient at no pressure (mu_haft 0bar)").range(0.0, 10.0).tunable(),
+        parameter("friction_static_reference", "1", real!(parameters.friction_static[1]), 1.4, "Static friction coefficient at friction_pressure (mu_haft Delta p)").range(0.0, 10.0).tunable(),
+        parameter("friction_sliding_zero", "1", real!(parameters.friction_sliding[0]), 1.1, "Sliding friction coefficient at no pressure (mu_gleit 0bar)").range(0.0, 10.0).tunable(),
+        parameter("friction_sliding_reference", "1", real!(parameters.friction_sliding[1]), 1.0, "Sliding friction coefficient at friction_pressure (mu_gleit Delta p)").range(0.0, 10.0).tunable(),
+        parameter("friction_pressure", "Pa", real!(parameters.friction_pressure), 2e5, "Pressure at which the reference friction coefficients hold (Delta p); extrapolated linearly beyond").range(1e3, 1e8).tunable(),
+        parameter("friction_pressure_scale", "1", real!(parameters.friction_pressure_scale), 1.0, "Factor on the pressure in the friction law; 1 as printed, 1.78 brings the source's own example within 1 % of its friction values").range(0.0, 100.0).tunable(),
         boolean_parameter("even_stripes", boolean!(parameters.even_stripes), false, "Width of a stripe: false as printed in (4.16), 3 B / (3 n - 1); true tire_width / stripes"),
         boolean_parameter("antisymmetric_coupling", boolean!(parameters.antisymmetric_coupling), false, "Rotation between rim and belt: false single entries of the rotation matrix as printed in (4.4), with a ripple of second order twice a turn; true its antisymmetric part"),
         boolean_parameter("limit_pressure_tilt", boolean!(parameters.limit_pressure_tilt), false, "Negative pressure at light load: false as printed, friction then counts it as zero; true limits the tilt so that no pressure is negative, and the lateral-axis moment is not met"),
@@ -194,7 +194,7 @@ impl Model for RingBrushFlatTrack {
             false,
             "Bristle that comes into contact within a step: false it is loaded from that instant; true for the whole step, which makes the patch longer by half a step's travel and probably is in the source's own example",
         ),
-        parameter("actuator_frequency", "rad/s", real!(actuator_frequency), 200.0, "Corner of the critically damped filter that a command without derivative passes; its delay is 2 over this").range(1.0, 1e5),
+        parameter("actuator_frequency", "rad/s", real!(actuator_frequency), 200.0, "Corner of the critically damped filter that a command without derivative passes; its delay is 2 over this").range(1.0, 1e5).tunable(),
         parameter("step_size", "s", real!(step_size), 1e-4, "Step of the model's own time grid").range(1e-7, 5e-4),
     ];
 
@@ -224,6 +224,15 @@ impl Model for RingBrushFlatTrack {
         self.state = stationary.state(&self.tire, &self.rim)?;
         self.measure();
         Ok(())
+    }
+
+    fn tune(&mut self) -> Result<()> {
+        self.tire.tune(&self.parameters)
+    }
+
+    fn is_consistent(&self) -> bool {
+        let fresh = self.tire == Tire::default() && self.state.bristles == Bristles::default();
+        fresh || self.tire.fits(&self.parameters) && self.state.bristles.fit(&self.parameters)
     }
 
     fn warning(&self) -> Option<String> {

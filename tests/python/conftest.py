@@ -84,6 +84,19 @@ class Slave:
     def get(self, *names):
         return self.raw.getReal([self.references[n] for n in names])
 
+    def derivatives(self, *names, order=1):
+        references = [self.references[n] for n in names]
+        count = len(references)
+        values = (fmpy.fmi2.fmi2Real * count)()
+        self.raw.fmi2GetRealOutputDerivatives(
+            self.raw.component,
+            (fmpy.fmi2.fmi2ValueReference * count)(*references),
+            count,
+            (fmpy.fmi2.fmi2Integer * count)(*[order] * count),
+            values,
+        )
+        return list(values)
+
     def outputs(self):
         references = [
             v.valueReference

@@ -94,7 +94,7 @@ def test_types_and_references(slaves):
     slave.raw.reset()
     refuse(slave, lambda: slave.raw.setBoolean([slave.references["even_stripes"]], [7]), "true or false")
     slave.raw.reset()
-    refuse(slave, lambda: slave.raw.setInteger([slave.references["stripes"]], [0]), "stripes = 0", "1.0 to 64.0")
+    refuse(slave, lambda: slave.raw.setInteger([slave.references["stripes"]], [0]), "stripes = 0", "1 to 64")
     slave.raw.reset()
     slave.begin(START)
     refuse(slave, lambda: slave.rates(force_x=1.0), "force_x")
@@ -166,7 +166,6 @@ def test_what_is_not_offered_says_so(slaves):
     one = ctypes.c_size_t(1)
     for call in (
         lambda: dll.fmi2GetDirectionalDerivative(component, None, one, None, one, None, None),
-        lambda: dll.fmi2GetRealOutputDerivatives(component, None, one, None, None),
         lambda: dll.fmi2CancelStep(component),
     ):
         slave.messages.clear()
@@ -239,3 +238,43 @@ def test_no_words_on_standard_streams(slaves, capfd):
     refuse(slave, lambda: slave.raw.doStep(0.0, -1.0), "positive")
     out, err = capfd.readouterr()
     assert out == "" and err == ""
+
+
+def test_derivatives_cannot_lead_out_of_the_range(slaves):
+    slave = slaves(START)
+    slave.rates(camber=20.0)
+    slave.steps(20)
+    refuse(slave, lambda: slave.steps(20, 0.02), "camber", "range -0.6 to 0.6")
+    assert abs(slave.get("actual_camber")[0]) <= 0.6 + 1e-9
+    recover(slave)
+
+
+def test_a_failed_step_leaves_the_last_values(slaves):
+    slave = slaves(START)
+    slave.raw.reset()
+    slave.raw.setInteger([slave.references["bristles_per_stripe"]], [13])
+    slave.begin(START)
+    slave.steps(10)
+    before = slave.outputs()
+    slave.set(deflection=0.06)
+    with pytest.raises(FMICallException):
+        slave.raw.doStep(0.01, 1.0)
+    assert "ring of bristles" in slave.messages[-1][2]
+    assert slave.outputs() == before
+
+
+def test_every_byte_of_a_state_counts(slaves):
+    slave = slaves(START)
+    slave.steps(3)
+    state = slave.raw.getFMUState()
+    data = slave.raw.serializeFMUState(state)
+    for position in [*range(60), *range(60, len(data), 97), len(data) - 1]:
+        damaged = bytearray(data)
+        damaged[position] ^= 0x10
+        with pytest.raises(FMICallException):
+            slave.raw.deserializeFMUState(bytes(damaged))
+        slave.raw.setFMUState(state)
+    for length in (0, 1, 40, len(data) - 1):
+        with pytest.raises(FMICallException):
+            slave.raw.deserializeFMUState(data[:length])
+        slave.raw.setFMUState(state)

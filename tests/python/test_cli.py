@@ -80,6 +80,15 @@ def test_wrong_recordings(tmp_path, lines, words):
     assert not (tmp_path / "out.csv").exists()
 
 
+def test_files_as_german_spreadsheets_write_them(tmp_path):
+    inputs = write(tmp_path / "rig.csv", "time [s];slip [%];temperature [degC]", "0;0,5;21,5", "0,1;1,5;21,6")
+    done = simulate(tmp_path, inputs)
+    assert done.returncode == 2 and "--ignore temperature" in done.stderr
+    done = simulate(tmp_path, inputs, "--ignore", "temperature")
+    assert done.returncode == 0, done.stderr
+    assert read_results(tmp_path / "out.csv")["slip"][50] == pytest.approx(0.01, rel=1e-12)
+
+
 def test_nothing_is_extrapolated(tmp_path):
     inputs = write(tmp_path / "rig.csv", "time [s],slip [1]", "0.1,0", "0.2,0.01")
     assert simulate(tmp_path, inputs).returncode == 0
@@ -126,6 +135,8 @@ def test_a_model_that_gives_up_is_no_and_keeps_what_it_has(tmp_path):
         ("[parameters]\nbelt_mas = 9.0\n", ["tire.toml:2", "belt_mas", "belt_mass"]),
         ("[parameters]\nbelt_mass = -1.0\n", ["tire.toml:2", "belt_mass", "range"]),
         ("[parameters]\nbelt_mass = true\n", ["tire.toml:2", "number"]),
+        ('[parameters]\nbelt_mass = "9 N"\n', ["tire.toml:2", "belt_mass", '"kg"']),
+        ("[parameters]\nrolling_radius = 0.5\n", ["tire.toml", "rolling_radius", "tire_radius"]),
         ("[parameters]\nslip = 0.1\n", ["tire.toml:2", "[inputs]"]),
         ("[parameter]\nbelt_mass = 9.0\n", ["tire.toml:1", "parameter"]),
         ("[parameters]\nbelt_mass = = 9\n", ["tire.toml:2"]),
@@ -211,3 +222,54 @@ def test_demo_makes_a_page_that_needs_nothing_else(tmp_path):
     assert 4500 < max(results["force_y"]) < 6000
     assert 3000 < max(results["force_x"]) < 4500
     assert min(results["force_z"]) > 1000
+
+
+def test_results_never_overwrite_what_is_read(tmp_path):
+    inputs = write(tmp_path / "rig.csv", "time [s],slip [1]", "0,0", "0.1,0.01")
+    before = inputs.read_text()
+    done = latsch("simulate", MODEL, "--inputs", inputs, "--output", inputs)
+    assert done.returncode == 2 and "overwrite" in done.stderr and inputs.read_text() == before
+    done = latsch("simulate", MODEL, "--output", tmp_path / "x", "--report", tmp_path / "x")
+    assert done.returncode == 2 and "overwrite" in done.stderr
+    done = latsch("simulate", MODEL, "--output", tmp_path / "out.csv", "--report", tmp_path / "none" / "r.html")
+    assert done.returncode == 2 and "no folder" in done.stderr and not (tmp_path / "out.csv").exists()
+
+
+def test_output_that_cannot_be_printed_is_no_success():
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([PROGRAM, "models"], stdout=full, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 2 and "standard output" in done.stderr
+
+
+def test_an_fmu_that_would_not_start_is_not_written(tmp_path):
+    tire = tmp_path / "tire.toml"
+    tire.write_text("[parameters]\nfriction_static_zero = 0.1\n")
+    done = latsch("export", MODEL, "--parameters", tire, "--output", tmp_path / "x.fmu")
+    assert done.returncode == 2
+    assert "tire.toml" in done.stderr and "friction_static_zero" in done.stderr
+    assert not (tmp_path / "x.fmu").exists()
+
+
+def test_an_fmu_with_other_variables_gets_no_picture_of_ours(fmu, tmp_path):
+    # the same GUID, but two variables have changed places in the description
+    def swap(name, data):
+        if not name.endswith(".xml"):
+            return data
+        data = data.replace(b'"gravity"', b'"#"').replace(b'"vertical_stiffness"', b'"gravity"')
+        return data.replace(b'"#"', b'"vertical_stiffness"')
+
+    other = rewrite(fmu, tmp_path / "other.fmu", swap)
+    done = latsch("simulate", other, "--stop", "0.01", "--output", tmp_path / "o.csv", "--report", tmp_path / "o.html")
+    assert done.returncode == 0, done.stderr
+    assert "Contact patch" not in (tmp_path / "o.html").read_text()
+    done = latsch("simulate", fmu, "--stop", "0.01", "--output", tmp_path / "o.csv", "--report", tmp_path / "o.html")
+    assert "Contact patch" in (tmp_path / "o.html").read_text()
+
+
+def test_values_with_units_in_both_spellings(tmp_path):
+    for value in ("54 km/h", "54km/h", "15"):
+        done = latsch("simulate", MODEL, "--set", f"path_speed={value}", "--stop", "0.01", "--output", tmp_path / "o.csv")
+        assert done.returncode == 0, done.stderr
+        assert read_results(tmp_path / "o.csv")["path_speed"][0] == pytest.approx(15, rel=1e-12)
+    done = latsch("simulate", MODEL, "--set", "slip=0", "--set", "slip=0.1", "--output", tmp_path / "o.csv")
+    assert done.returncode == 2 and "twice" in done.stderr

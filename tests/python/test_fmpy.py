@@ -146,6 +146,27 @@ def test_between_grid_points_the_result_is_near_its_neighbours(slaves):
     assert low < middle < high
 
 
+def test_derivatives_of_outputs_are_those_of_the_last_internal_step(slaves):
+    slave = slaves(START)
+    names = ["force_x", "force_z", "wheel_angle"]
+    slave.set(slip=0.05, deflection=0.025)
+    slave.steps(5)
+    for time, length in [(0.005, 1e-4), (0.0051, 1e-4), (0.0052, 0.5e-4)]:
+        before = slave.get(*names)
+        slave.raw.doStep(time, length)
+        now, rates = slave.get(*names), slave.derivatives(*names)
+        if length == 1e-4:
+            for y0, y1, rate in zip(before, now, rates):
+                assert rate == pytest.approx((y1 - y0) / length, rel=1e-9)
+    # the wheel's angle has a rate that everybody knows: (slip + 1) v / R
+    spin = (1 + slave.get("actual_slip")[0]) * 15.0 / 0.328
+    assert slave.derivatives("wheel_angle")[0] == pytest.approx(spin, rel=1e-3)
+    # before the first step a stationary state
+    fresh = slaves(START)
+    assert fresh.derivatives("force_z")[0] == pytest.approx(0.0, abs=1e4)
+    assert fresh.derivatives("wheel_angle")[0] == pytest.approx(15.0 / 0.328, rel=1e-12)
+
+
 def test_save_restore_and_serialise(slaves):
     slave = slaves(dict(START, slip_angle=0.02))
     slave.steps(50)
@@ -241,3 +262,38 @@ def test_initialization_mode_answers_at_once(slaves):
     # hanging in the air: the belt's weight pulls at the rim
     assert slave.get("force_z")[0] == pytest.approx(-8.8 * 9.81, rel=1e-12)
     slave.raw.exitInitializationMode()
+
+
+@pytest.mark.parametrize("start", [0.0, -5.0, 1.7e9])
+def test_clocks_of_masters(slaves, start):
+    # each point computed anew, and added up; also where a second is many units in the last place
+    one, two = slaves(), slaves()
+    one.begin(dict(START, slip=0.02), time=start, stop=start + 0.5)
+    two.begin(dict(START, slip=0.02), time=start, stop=start + 0.5)
+    time = start
+    for k in range(500):
+        one.raw.doStep(start + k * 1e-3, 1e-3)
+        two.raw.doStep(time, 1e-3)
+        time += 1e-3
+    assert one.get("force_x")[0] == pytest.approx(two.get("force_x")[0], rel=1e-3)
+
+
+def test_friction_can_be_tuned_between_steps(slaves):
+    # a wheel that slides sideways answers with sliding friction: halve it, and so is force over load
+    slave = slaves(dict(START, slip_angle=math.pi / 2))
+    slave.steps(100)
+
+    def used():
+        force, load = slave.get("patch_force_y", "patch_force_z")
+        return force / load
+
+    before = used()
+    slave.set(friction_sliding_zero=0.55, friction_sliding_reference=0.5)
+    assert slave.get("friction_sliding_zero") == [0.55]
+    slave.steps(400, 0.1)
+    assert used() == pytest.approx(0.5 * before, rel=0.01)
+    # what does not fit together is refused at the next step
+    slave.set(friction_static_zero=0.1)
+    with pytest.raises(FMICallException):
+        slave.raw.doStep(0.5, 1e-3)
+    assert "friction_static_zero" in slave.messages[-1][2]

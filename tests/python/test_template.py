@@ -45,6 +45,8 @@ def test_oscillator_swings_as_it_should(library, tmp_path):
     for k in range(200):
         # released: 0.1 m cos(10 t); symplectic Euler with 1e-4 s is within 1e-4 m
         assert slave.get("position")[0] == pytest.approx(0.1 * math.cos(10 * k * 0.01), abs=1e-4)
+        assert slave.derivatives("position")[0] == pytest.approx(-math.sin(10 * k * 0.01), abs=2e-3)
+        assert slave.derivatives("position", order=2) == [0.0]
         slave.raw.doStep(k * 0.01, 0.01)
     slave.close()
 

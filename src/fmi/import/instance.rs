@@ -156,8 +156,13 @@ impl Instance {
             Status::Error => self.health = Health::Failed,
             _ => {}
         }
-        let error =
-            Error::fmu(format!("{}: {what} returned {word}: {}", self.name, reason(&self.foundation.log)));
+        let reason = reason(&self.foundation.log);
+        // many FMUs begin their message with the function, which stands here already
+        let reason = match reason.split_once(": ") {
+            Some((function, rest)) if what.to_string().contains(function) => rest,
+            _ => &reason,
+        };
+        let error = Error::fmu(format!("{}: {what} returned {word}: {reason}", self.name));
         Err(Failure { status, error })
     }
 

@@ -5,7 +5,10 @@ use super::description::{Description, MAX_LENGTH};
 use super::instance::{Health, Instance, Slot};
 use super::library::Library;
 use super::log::Message;
-use crate::model::{Causality, Initial, Interface, Kind, Slave, Snapshot, Value, Variability, VariableInfo};
+use crate::model::{
+    Causality, Initial, Interface, Kind, Slave, Snapshot, Value, Variability, VariableInfo, check_experiment,
+    check_step,
+};
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
@@ -14,9 +17,6 @@ use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 use tempfile::TempDir;
 use uuid::Uuid;
-
-/// How far from the end of the last step, in lengths of the next one, a master's clock may be.
-const CLOCK_TOLERANCE: f64 = 1e-3;
 
 /// A co-simulation FMU of any maker, unpacked, loaded and instantiated.
 ///
@@ -269,14 +269,7 @@ impl Slave for ImportedFmu {
     fn start(&mut self, start: f64, stop: Option<f64>) -> Result<()> {
         self.well("a start")?;
         self.order(self.course.phase == Phase::New, "a start", "twice without a reset")?;
-        if !start.is_finite() || stop.is_some_and(|stop| !stop.is_finite()) {
-            return Err(Error::call(format!("start time {start} and stop time {stop:?} have to be finite")));
-        }
-        if let Some(stop) = stop
-            && stop <= start
-        {
-            return Err(Error::call(format!("the stop time {stop} is not after the start time {start}")));
-        }
+        check_experiment(start, stop)?;
         self.instance.setup(start, stop)?;
         self.instance.enter_initialization()?;
         self.course.phase = Phase::Starting;
@@ -299,20 +292,9 @@ impl Slave for ImportedFmu {
     fn step(&mut self, time: f64, length: f64) -> Result<()> {
         self.well("a step")?;
         self.order(self.course.phase == Phase::Running, "a step", "before the end of initialization")?;
-        if !time.is_finite() || !length.is_finite() {
-            return Err(Error::call(format!("a step from {time} s by {length} s: finite times are needed")));
-        }
-        if length <= 0.0 {
-            return Err(Error::call(format!("a step of {length} s: the length has to be positive")));
-        }
-        if (time - self.course.time).abs() > CLOCK_TOLERANCE * length {
-            return Err(Error::call(format!(
-                "a step from {time} s: the last one ended at {} s, and time can only go back by restoring a state",
-                self.course.time
-            )));
-        }
+        let target = check_step(self.course.time, time, length, None)?;
         self.instance.step(time, length)?;
-        self.course.time = time + length;
+        self.course.time = target;
         Ok(())
     }
 

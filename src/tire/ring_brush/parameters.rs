@@ -106,6 +106,12 @@ impl Parameters {
                 self.cross_section_radius
             ));
         }
+        if self.rolling_radius > self.radius {
+            return fail(format!(
+                "rolling_radius = {} m is larger than tire_radius = {} m",
+                self.rolling_radius, self.radius
+            ));
+        }
         if self.stripe_radius(0) <= 0.0 {
             return fail(format!(
                 "tire_radius = {} m is too small for tire_width and cross_section_radius: the outer stripe has no radius left",

@@ -41,6 +41,21 @@ impl Tire {
         })
     }
 
+    /// Changes parameters that neither the stripes' places and radii nor the bristles' number depend on.
+    ///
+    /// # Errors
+    /// Parameters that contradict each other.
+    pub fn tune(&mut self, parameters: &Parameters) -> Result<()> {
+        parameters.check()?;
+        self.parameters.clone_from(parameters);
+        Ok(())
+    }
+
+    /// True if this is the tire with these parameters.
+    pub fn fits(&self, parameters: &Parameters) -> bool {
+        Self::new(parameters).is_ok_and(|tire| tire == *self)
+    }
+
     /// The parameters.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
