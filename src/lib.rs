@@ -12,6 +12,8 @@ mod file;
 pub mod fmi;
 pub mod model;
 #[cfg(feature = "host")]
+mod page;
+#[cfg(feature = "host")]
 pub mod recording;
 #[cfg(feature = "host")]
 pub mod report;

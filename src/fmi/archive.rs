@@ -1,7 +1,8 @@
-//! Makes FMUs: description, resources and binary in a zip archive.
+//! Makes FMUs: description, documentation, resources and binary in a zip archive.
 
 use super::c::Text;
 use super::description::{model_description, model_identifier};
+use super::documentation;
 use super::entry::guid;
 use super::export::Sink;
 use crate::model::{Interface, Settings};
@@ -27,6 +28,8 @@ pub struct ModelLibrary {
     path: PathBuf,
     /// Interfaces with the start values of the models' tables.
     pub models: Vec<Interface>,
+    /// [`Model::DOCUMENTATION`](crate::model::Model::DOCUMENTATION) of each.
+    documentation: Vec<String>,
 }
 
 /// Name of the library of the shipped models.
@@ -84,13 +87,14 @@ impl ModelLibrary {
                 crate::VERSION
             )));
         }
-        let models = postcard::from_bytes(rest).map_err(|_| {
+        let models: Vec<(Interface, String)> = postcard::from_bytes(rest).map_err(|_| {
             fail(
                 "the library has this program's version but was built from other sources; build both anew"
                     .into(),
             )
         })?;
-        Ok(Self { path: path.into(), models })
+        let (models, documentation) = models.into_iter().unzip();
+        Ok(Self { path: path.into(), models, documentation })
     }
 
     /// The interface of the model called `name`.
@@ -98,7 +102,12 @@ impl ModelLibrary {
     /// # Errors
     /// None; the message lists those that are there.
     pub fn model(&self, name: &str) -> Result<&Interface> {
-        self.models.iter().find(|m| m.name == name).ok_or_else(|| {
+        self.find(name).map(|(table, _)| table)
+    }
+
+    fn find(&self, name: &str) -> Result<(&Interface, &str)> {
+        let mut models = self.models.iter().zip(self.documentation.iter().map(String::as_str));
+        models.find(|(table, _)| table.name == name).ok_or_else(|| {
             let names: Vec<&str> = self.models.iter().map(|m| m.name.as_str()).collect();
             Error::variable(format!("there is no model {name:?}; there is {}", names.join(", ")))
         })
@@ -110,18 +119,25 @@ impl ModelLibrary {
     /// # Errors
     /// No such model, settings that it does not accept, a binary that cannot be read.
     pub fn fmu(&self, model: &str, settings: &Settings) -> Result<Vec<u8>> {
-        let table = self.model(model)?;
+        let (table, text) = self.find(model)?;
         let resources = settings.to_file(table)?;
-        let description = described(table, settings, &resources)?;
+        let interface = with_settings(table, settings)?;
+        let guid = guid(table, &resources);
+        let description = model_description(&interface, &guid)?;
+        let page = documentation::page(table, &interface, &guid, text);
         let binary =
             std::fs::read(&self.path).map_err(|e| Error::fmu(format!("{}: {e}", self.path.display())))?;
         let identifier = model_identifier(model);
         let binary_name = format!("binaries/{PLATFORM}/{identifier}{}", std::env::consts::DLL_SUFFIX);
-        let files: [(&str, &[u8]); 3] = [
-            ("modelDescription.xml", description.as_bytes()),
-            ("resources/model.toml", resources.as_bytes()),
-            (&binary_name, &binary),
+        let mut files: Vec<(String, &[u8])> = vec![
+            ("modelDescription.xml".into(), description.as_bytes()),
+            ("resources/model.toml".into(), resources.as_bytes()),
+            (binary_name, &binary),
+            ("documentation/index.html".into(), page.as_bytes()),
         ];
+        for (name, text) in documentation::LICENSES {
+            files.push((format!("documentation/licenses/{name}"), text.as_bytes()));
+        }
         let broken = |e: &dyn std::fmt::Display| Error::fmu(format!("the archive cannot be written: {e}"));
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
@@ -138,13 +154,13 @@ impl ModelLibrary {
     }
 }
 
-/// The description of a model with settings; `resources` is the text of its `model.toml`.
-fn described(table: &Interface, settings: &Settings, resources: &str) -> Result<String> {
+/// The interface of a model with settings as start values.
+fn with_settings(table: &Interface, settings: &Settings) -> Result<Interface> {
     let mut interface = table.clone();
     for (index, value) in settings.check(table)? {
         interface.variables[index].start = Some(value);
     }
-    model_description(&interface, &guid(table, resources))
+    Ok(interface)
 }
 
 /// The description of a model as its FMU has it.
@@ -152,7 +168,7 @@ fn described(table: &Interface, settings: &Settings, resources: &str) -> Result<
 /// # Errors
 /// Settings that the model does not accept.
 pub fn description_of(table: &Interface, settings: &Settings) -> Result<String> {
-    described(table, settings, &settings.to_file(table)?)
+    model_description(&with_settings(table, settings)?, &guid(table, &settings.to_file(table)?))
 }
 
 /// Loads a library and takes what its `latsch_models` tells.

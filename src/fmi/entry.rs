@@ -10,6 +10,8 @@ pub struct Entry {
     pub name: &'static str,
     /// The interface with the start values of the model's table.
     pub table: fn() -> Interface,
+    /// [`Model::DOCUMENTATION`].
+    pub documentation: &'static str,
     make: fn(&Settings) -> Result<Box<dyn Slave + Send>>,
 }
 
@@ -19,6 +21,7 @@ impl Entry {
         Self {
             name: M::NAME,
             table: Native::<M>::table,
+            documentation: M::DOCUMENTATION,
             make: |settings| Ok(Box::new(Native::<M>::new(settings)?)),
         }
     }

@@ -540,15 +540,15 @@ pub unsafe fn get_status<T>(
     unsafe { c.cast::<Instance>().as_mut() }.map_or(Status::Error, |instance| instance.discard(function))
 }
 
-/// Passes the interfaces of a library's models to `sink`, for whoever writes the FMU's description:
-/// version and interfaces, serialised.
+/// Passes the interfaces and documentations of a library's models to `sink`, for whoever makes an FMU:
+/// version and (interface, documentation) of each model, serialised.
 ///
 /// # Safety
 /// `sink` can be called with `context` and bytes that live during the call.
 pub unsafe fn describe_models(models: &[Entry], sink: Sink, context: *mut c_void) {
     silence_panics();
     let bytes = catch_unwind(|| {
-        let tables: Vec<_> = models.iter().map(|m| (m.table)()).collect();
+        let tables: Vec<_> = models.iter().map(|m| ((m.table)(), m.documentation)).collect();
         postcard::to_stdvec(&(crate::VERSION, tables)).unwrap_or_default()
     })
     .unwrap_or_default();

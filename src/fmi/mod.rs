@@ -7,6 +7,8 @@ pub mod archive;
 pub mod c;
 #[cfg(feature = "host")]
 pub mod description;
+#[cfg(feature = "host")]
+mod documentation;
 mod entry;
 pub mod export;
 #[cfg(feature = "host")]

@@ -38,6 +38,11 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
     const NAME: &'static str;
     /// What it models, in one sentence.
     const DESCRIPTION: &'static str;
+    /// Documentation for the FMU's `documentation/index.html`, where the tables that follow from
+    /// [`VARIABLES`](Model::VARIABLES) come after it: HTML whose topics begin with `<h2>`, with nothing
+    /// from outside (`include_str!` a file). It is trusted and taken as it stands, and no part of the
+    /// GUID.
+    const DOCUMENTATION: &'static str = "";
     /// Every variable. The position in the table is the FMI value reference: append, do not insert.
     const VARIABLES: &'static [Variable<Self>];
     /// The communication step that suits the model \[s\].

@@ -3,12 +3,11 @@
 //! A [`Page`] has sections, a section has parts: text, [`Table`], [`Plot`], [`patch_frames`].
 //! [`simulation_report`] makes the page of a run.
 
-mod page;
 mod patch;
 mod plot;
 mod simulation;
 
-pub use page::{Html, Page, Section, Table};
+pub use crate::page::{Html, Page, Section, Table};
 pub use patch::{Cell, PatchFrame, patch_caption, patch_frames};
 pub use plot::{Axis, Plot, Size};
 pub use simulation::simulation_report;

@@ -1,6 +1,6 @@
 //! Pictures of the contact patch: pressure, sliding and shear of every bristle.
 
-use super::page::{Html, escape, number};
+use crate::page::{Html, escape, number};
 use crate::rig::RingBrushFlatTrack;
 use std::f64::consts::PI;
 use std::fmt::Write;

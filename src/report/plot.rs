@@ -1,6 +1,6 @@
 //! Line plots as inline SVG.
 
-use super::page::{Html, escape};
+use crate::page::{Html, escape};
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use std::ops::Range;

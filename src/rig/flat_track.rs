@@ -86,6 +86,7 @@ impl Model for RingBrushFlatTrack {
     const NAME: &'static str = "ring-brush-flat-track";
     const DESCRIPTION: &'static str = "Ring-and-brush tire on a flat-track rig: commands of the rig in, force and moment on the rim in H axes out (ISO 8855 signs)";
     const STOP_TIME: f64 = 5.0;
+    const DOCUMENTATION: &'static str = include_str!("flat_track.html");
     const VARIABLES: &'static [Variable<Self>] = &[
         // commands
         input("steer", "rad", command!(steer), 0.0, "Steer angle of the wheel about z; it turns wheel and path together, so it makes no slip angle").range(-2.0 * PI, 2.0 * PI),

@@ -58,6 +58,20 @@ def test_archive_is_plain(fmu):
             assert "\\" not in entry.filename and not entry.filename.startswith("/")
 
 
+def test_documentation_and_licenses_are_in_the_archive(fmu):
+    description = fmpy.read_model_description(str(fmu))
+    with zipfile.ZipFile(fmu) as archive:
+        page = archive.read("documentation/index.html").decode()
+        licenses = {name: archive.read(f"documentation/licenses/{name}").decode()
+                    for name in ["LICENSE-APACHE", "LICENSE-MIT", "THIRD-PARTY.md"]}
+    for variable in description.modelVariables:
+        assert f"<code>{variable.name}</code></td>" in page
+    assert description.guid in page and "<math" in page
+    for outside in ["http:", "https:", "url(", "src=", "<script", "<link"]:
+        assert outside not in page
+    assert "Apache License" in licenses["LICENSE-APACHE"] and "nalgebra" in licenses["THIRD-PARTY.md"]
+
+
 def test_same_bits_as_the_native_model(tmp_path, slaves):
     count, step = 400, 1e-3
     rows = programme(count, step)

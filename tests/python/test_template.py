@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import subprocess
+import zipfile
 
 import pytest
 
@@ -59,6 +60,16 @@ def test_our_own_importer_runs_it_too(library, tmp_path):
     last = (tmp_path / "o.csv").read_text().splitlines()[-1].split(",")
     assert float(last[0]) == 1.0 and float(last[2]) == pytest.approx(0.025)
     assert "position" in (tmp_path / "o.html").read_text()
+
+
+def test_the_authors_documentation_is_in_the_fmu(library, tmp_path):
+    path = tmp_path / "oscillator.fmu"
+    assert latsch("export", "oscillator", "--library", library, "--output", path).returncode == 0
+    with zipfile.ZipFile(path) as archive:
+        page = archive.read("documentation/index.html").decode()
+    assert "<h2>Equations</h2>" in page and "<mi>x</mi>" in page
+    for name in ["mass", "stiffness", "force", "position"]:
+        assert f"<code>{name}</code>" in page
 
 
 def test_export_refuses_what_is_no_model_library(library, tmp_path):

@@ -1,4 +1,4 @@
-//! The page: sections of text, tables and figures, and the style that they share.
+//! HTML pages that need nothing else: sections of text, tables and figures, and the style that they share.
 
 /// A piece of finished HTML. Only this module's parts make one, so that text in it is always escaped.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -6,7 +6,7 @@ pub struct Html(String);
 
 impl Html {
     /// HTML as it stands; whoever calls this has escaped the text in it.
-    pub(super) fn raw(html: impl Into<String>) -> Self {
+    pub(crate) fn raw(html: impl Into<String>) -> Self {
         Self(html.into())
     }
 
@@ -27,7 +27,7 @@ impl Html {
 }
 
 /// Text in which nothing is markup any more, inside elements and inside quoted attributes.
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -102,7 +102,7 @@ fn is_number(text: &str) -> bool {
 }
 
 /// A number for people: four significant digits and a true minus sign; a dash if it is not finite.
-pub(super) fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if !value.is_finite() {
         return "–".into();
     }
@@ -132,6 +132,11 @@ pub struct Section {
 impl Section {
     /// An empty section.
     pub fn new(heading: &str) -> Self {
+        Self::raw(escape(heading))
+    }
+
+    /// An empty section with HTML as its heading.
+    pub(crate) fn raw(heading: impl Into<String>) -> Self {
         Self { heading: heading.into(), parts: Vec::new() }
     }
 
@@ -194,7 +199,7 @@ impl Page {
         if named.len() > 2 {
             html.push_str("<nav>");
             for (i, section) in &named {
-                html.push_str(&format!("<a href=\"#section-{i}\">{}</a> ", escape(&section.heading)));
+                html.push_str(&format!("<a href=\"#section-{i}\">{}</a> ", section.heading));
             }
             html.push_str("</nav>\n");
         }
@@ -202,7 +207,7 @@ impl Page {
         for (i, section) in self.sections.iter().enumerate() {
             html.push_str(&format!("<section id=\"section-{i}\">\n"));
             if !section.heading.is_empty() {
-                html.push_str(&format!("<h2>{}</h2>\n", escape(&section.heading)));
+                html.push_str(&format!("<h2>{}</h2>\n", section.heading));
             }
             for part in &section.parts {
                 html.push_str(&part.0);
@@ -245,6 +250,26 @@ table { border-collapse: collapse; margin: .4rem 0 1rem; font-size: .9rem; font-
 th, td { padding: .2rem 1.4rem .2rem 0; border-bottom: 1px solid #e6e9ec; text-align: left; vertical-align: top; }
 th { font-weight: 600; border-bottom-color: #aab3ba; white-space: nowrap; }
 .number { text-align: right; white-space: nowrap; }
+h3 { margin: 1.6rem 0 .5rem; font-size: 1rem; font-weight: 650; break-after: avoid; }
+code { font: .92em ui-monospace, 'SF Mono', Menlo, Consolas, 'DejaVu Sans Mono', monospace; }
+td code { white-space: nowrap; }
+ul { padding-left: 1.2rem; max-width: 48rem; }
+li { margin: .25rem 0; }
+dl.eq { margin: .6rem 0; padding: .5rem .9rem; background: #f7f8fa; border-radius: 6px; overflow-x: auto; break-inside: avoid; }
+dl.eq > div { display: flex; justify-content: space-between; align-items: center; gap: 2rem; min-height: 2.1rem; }
+dl.eq dt, dl.eq dd { margin: 0; white-space: nowrap; }
+dl.eq dd { color: #5b6770; font-size: .87rem; }
+math { font-size: 1.06em; }
+math[display=block] { margin: .25rem 0; text-align: left; }
+math .matrix { margin: 0 .2em; padding: 0 .1em; border: solid; border-width: 0 1.5px; border-radius: .6em; }
+math .cases { margin-left: .2em; border-left: 1.5px solid; border-radius: .6em; }
+math .cases mtd { text-align: left; }
+math mrow.matrix { padding: 0 .25em; }
+math mover > mo { font-size: 1.25em; }
+math mfrac > * { padding: .12em .1em; }
+.range { white-space: nowrap; }
+.wide .text { white-space: normal; }
+.changed { background: #fff6dc; }
 .patch input { width: 100%; margin: .4rem 0; accent-color: #0b5394; }
 footer { margin-top: 3rem; padding-top: .6rem; border-top: 1px solid #d5dade; font-size: .85rem; color: #5b6770; }
 @media screen and (max-width: 900px) {
@@ -254,7 +279,27 @@ footer { margin-top: 3rem; padding-top: .6rem; border-top: 1px solid #d5dade; fo
 @media print {
   @page { margin: 15mm; }
   body { padding: 0; max-width: none; font-size: 10pt; }
-  nav, .patch input { display: none; }
+  nav, h3 { margin: 1.6rem 0 .5rem; font-size: 1rem; font-weight: 650; break-after: avoid; }
+code { font: .92em ui-monospace, 'SF Mono', Menlo, Consolas, 'DejaVu Sans Mono', monospace; }
+td code { white-space: nowrap; }
+ul { padding-left: 1.2rem; max-width: 48rem; }
+li { margin: .25rem 0; }
+dl.eq { margin: .6rem 0; padding: .5rem .9rem; background: #f7f8fa; border-radius: 6px; overflow-x: auto; break-inside: avoid; }
+dl.eq > div { display: flex; justify-content: space-between; align-items: center; gap: 2rem; min-height: 2.1rem; }
+dl.eq dt, dl.eq dd { margin: 0; white-space: nowrap; }
+dl.eq dd { color: #5b6770; font-size: .87rem; }
+math { font-size: 1.06em; }
+math[display=block] { margin: .25rem 0; text-align: left; }
+math .matrix { margin: 0 .2em; padding: 0 .1em; border: solid; border-width: 0 1.5px; border-radius: .6em; }
+math .cases { margin-left: .2em; border-left: 1.5px solid; border-radius: .6em; }
+math .cases mtd { text-align: left; }
+math mrow.matrix { padding: 0 .25em; }
+math mover > mo { font-size: 1.25em; }
+math mfrac > * { padding: .12em .1em; }
+.range { white-space: nowrap; }
+.wide .text { white-space: normal; }
+.changed { background: #fff6dc; }
+.patch input { display: none; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 ";
