@@ -379,7 +379,7 @@ mod tests {
             ("1;2,5,1;2", ["rig.csv:3:a (column 2)", "2,5,1"]),
             ("nan;2;2", ["rig.csv:3:time (column 1)", "finite"]),
             ("1;2", ["rig.csv:3: the header has 3 cells", "has 2"]),
-            ("1;2;3;4", ["rig.csv:3: the header has 3 cells", "has 4"]),
+            ("1;2;3;4", ["rig.csv:3: the header has 3", "has 4; numbers need a decimal point, not a comma"]),
         ] {
             refuse(&format!("{head}{row}\n5;6;7\n"), &words);
         }
