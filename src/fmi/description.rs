@@ -50,7 +50,10 @@ pub fn model_description(interface: &Interface, guid: &str) -> Result<String> {
             ("canNotUseMemoryManagementFunctions", "true"),
             ("canGetAndSetFMUstate", "true"),
             ("canSerializeFMUstate", "true"),
-            ("providesDirectionalDerivative", "false"),
+            (
+                "providesDirectionalDerivative",
+                if interface.directional_derivatives { "true" } else { "false" },
+            ),
         ],
     );
     write_units(&mut xml, interface)?;

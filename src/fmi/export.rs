@@ -364,6 +364,33 @@ pub unsafe fn get_real_output_derivatives(
     }
 }
 
+/// fmi2GetDirectionalDerivative.
+///
+/// # Safety
+/// As `call`; the arrays have as many items as their counts say.
+#[allow(clippy::too_many_arguments)] // the standard's
+pub unsafe fn get_directional_derivative(
+    c: Component,
+    unknowns: *const ValueReference,
+    unknown_count: usize,
+    knowns: *const ValueReference,
+    known_count: usize,
+    seed: *const f64,
+    values: *mut f64,
+) -> Status {
+    // SAFETY: the caller's promise, here and inside.
+    unsafe {
+        call(c, Function::GetDirectionalDerivative, |instance| {
+            let unknowns = array(unknowns, unknown_count, "unknowns")?;
+            let knowns = array(knowns, known_count, "knowns")?;
+            let seed = array(seed, known_count, "numbers of the direction")?;
+            let values = array_mut(values, unknown_count, "values")?;
+            values.copy_from_slice(&instance.directional_derivatives(unknowns, knowns, seed)?);
+            Ok(())
+        })
+    }
+}
+
 /// The saved state behind a handle.
 ///
 /// # Safety
@@ -620,8 +647,8 @@ macro_rules! export_fmus {
                 fmi2SerializedFMUstateSize(c: Component, state: FmuState, size: *mut usize) -> Status = export::serialized_fmu_state_size(c, state, size);
                 fmi2SerializeFMUstate(c: Component, state: FmuState, bytes: *mut Byte, size: usize) -> Status = export::serialize_fmu_state(c, state, bytes, size);
                 fmi2DeSerializeFMUstate(c: Component, bytes: *const Byte, size: usize, state: *mut FmuState) -> Status = export::deserialize_fmu_state(c, bytes, size, state);
-                fmi2GetDirectionalDerivative(c: Component, _unknowns: *const ValueReference, _n_unknowns: usize, _knowns: *const ValueReference, _n_knowns: usize, _seed: *const f64, _result: *mut f64) -> Status
-                    = export::not_offered(c, Function::GetDirectionalDerivative);
+                fmi2GetDirectionalDerivative(c: Component, unknowns: *const ValueReference, n_unknowns: usize, knowns: *const ValueReference, n_knowns: usize, seed: *const f64, values: *mut f64) -> Status
+                    = export::get_directional_derivative(c, unknowns, n_unknowns, knowns, n_knowns, seed, values);
                 fmi2SetRealInputDerivatives(c: Component, vr: *const ValueReference, n: usize, orders: *const c_int, values: *const f64) -> Status
                     = export::set_real_input_derivatives(c, vr, n, orders, values);
                 fmi2GetRealOutputDerivatives(c: Component, vr: *const ValueReference, n: usize, orders: *const c_int, values: *mut f64) -> Status

@@ -277,6 +277,18 @@ impl Instance {
         Ok(if order == 1 { first } else { 0.0 })
     }
 
+    /// fmi2GetDirectionalDerivative.
+    pub fn directional_derivatives(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+    ) -> Result<Vec<f64>> {
+        let real = |references: &[u32]| references.iter().map(|r| self.real(*r)).collect::<Result<Vec<_>>>();
+        let (unknowns, knowns) = (real(unknowns)?, real(knowns)?);
+        self.slave.directional_derivatives(&unknowns, &knowns, seed)
+    }
+
     /// fmi2DoStep.
     pub fn do_step(&mut self, time: f64, length: f64) -> Result<()> {
         self.slave.step(time, length)?;

@@ -100,7 +100,7 @@ impl Function {
             // to wait for initialization; FMPy sets their start values before, which does no harm.
             SetReal | SetInteger | SetBoolean | SetString => WRITE,
             SetRealInputDerivatives => N | C,
-            GetDirectionalDerivative => READ,
+            GetDirectionalDerivative => N | C,
             GetRealOutputDerivatives => C,
             GetFMUstate
             | SetFMUstate

@@ -206,6 +206,8 @@ pub struct Interface {
     pub start_time: f64,
     /// End of its default experiment \[s\].
     pub stop_time: f64,
+    /// It offers directional derivatives of outputs by inputs.
+    pub directional_derivatives: bool,
     /// The variables; a variable's position is its index in every call of [`Slave`](super::Slave).
     pub variables: Vec<VariableInfo>,
 }

@@ -50,6 +50,9 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
     /// The length of an experiment that shows what the model does \[s\].
     const STOP_TIME: f64 = 1.0;
 
+    /// True if [`directional_derivatives`](Model::directional_derivatives) has answers.
+    const DIRECTIONAL_DERIVATIVES: bool = false;
+
     /// The step h of the model's own time grid t0 + n h \[s\].
     fn step_size(&self) -> f64;
 
@@ -73,6 +76,22 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
     /// What the user should know about the state that [`initialize`](Model::initialize) found.
     fn warning(&self) -> Option<String> {
         None
+    }
+
+    /// The derivatives of the outputs `unknowns` along a change of inputs: pairs of an input's position
+    /// in the table and its share in the direction. Before the first step (`starting`) the state moves
+    /// with the inputs, as [`initialize`](Model::initialize) would have it; between steps it stays.
+    ///
+    /// # Errors
+    /// An output that has no derivative, or all of them.
+    fn directional_derivatives(
+        &self,
+        starting: bool,
+        direction: &[(usize, f64)],
+        unknowns: &[usize],
+    ) -> Result<Vec<f64>> {
+        let _ = (starting, direction, unknowns);
+        Err(crate::Error::call(format!("{} has no directional derivatives", Self::NAME)))
     }
 
     /// True if the parts of the value fit each other. Asked of values that come from bytes, which may

@@ -102,6 +102,7 @@ impl<M: Model> Native<M> {
             communication_step: M::COMMUNICATION_STEP,
             start_time: 0.0,
             stop_time: M::STOP_TIME,
+            directional_derivatives: M::DIRECTIONAL_DERIVATIVES,
             variables: (0..).zip(M::VARIABLES).map(|(i, v)| v.info(i)).collect(),
         }
     }
@@ -459,6 +460,44 @@ impl<M: Model> Slave for Native<M> {
         feed(between, signals, clock.start + clock.step_size);
         between.step(clock.step_size)?;
         Ok((get(between) - get(grid)) / clock.step_size)
+    }
+
+    fn directional_derivatives(
+        &mut self,
+        unknowns: &[usize],
+        knowns: &[usize],
+        seed: &[f64],
+    ) -> Result<Vec<f64>> {
+        let starting = match self.data.clock.phase {
+            Phase::Starting => true,
+            Phase::Running => false,
+            _ => {
+                return Err(wrong_order(
+                    "a directional derivative",
+                    "before initialization or after a failed step",
+                ));
+            }
+        };
+        for (list, causality, word) in
+            [(unknowns, Causality::Output, "output"), (knowns, Causality::Input, "input")]
+        {
+            for &index in list {
+                let info = self.info(index)?;
+                if info.causality != causality || !info.is_real() {
+                    return Err(Error::variable(format!("{} is no real {word}", info.name)));
+                }
+            }
+        }
+        if starting {
+            self.refresh()?;
+        }
+        let direction: Vec<(usize, f64)> = knowns.iter().copied().zip(seed.iter().copied()).collect();
+        if let Some((_, number)) = direction.iter().find(|(_, number)| !number.is_finite()) {
+            return Err(Error::call(format!(
+                "the direction has the number {number}; finite ones are needed"
+            )));
+        }
+        self.model().directional_derivatives(starting, &direction, unknowns)
     }
 
     fn warning(&self) -> Option<String> {

@@ -74,6 +74,21 @@ pub trait Slave {
         Err(Error::call(format!("the derivative of {name} is not offered")))
     }
 
+    /// The directional derivatives of outputs: sum over `knowns`, which are inputs, of the partial
+    /// derivative of each of `unknowns` times the number in `seed`.
+    ///
+    /// # Errors
+    /// Variables that have none, or a slave that does not offer them.
+    fn directional_derivatives(
+        &mut self,
+        unknowns: &[usize],
+        knowns: &[usize],
+        seed: &[f64],
+    ) -> Result<Vec<f64>> {
+        let _ = (unknowns, knowns, seed);
+        Err(Error::call(format!("{} does not offer directional derivatives", self.interface().name)))
+    }
+
     /// What the user should know about the start, once that is finished.
     fn warning(&self) -> Option<String> {
         None

@@ -10,9 +10,12 @@ use crate::model::{
     Access, Model, Variable, boolean_parameter, input, integer_parameter, local, output, parameter,
     text_parameter,
 };
+use crate::solver::{Dual, Real};
 use crate::tire::Motion;
-use crate::tire::ring_brush::{Bristles, Parameters, State, Stationary, Tire, Vertical, stationary};
-use crate::{Result, boolean, clone_in_place, integer, real};
+use crate::tire::ring_brush::{
+    Bristles, Contact, Parameters, State, Stationary, Tire, Vertical, coupling, stationary,
+};
+use crate::{Error, Result, boolean, clone_in_place, integer, real};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -86,6 +89,7 @@ impl Model for RingBrushFlatTrack {
     const NAME: &'static str = "ring-brush-flat-track";
     const DESCRIPTION: &'static str = "Ring-and-brush tire on a flat-track rig: commands of the rig in, force and moment on the rim in H axes out (ISO 8855 signs)";
     const STOP_TIME: f64 = 5.0;
+    const DIRECTIONAL_DERIVATIVES: bool = true;
     const DOCUMENTATION: &'static str = include_str!("flat_track.html");
     const VARIABLES: &'static [Variable<Self>] = &[
         // commands
@@ -222,8 +226,34 @@ impl Model for RingBrushFlatTrack {
         };
         self.stationary_start = found;
         self.state = stationary.state(&self.tire, &self.rim)?;
+        // what the bristles' sums ripple around, and what has derivatives
+        self.state.patch.force = stationary.patch.force;
+        self.state.patch.moment = stationary.patch.moment;
         self.measure();
         Ok(())
+    }
+
+    fn directional_derivatives(
+        &self,
+        starting: bool,
+        direction: &[(usize, f64)],
+        unknowns: &[usize],
+    ) -> Result<Vec<f64>> {
+        let mut position = self.actuators.map(|a| Dual::<1>::from(a.position));
+        let mut commands = self.commands;
+        for (index, share) in direction {
+            let name = Self::VARIABLES[*index].name();
+            // between steps the actuator stands between a command that was held in the last one and the rim
+            let followed = starting || commands.named(name).is_some_and(|c| c.rate.is_some());
+            if let Some(drive) = position.named(name).filter(|_| followed) {
+                drive.gradient[0] += share;
+            }
+        }
+        let velocity = self.actuators.map(|a| Dual::<1>::from(a.velocity));
+        let rim = imposed(&self.parameters, &position, &velocity, self.rim.angles.y);
+        let changes =
+            if starting { Changes::stationary(self, &rim)? } else { Changes::side_wall(self, &rim) };
+        unknowns.iter().map(|index| changes.of(Self::VARIABLES[*index].name())).collect()
     }
 
     fn tune(&mut self) -> Result<()> {
@@ -261,26 +291,67 @@ impl Model for RingBrushFlatTrack {
     }
 }
 
-impl RingBrushFlatTrack {
-    /// The rim's motion that the actuators impose (4.36), at a spin angle.
-    fn rim_motion(&self, spin_angle: f64) -> Motion<f64> {
-        let drive = &self.actuators;
-        let speed = drive.path_speed.position;
-        // the source's slip angle has the opposite sign
-        let source_slip_angle = -drive.slip_angle.position;
-        let heading = drive.steer.position - source_slip_angle;
-        let spin_rate = (drive.slip.position + 1.0) * speed * libm::cos(source_slip_angle)
-            / self.parameters.rolling_radius;
-        Motion {
-            position: Vector3::new(0.0, 0.0, self.parameters.radius - drive.deflection.position),
-            velocity: Vector3::new(
-                speed * libm::cos(heading),
-                speed * libm::sin(heading),
-                -drive.deflection.velocity,
-            ),
-            angles: Vector3::new(drive.camber.position, spin_angle, drive.steer.position),
-            rates: Vector3::new(drive.camber.velocity, spin_rate, drive.steer.velocity),
+impl<T> Drive<T> {
+    fn map<U>(&self, f: impl Fn(&T) -> U) -> Drive<U> {
+        Drive {
+            steer: f(&self.steer),
+            deflection: f(&self.deflection),
+            path_speed: f(&self.path_speed),
+            camber: f(&self.camber),
+            slip: f(&self.slip),
+            slip_angle: f(&self.slip_angle),
         }
+    }
+
+    /// The drive that is called like an input.
+    fn named(&mut self, name: &str) -> Option<&mut T> {
+        match name {
+            "steer" => Some(&mut self.steer),
+            "deflection" => Some(&mut self.deflection),
+            "path_speed" => Some(&mut self.path_speed),
+            "camber" => Some(&mut self.camber),
+            "slip" => Some(&mut self.slip),
+            "slip_angle" => Some(&mut self.slip_angle),
+            _ => None,
+        }
+    }
+}
+
+/// The rim's motion for positions and velocities of the drives (4.36).
+fn imposed<T: Real>(p: &Parameters, position: &Drive<T>, velocity: &Drive<T>, spin_angle: f64) -> Motion<T> {
+    // the source's slip angle has the opposite sign
+    let source_slip_angle = -position.slip_angle;
+    let (_, along) = source_slip_angle.sin_cos();
+    let (sin, cos) = (position.steer - source_slip_angle).sin_cos();
+    let speed = position.path_speed;
+    let zero = T::zero();
+    Motion {
+        position: Vector3::new(zero, zero, -position.deflection + p.radius),
+        velocity: Vector3::new(speed * cos, speed * sin, -velocity.deflection),
+        angles: Vector3::new(position.camber, T::from(spin_angle), position.steer),
+        rates: Vector3::new(
+            velocity.camber,
+            (position.slip + 1.0) * speed * along / p.rolling_radius,
+            velocity.steer,
+        ),
+    }
+}
+
+/// Turns frame 0 into H axes of a steer angle (4.37).
+fn to_heading<T: Real>(steer: T, v: &Vector3<T>) -> Vector3<T> {
+    let (sin, cos) = steer.sin_cos();
+    Vector3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z)
+}
+
+impl RingBrushFlatTrack {
+    /// The rim's motion that the actuators impose, at a spin angle.
+    fn rim_motion(&self, spin_angle: f64) -> Motion<f64> {
+        imposed(
+            &self.parameters,
+            &self.actuators.map(|a| a.position),
+            &self.actuators.map(|a| a.velocity),
+            spin_angle,
+        )
     }
 
     /// The rim rolling straight and without slip at the speed that it has in its heading.
@@ -294,26 +365,23 @@ impl RingBrushFlatTrack {
         rim
     }
 
-    /// Turns frame 0 into H axes (4.37).
-    fn to_heading(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        let (sin, cos) = libm::sincos(self.rim.angles.z);
-        Vector3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z)
-    }
-
     fn measure(&mut self) {
-        self.force = self.to_heading(&self.state.on_rim.force);
-        self.moment = self.to_heading(&self.state.on_rim.moment);
+        self.force = to_heading(self.rim.angles.z, &self.state.on_rim.force);
+        self.moment = to_heading(self.rim.angles.z, &self.state.on_rim.moment);
     }
 
     fn belt_offset(&self) -> Vector3<f64> {
-        self.to_heading(&(self.state.belt.position - self.rim.position))
+        to_heading(self.rim.angles.z, &(self.state.belt.position - self.rim.position))
     }
 
     /// Length of the stripe at a share of the way from left to right.
     fn contact_length(&self, share: f64) -> f64 {
-        let lengths = &self.state.bristles.lengths;
-        let index = share * (lengths.len() as f64 - 1.0);
-        lengths.get(index.max(0.0) as usize).copied().unwrap_or(0.0)
+        self.state.bristles.lengths.get(self.stripe(share)).copied().unwrap_or(0.0)
+    }
+
+    /// Number of the stripe at a share of the way from left to right.
+    fn stripe(&self, share: f64) -> usize {
+        (share * (f64::from(self.parameters.stripes) - 1.0)).max(0.0) as usize
     }
 
     /// The tire.
@@ -333,5 +401,86 @@ impl RingBrushFlatTrack {
     /// None was found.
     pub fn stationary_at_load(&self, load: f64) -> Result<Stationary> {
         stationary(&self.tire, &self.rim, Vertical::Load(load))
+    }
+}
+
+/// Derivatives of the outputs along a change of the rim's motion.
+struct Changes {
+    force: Vector3<f64>,
+    moment: Vector3<f64>,
+    /// Of what is inside the tire; between steps it does not change.
+    inside: Option<Inside>,
+}
+
+struct Inside {
+    penetration: f64,
+    /// Lengths of the contact stripes: left, center, right.
+    lengths: [f64; 3],
+    patch_force: Vector3<f64>,
+}
+
+impl Changes {
+    /// Between steps: the belt stays, and the side wall answers at once.
+    fn side_wall(rig: &RingBrushFlatTrack, rim: &Motion<Dual<1>>) -> Self {
+        Self::measured(rig, rim, &rig.state.belt.constant(), None)
+    }
+
+    /// Before the first step: the whole stationary state moves along.
+    fn stationary(rig: &RingBrushFlatTrack, rim: &Motion<Dual<1>>) -> Result<Self> {
+        let stationary = stationary(&rig.tire, &rig.rim, Vertical::Height(rig.rim.position.z))?;
+        let moved = stationary.along(&rig.tire, rim).ok_or_else(|| {
+            Error::numeric("the stationary state has no derivative: its equations are singular here")
+        })?;
+        let mut belt = moved.belt;
+        belt.angles.y = rim.angles.y - moved.windup;
+        let contact = Contact::new(&rig.parameters, &belt);
+        let lengths = [0.0, 0.5, 1.0].map(|share| {
+            let i = rig.stripe(share);
+            let (y, radius) = (rig.tire.stripe_places()[i], rig.tire.stripe_radii()[i]);
+            contact.stripe_length(&rig.parameters, y, radius).gradient[0]
+        });
+        let inside = Inside {
+            penetration: contact.penetration.gradient[0],
+            lengths,
+            patch_force: moved.patch.force.map(|f| f.gradient[0]),
+        };
+        Ok(Self::measured(rig, rim, &belt, Some(inside)))
+    }
+
+    fn measured(
+        rig: &RingBrushFlatTrack,
+        rim: &Motion<Dual<1>>,
+        belt: &Motion<Dual<1>>,
+        inside: Option<Inside>,
+    ) -> Self {
+        let on_rim = coupling(&rig.parameters, rim, belt).on_rim;
+        let change = |v| to_heading(rim.angles.z, v).map(|x| x.gradient[0]);
+        Self { force: change(&on_rim.force), moment: change(&on_rim.moment), inside }
+    }
+
+    /// The derivative of the output called `name`.
+    fn of(&self, name: &str) -> Result<f64> {
+        let from_inside = |f: fn(&Inside) -> f64| Ok(self.inside.as_ref().map_or(0.0, f));
+        match name {
+            "force_x" => Ok(self.force.x),
+            "force_y" => Ok(self.force.y),
+            "force_z" => Ok(self.force.z),
+            "moment_x" => Ok(self.moment.x),
+            "moment_y" => Ok(self.moment.y),
+            "moment_z" => Ok(self.moment.z),
+            "belt_deflection" => from_inside(|i| i.penetration),
+            "contact_length_left" => from_inside(|i| i.lengths[0]),
+            "contact_length_center" => from_inside(|i| i.lengths[1]),
+            "contact_length_right" => from_inside(|i| i.lengths[2]),
+            "patch_force_x" => from_inside(|i| i.patch_force.x),
+            "patch_force_y" => from_inside(|i| i.patch_force.y),
+            "patch_force_z" => from_inside(|i| i.patch_force.z),
+            // they count from the start
+            "sliding_distance" | "wheel_angle" => Ok(0.0),
+            _ if self.inside.is_none() => Ok(0.0),
+            _ => Err(Error::call(format!(
+                "{name} has no derivative at the start: it is a sum over single bristles, which stick or slide"
+            ))),
+        }
     }
 }

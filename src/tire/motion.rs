@@ -43,6 +43,19 @@ impl<T: Real> Default for Wrench<T> {
     }
 }
 
+impl Motion<f64> {
+    /// The same motion in another scalar, as a constant.
+    pub fn constant<T: Real>(&self) -> Motion<T> {
+        let lift = |v: &Vector3<f64>| v.map(T::from);
+        Motion {
+            position: lift(&self.position),
+            velocity: lift(&self.velocity),
+            angles: lift(&self.angles),
+            rates: lift(&self.rates),
+        }
+    }
+}
+
 impl<T: Real> Motion<T> {
     /// A: body components to frame 0.
     pub fn rotation(&self) -> Matrix3<T> {

@@ -97,6 +97,13 @@ class Slave:
         )
         return list(values)
 
+    def directional(self, unknowns, seed):
+        return self.raw.getDirectionalDerivative(
+            [self.references[n] for n in unknowns],
+            [self.references[n] for n in seed],
+            list(seed.values()),
+        )
+
     def outputs(self):
         references = [
             v.valueReference

@@ -163,16 +163,17 @@ def test_null_pointers(slaves):
 def test_what_is_not_offered_says_so(slaves):
     slave = slaves(START)
     dll, component = slave.raw.dll, ctypes.c_void_p(slave.raw.component)
-    one = ctypes.c_size_t(1)
-    for call in (
-        lambda: dll.fmi2GetDirectionalDerivative(component, None, one, None, one, None, None),
-        lambda: dll.fmi2CancelStep(component),
-    ):
-        slave.messages.clear()
-        assert call() == ERROR
-        assert len(slave.messages) == 1
-        slave.raw.reset()
-        slave.begin(START)
+    assert dll.fmi2CancelStep(component) == ERROR
+    assert len(slave.messages) == 1 and "asynchronous" in slave.messages[0][2]
+    slave.raw.reset()
+    slave.begin(START)
+    refuse(slave, lambda: slave.directional(["force_x"], dict(belt_mass=1.0)), "belt_mass", "no real input")
+    slave.raw.reset()
+    slave.raw.setupExperiment()
+    slave.raw.enterInitializationMode()
+    refuse(slave, lambda: slave.directional(["friction_power"], dict(slip=1.0)), "friction_power", "bristles")
+    slave.raw.reset()
+    slave.begin(START)
     # status: no asynchronous steps, so most kinds have no answer
     status, time, boolean = ctypes.c_int(), ctypes.c_double(), ctypes.c_int()
     slave.steps(3)

@@ -44,7 +44,7 @@ def test_description_has_what_masters_ask_for(fmu):
     assert variables["belt_mass"].variability == "fixed" and float(variables["belt_mass"].start) == 8.8
     assert description.coSimulation.canInterpolateInputs
     assert description.coSimulation.canSerializeFMUstate
-    assert not description.coSimulation.providesDirectionalDerivative
+    assert description.coSimulation.providesDirectionalDerivative
     outputs = [v for v in description.modelVariables if v.causality == "output"]
     assert [u.variable for u in description.outputs] == outputs
     assert [u.variable for u in description.initialUnknowns] == outputs
@@ -297,3 +297,104 @@ def test_friction_can_be_tuned_between_steps(slaves):
     with pytest.raises(FMICallException):
         slave.raw.doStep(0.5, 1e-3)
     assert "friction_static_zero" in slave.messages[-1][2]
+
+
+OUTPUTS = ["force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z"]
+INSIDE = ["belt_deflection", "contact_length_left", "contact_length_center", "contact_length_right",
+          "patch_force_x", "patch_force_y", "patch_force_z"]
+
+
+@pytest.mark.parametrize(
+    "point",
+    [
+        dict(slip=0.01, slip_angle=0.01, camber=0.01),
+        dict(slip=-0.004, slip_angle=-0.008, path_speed=30.0, deflection=0.015),
+        dict(steer=0.7, slip=0.005, slip_angle=0.004, camber=-0.02),
+    ],
+)
+def test_directional_derivatives_of_the_stationary_state(slaves, point):
+    slave = slaves()
+    slave.raw.setupExperiment()
+    slave.raw.enterInitializationMode()
+    point = dict(START, **point)
+    slave.set(**point)
+    names = OUTPUTS + INSIDE
+    steps = dict(deflection=3e-6, path_speed=0.03, camber=1e-5, slip=5e-6, slip_angle=5e-6)
+    for name, h in steps.items():
+        exact = slave.directional(names, {name: 1.0})
+
+        def at(offset):
+            slave.set(**{name: point[name] + offset})
+            values = np.array(slave.get(*names))
+            slave.set(**{name: point[name]})
+            return values
+
+        difference = (at(h) - at(-h)) / (2 * h)
+        for output, e, d in zip(names, exact, difference):
+            # what hardly changes is lost in the rounding of the differences
+            floor = 1e-2 * abs(difference).max() if output in OUTPUTS else 1e-9
+            assert abs(e - d) <= 1e-6 * max(abs(d), floor), f"d {output} / d {name}: {e} against {d}"
+    # the heading of a stationary state does not matter
+    assert slave.directional(OUTPUTS, dict(steer=1.0)) == pytest.approx([0.0] * 6, abs=1e-6)
+    # a direction is the sum of its parts
+    parts = [slave.directional(names, {n: 2.0}) for n in ("slip", "camber")]
+    both = slave.directional(names, dict(slip=2.0, camber=2.0))
+    assert both == pytest.approx(np.sum(parts, axis=0), rel=1e-9, abs=1e-9)
+
+
+def test_directional_derivatives_between_steps(slaves):
+    point = dict(START, slip=0.02, slip_angle=0.03, camber=0.02, steer=0.1)
+    slave = slaves(point)
+    rates = dict(steer=0.2, deflection=0.01, path_speed=0.5, camber=-0.1, slip=0.05, slip_angle=0.1)
+    slave.rates(**rates)
+    slave.steps(20)
+    state = slave.raw.getFMUState()
+    now = {n: point[n] + rates[n] * 0.02 for n in INPUTS}
+    steps = dict(steer=1e-5, deflection=1e-6, path_speed=1e-3, camber=1e-5, slip=1e-5, slip_angle=1e-5)
+    for name in INPUTS:
+        exact = slave.directional(OUTPUTS + INSIDE, {name: 1.0})
+
+        def at(offset, instant):
+            slave.raw.setFMUState(state)
+            slave.set(**dict(now, **{name: now[name] + offset}))
+            slave.rates(**rates)
+            slave.raw.doStep(0.02, instant)
+            return np.array(slave.get(*OUTPUTS))
+
+        h = steps[name]
+        # differences after a step of no length: extrapolated from two very short ones
+        short, shorter = ((at(h, t) - at(-h, t)) / (2 * h) for t in (4e-9, 2e-9))
+        difference = 2 * shorter - short
+        slave.raw.setFMUState(state)
+        for output, e, d in zip(OUTPUTS, exact, difference):
+            floor = 1e-2 * abs(difference).max()
+            assert abs(e - d) <= 1e-6 * max(abs(d), floor), f"d {output} / d {name}: {e} against {d}"
+        # the belt does not move in no time
+        assert exact[len(OUTPUTS):] == [0.0] * len(INSIDE)
+    # a held command reaches the rim through the actuator only
+    slave.set(deflection=now["deflection"])
+    slave.raw.doStep(0.02, 1e-3)
+    assert slave.directional(["force_z"], dict(deflection=1.0)) == [0.0]
+    slave.raw.freeFMUState(state)
+
+
+def test_directional_derivatives_anywhere(slaves):
+    random = np.random.default_rng(3)
+    slave = slaves()
+    slave.raw.setupExperiment()
+    slave.raw.enterInitializationMode()
+    for _ in range(25):
+        point = dict(START, slip=random.uniform(-0.05, 0.05), slip_angle=random.uniform(-0.06, 0.06),
+                     camber=random.uniform(-0.05, 0.05), deflection=random.uniform(0.012, 0.03))
+        slave.set(**point)
+        for name, h in dict(slip=2e-6, slip_angle=2e-6, camber=5e-6, deflection=2e-6).items():
+            exact = np.array(slave.directional(OUTPUTS, {name: 1.0}))
+
+            def at(offset):
+                slave.set(**{name: point[name] + offset})
+                values = np.array(slave.get(*OUTPUTS))
+                slave.set(**{name: point[name]})
+                return values
+
+            difference = (at(h) - at(-h)) / (2 * h)
+            assert abs(exact - difference).max() <= 1e-6 * abs(exact).max()

@@ -369,6 +369,8 @@ impl Reader {
                 communication_step: self.experiment.step_size.unwrap_or(COMMUNICATION_STEP),
                 start_time,
                 stop_time: self.experiment.stop.unwrap_or(start_time + EXPERIMENT_LENGTH),
+                // the FMU may; this importer does not pass them on
+                directional_derivatives: false,
                 variables,
             },
             model_name: root.name,

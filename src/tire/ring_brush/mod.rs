@@ -44,5 +44,5 @@ pub use parameters::Parameters;
 pub use patch::{Deformation, Loads, Moments, Pressure, PressureState, Shape, Tops, moment_y};
 pub use sidewall::{Coupling, coupling, stationary as stationary_coupling};
 pub use state::{Bristles, PatchReport, State};
-pub use stationary::{Stationary, Vertical, stationary, stationary_refined};
+pub use stationary::{Moved, Stationary, Vertical, stationary, stationary_refined};
 pub use step::Tire;

@@ -83,28 +83,25 @@ pub fn coupling<T: Real>(p: &Parameters, rim: &Motion<T>, belt: &Motion<T>) -> C
 pub fn stationary<T: Real>(
     p: &Parameters,
     belt_from_rim: &Vector3<T>,
-    rim_angles: (f64, f64),
+    rim_angles: (T, T),
     belt_angles: (T, T),
     windup: T,
-    spin_rate: f64,
+    spin_rate: T,
 ) -> (Wrench<T>, Wrench<T>) {
     let ((rim_camber, rim_steer), (camber, yaw)) = (rim_angles, belt_angles);
     let tilt = rotation_z(yaw) * rotation_x(camber);
 
     let offset = tilt.transpose() * -*belt_from_rim;
-    let (c, d) = (p.sidewall_radial_stiffness, p.sidewall_radial_damping * spin_rate);
+    let (c, d) = (p.sidewall_radial_stiffness, spin_rate * p.sidewall_radial_damping);
     let force = Vector3::new(
         offset.x * c - offset.z * d,
         offset.y * p.sidewall_lateral_stiffness,
         offset.x * d + offset.z * c,
     );
 
-    let relative = tilt.transpose()
-        * rotation_z(T::from(rim_steer))
-        * rotation_x(T::from(rim_camber))
-        * rotation_y(windup);
+    let relative = tilt.transpose() * rotation_z(rim_steer) * rotation_x(rim_camber) * rotation_y(windup);
     let angle = small_rotation(&relative, p.antisymmetric_coupling);
-    let (c, d) = (p.sidewall_tilt_stiffness, p.sidewall_tilt_damping * spin_rate);
+    let (c, d) = (p.sidewall_tilt_stiffness, spin_rate * p.sidewall_tilt_damping);
     let moment = Vector3::new(
         angle.x * c - angle.z * d,
         angle.y * p.sidewall_windup_stiffness,

@@ -14,7 +14,7 @@ use super::{
 use crate::solver::{Convergence, Dual, Real, newton};
 use crate::tire::motion::{Motion, Wrench};
 use crate::{Error, Result};
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Intervals along each stripe. They are shortest at the entry, where a bristle's damper builds up
 /// its force over 0.1 mm; with 200 the forces are within 1e-4 of their limit.
@@ -82,15 +82,15 @@ impl<T: Real> Unknowns<T> {
     }
 
     /// The belt; its spin angle is 0.
-    fn belt(&self, rim: &Motion<f64>) -> Motion<T> {
+    fn belt(&self, rim: &Motion<T>) -> Motion<T> {
         let zero = T::zero();
         let mut position = self.belt_from_rim;
         position.z += self.rim_height;
         Motion {
             position,
-            velocity: Vector3::new(T::from(rim.velocity.x), T::from(rim.velocity.y), zero),
+            velocity: Vector3::new(rim.velocity.x, rim.velocity.y, zero),
             angles: Vector3::new(self.camber, zero, self.yaw),
-            rates: Vector3::new(zero, T::from(rim.rates.y), zero),
+            rates: Vector3::new(zero, rim.rates.y, zero),
         }
     }
 }
@@ -212,28 +212,41 @@ fn search(
         Vertical::Load(_) => load,
     };
     let scale = [load, load, load, moment, moment, moment, load, load, moment, last];
-    newton(x, &scale, 1e-11, 40, |x: &[Dual<10>; 10]| {
-        let unknowns = Unknowns::from(x);
-        let balance = balance(tire, rim, &unknowns, intervals, &mut |_, _, _| {});
-        let Loads { force_x, force_y, moment_z } = balance.loads;
-        let held = match vertical {
-            Vertical::Height(height) => unknowns.rim_height - height,
-            Vertical::Load(load) => balance.on_rim.force.z - load,
-        };
-        let (f, m) = (balance.belt.force, balance.belt.moment);
-        [
-            f.x,
-            f.y,
-            f.z,
-            m.x,
-            m.y,
-            m.z,
-            force_x - unknowns.loads.force_x,
-            force_y - unknowns.loads.force_y,
-            moment_z - unknowns.loads.moment_z,
-            held,
-        ]
-    })
+    let mut rim = rim.constant();
+    if let Vertical::Height(height) = vertical {
+        rim.position.z = height.into();
+    }
+    newton(x, &scale, 1e-11, 40, |x: &[Dual<10>; 10]| residual(tire, &rim, vertical, intervals, x))
+}
+
+/// What is zero in a stationary state; a height that is held is that of `rim`.
+fn residual<T: Real>(
+    tire: &Tire,
+    rim: &Motion<T>,
+    vertical: Vertical,
+    intervals: usize,
+    x: &[T; 10],
+) -> [T; 10] {
+    let unknowns = Unknowns::from(x);
+    let balance = balance(tire, rim, &unknowns, intervals, &mut |_, _, _| {});
+    let Loads { force_x, force_y, moment_z } = balance.loads;
+    let held = match vertical {
+        Vertical::Height(_) => unknowns.rim_height - rim.position.z,
+        Vertical::Load(load) => balance.on_rim.force.z - load,
+    };
+    let (f, m) = (balance.belt.force, balance.belt.moment);
+    [
+        f.x,
+        f.y,
+        f.z,
+        m.x,
+        m.y,
+        m.z,
+        force_x - unknowns.loads.force_x,
+        force_y - unknowns.loads.force_y,
+        moment_z - unknowns.loads.moment_z,
+        held,
+    ]
 }
 
 struct Balance<T: Real> {
@@ -249,7 +262,7 @@ type Visit<'a> = dyn FnMut(usize, f64, ([f64; 2], bool)) + 'a;
 
 fn balance<T: Real>(
     tire: &Tire,
-    rim: &Motion<f64>,
+    rim: &Motion<T>,
     unknowns: &Unknowns<T>,
     intervals: usize,
     visit: &mut Visit<'_>,
@@ -455,7 +468,48 @@ fn describe(
     }
 }
 
+/// How a stationary state moves when the rim's motion does.
+#[derive(Debug, Clone, Copy)]
+pub struct Moved {
+    /// The belt; its spin angle is 0.
+    pub belt: Motion<Dual<1>>,
+    /// Spin angle of the rim ahead of the belt \[rad\].
+    pub windup: Dual<1>,
+    /// Force and moment of the patch on the belt in K.
+    pub patch: Wrench<Dual<1>>,
+}
+
 impl Stationary {
+    /// The unknowns in the order of the search.
+    fn unknowns(&self) -> [f64; 10] {
+        let [x, y, z] = self.belt_from_rim.into();
+        let Loads { force_x, force_y, moment_z } = self.loads;
+        [x, y, z, self.belt_camber, self.belt_yaw, self.windup, force_x, force_y, moment_z, self.rim_height]
+    }
+
+    /// The derivative of the state along a change of the rim's motion, height included, which `rim`
+    /// carries as the derivative of its numbers: the implicit function theorem on the equations of
+    /// the search. `None` where their Jacobian is singular.
+    pub fn along(&self, tire: &Tire, rim: &Motion<Dual<1>>) -> Option<Moved> {
+        let held = Vertical::Height(self.rim_height);
+        let x = self.unknowns();
+        let fixed = Motion {
+            position: rim.position.map(Real::value),
+            velocity: rim.velocity.map(Real::value),
+            angles: rim.angles.map(Real::value),
+            rates: rim.rates.map(Real::value),
+        };
+        let variables: [Dual<10>; 10] = std::array::from_fn(|i| Dual::variable(x[i], i));
+        let by_x = residual(tire, &fixed.constant(), held, self.intervals, &variables);
+        let by_rim = residual(tire, rim, held, self.intervals, &x.map(Dual::<1>::from));
+        let jacobian = DMatrix::from_fn(10, 10, |i, j| by_x[i].gradient[j]);
+        let change = jacobian.lu().solve(&DVector::from_fn(10, |i, _| -by_rim[i].gradient[0]))?;
+        let moved: [Dual<1>; 10] = std::array::from_fn(|i| Dual { value: x[i], gradient: [change[i]] });
+        let unknowns = Unknowns::from(&moved);
+        let patch = balance(tire, rim, &unknowns, self.intervals, &mut |_, _, _| {}).patch;
+        Some(Moved { belt: unknowns.belt(rim), windup: unknowns.windup, patch })
+    }
+
     /// The tire's state in time: the belt in balance, each bristle with the deflection that belongs
     /// to its place. The bristles' sums differ from the continuum's by the ripple of their spacing.
     ///
@@ -463,14 +517,7 @@ impl Stationary {
     /// A state outside the model's validity.
     pub fn state(&self, tire: &Tire, rim: &Motion<f64>) -> Result<State> {
         let p = tire.parameters();
-        let unknowns = Unknowns {
-            belt_from_rim: self.belt_from_rim,
-            camber: self.belt_camber,
-            yaw: self.belt_yaw,
-            windup: self.windup,
-            loads: self.loads,
-            rim_height: self.rim_height,
-        };
+        let unknowns = Unknowns::from(&self.unknowns());
         let mut belt = unknowns.belt(rim);
         belt.angles.y = rim.angles.y - self.windup;
         let mut bristles = Bristles::new(p);
