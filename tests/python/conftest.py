@@ -1,6 +1,7 @@
 """What the tests from outside share: the program, exported FMUs, a slave driven by hand."""
 
 import csv
+import os
 import pathlib
 import shutil
 import subprocess
@@ -10,7 +11,8 @@ import fmpy.fmi2
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PROGRAM = ROOT / "target" / "debug" / "latsch"
+TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+PROGRAM = TARGET / "debug" / "latsch"
 MODEL = "ring-brush-flat-track"
 INPUTS = ["steer", "deflection", "path_speed", "camber", "slip", "slip_angle"]
 

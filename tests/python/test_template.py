@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 
-from conftest import ROOT, Slave, latsch
+from conftest import ROOT, TARGET, Slave, latsch
 
 
 @pytest.fixture(scope="module")
@@ -21,8 +21,8 @@ def library(tmp_path_factory):
     shutil.copy(ROOT / "Cargo.lock", crate)
     code = re.search(r"```rust\n(.*?)```", (crate / "README.md").read_text(), re.S).group(1)
     (crate / "src" / "lib.rs").write_text(code)
-    # a folder of its own in the repository's target, so that a second run is fast
-    target = ROOT / "target" / "template"
+    # a folder of its own in cargo's target, so that a second run is fast
+    target = TARGET / "template"
     done = subprocess.run(
         ["cargo", "build", "--manifest-path", crate / "Cargo.toml"],
         env=dict(os.environ, CARGO_TARGET_DIR=str(target)),
