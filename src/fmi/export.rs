@@ -7,6 +7,7 @@ use super::c::{
     Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, Status, Text, ValueReference,
 };
 use super::entry::Entry;
+use super::float::HostSettings;
 use super::instance::{Instance, Saved};
 use super::log::Log;
 use super::state::Function;
@@ -81,13 +82,16 @@ unsafe fn call(
 ) -> Status {
     // SAFETY: the caller's promise.
     let Some(instance) = (unsafe { component.cast::<Instance>().as_mut() }) else { return Status::Error };
-    match catch_unwind(AssertUnwindSafe(|| instance.call(function, body))) {
+    instance.enter();
+    let status = match catch_unwind(AssertUnwindSafe(|| instance.call(function, body))) {
         Ok(status) => status,
         Err(_) => catch_unwind(AssertUnwindSafe(|| {
             instance.fatal(&format!("fmi2{function:?}: internal error; please report it"))
         }))
         .unwrap_or(Status::Fatal),
-    }
+    };
+    instance.leave();
+    status
 }
 
 /// fmi2Instantiate.
@@ -109,6 +113,7 @@ pub unsafe fn instantiate(
     // Without callbacks there is nobody to tell.
     // SAFETY: null or valid by the caller's promise; copied.
     let Some(&callbacks) = (unsafe { functions.as_ref() }) else { return null_mut() };
+    let settings = HostSettings::replace();
     let made = catch_unwind(AssertUnwindSafe(|| {
         // SAFETY: the caller's promise.
         let (name_text, guid, location) = unsafe {
@@ -129,6 +134,7 @@ pub unsafe fn instantiate(
         let name = unsafe { CStr::from_ptr(name) };
         Instance::new(models, name, guid, location, callbacks, debug != FALSE)
     }));
+    drop(settings);
     let error = match made {
         Ok(Ok(instance)) => return Box::into_raw(Box::new(instance)).cast(),
         Ok(Err(error)) => error,

@@ -70,6 +70,16 @@ impl Instance {
         })
     }
 
+    /// Begins a call of an FMI function.
+    pub fn enter(&mut self) {
+        self.log.enter();
+    }
+
+    /// Ends it.
+    pub fn leave(&mut self) {
+        self.log.leave();
+    }
+
     /// Runs `body` if `function` may be called now. An error is told to the master and leaves the
     /// instance in the error state, as the standard has it.
     pub fn call(&mut self, function: Function, body: impl FnOnce(&mut Self) -> Result<()>) -> Status {

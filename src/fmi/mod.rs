@@ -9,6 +9,7 @@ pub mod c;
 pub mod description;
 mod entry;
 pub mod export;
+mod float;
 #[cfg(feature = "host")]
 pub mod import;
 mod instance;
