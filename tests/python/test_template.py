@@ -1,41 +1,15 @@
 """A user's own model: the template copied out of the repository, with the oscillator of its README."""
 
 import math
-import os
-import re
-import shutil
-import subprocess
 
 import pytest
 
-from conftest import ROOT, TARGET, Slave, latsch
+from conftest import Slave, latsch
 
 
-@pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    crate = tmp_path_factory.mktemp("own") / "my-models"
-    shutil.copytree(ROOT / "fmu-template", crate)
-    manifest = (crate / "Cargo.toml").read_text()
-    assert 'path = ".."' in manifest
-    (crate / "Cargo.toml").write_text(manifest.replace('path = ".."', f'path = "{ROOT}"'))
-    shutil.copy(ROOT / "Cargo.lock", crate)
-    code = re.search(r"```rust\n(.*?)```", (crate / "README.md").read_text(), re.S).group(1)
-    (crate / "src" / "lib.rs").write_text(code)
-    # a folder of its own in cargo's target, so that a second run is fast
-    target = TARGET / "template"
-    done = subprocess.run(
-        ["cargo", "build", "--manifest-path", crate / "Cargo.toml"],
-        env=dict(os.environ, CARGO_TARGET_DIR=str(target)),
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
-    return target / "debug" / "liblatsch_fmu.so"
-
-
-def test_oscillator_swings_as_it_should(library, tmp_path):
+def test_oscillator_swings_as_it_should(template_library, tmp_path):
     path = tmp_path / "oscillator.fmu"
-    done = latsch("export", "oscillator", "--library", library, "--output", path)
+    done = latsch("export", "oscillator", "--library", template_library, "--output", path)
     assert done.returncode == 0, done.stderr
     slave = Slave(path)
     slave.begin(dict(force=10.0))
@@ -48,9 +22,9 @@ def test_oscillator_swings_as_it_should(library, tmp_path):
     slave.close()
 
 
-def test_our_own_importer_runs_it_too(library, tmp_path):
+def test_our_own_importer_runs_it_too(template_library, tmp_path):
     path = tmp_path / "oscillator.fmu"
-    assert latsch("export", "oscillator", "--library", library, "--output", path).returncode == 0
+    assert latsch("export", "oscillator", "--library", template_library, "--output", path).returncode == 0
     done = latsch("simulate", path, "--set", "force=10", "--set", "stiffness=0.4 kN/m", "--output",
                   tmp_path / "o.csv", "--report", tmp_path / "o.html")
     assert done.returncode == 0, done.stderr
@@ -59,8 +33,8 @@ def test_our_own_importer_runs_it_too(library, tmp_path):
     assert "position" in (tmp_path / "o.html").read_text()
 
 
-def test_export_refuses_what_is_no_model_library(library, tmp_path):
-    done = latsch("export", "pendulum", "--library", library, "--output", tmp_path / "x.fmu")
+def test_export_refuses_what_is_no_model_library(template_library, tmp_path):
+    done = latsch("export", "pendulum", "--library", template_library, "--output", tmp_path / "x.fmu")
     assert done.returncode == 2 and "oscillator" in done.stderr
     other = tmp_path / "libother.so"
     other.write_bytes(b"\x7fELF no")
