@@ -330,6 +330,9 @@ impl Instance {
         });
         let mut next = || numbers.next().unwrap_or(f64::NAN);
         let (start, stop, time) = (next(), next(), next());
+        if !time.is_finite() {
+            return Err(damaged());
+        }
         let experiment = start.is_finite().then_some((start, stop.is_finite().then_some(stop)));
         Ok(Saved { state, experiment, time, snapshot: self.slave.deserialize(rest)? })
     }

@@ -55,6 +55,16 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
         Ok(())
     }
 
+    /// Checks a value that was read from bytes, which may come from anywhere: whatever
+    /// [`step`](Model::step) takes for granted, such as lengths of vectors. Parameters are within
+    /// the ranges of the table.
+    ///
+    /// # Errors
+    /// A value that no run of this model leads to.
+    fn check(&self) -> Result<()> {
+        Ok(())
+    }
+
     /// What the user should know about the state that [`initialize`](Model::initialize) found.
     fn warning(&self) -> Option<String> {
         None

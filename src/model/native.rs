@@ -12,6 +12,8 @@ const GRID_TOLERANCE: f64 = 1e-6;
 const CLOCK_TOLERANCE: f64 = 1e-3;
 /// More grid steps than this in one communication step are taken for a mistake.
 const MAX_TICKS_PER_STEP: f64 = 1e9;
+/// Grid steps beyond this cannot be told apart in double precision.
+const MAX_POSITION: f64 = 9e15;
 
 /// A model that runs in this process.
 ///
@@ -247,6 +249,51 @@ impl<M: Model> Data<M> {
     }
 }
 
+impl<M: Model> Data<M> {
+    /// Whether a run can lead to this, as far as [`Native`] relies on it.
+    fn is_possible(&self, interface: &Interface) -> bool {
+        let Clock { phase, start, stop, time, ticks, step_size, steps, .. } = self.clock;
+        let times = start.is_finite() && time.is_finite() && stop.is_none_or(|s| s.is_finite() && s > start);
+        let position = (time - start) / step_size;
+        let clock = match phase {
+            Phase::New | Phase::Starting => ticks == 0 && steps == 0 && time == start,
+            // the step that failed moved the ticks but not the time
+            Phase::Failed => true,
+            Phase::Running => {
+                step_size.is_finite()
+                    && step_size > 0.0
+                    && position < MAX_POSITION
+                    && (position - ticks as f64).abs() <= 1.0 + 1e-6 * position
+                    && steps < u64::MAX / 2
+            }
+        };
+        let signals = self.signals.iter().all(|s| {
+            s.value.is_finite() && s.since.is_finite() && s.rate.is_none_or(|rate| rate.is_finite())
+        });
+        let variables = self.signals.iter().map(|s| s.variable);
+        let inputs = interface.with(Causality::Input).filter(|i| interface.variables[*i].kind == Kind::Real);
+        let parameters = interface.with(Causality::Parameter).all(|index| {
+            [&self.grid, &self.between]
+                .into_iter()
+                .all(|model| interface.variables[index].accept(&take(model, index)).is_ok())
+        });
+        // what is stale is initialized before it is stepped
+        let stale = self.clock.stale && phase != Phase::Running;
+        let models = stale || self.grid.check().and_then(|()| self.between.check()).is_ok();
+        times && clock && models && signals && variables.eq(inputs) && parameters
+    }
+}
+
+/// The value of a variable.
+fn take<M: Model>(model: &M, index: usize) -> Value {
+    match M::VARIABLES[index].access() {
+        Access::Real(get, _) | Access::Rated(get, _) => Value::Real(get(model)),
+        Access::Integer(get, _) => Value::Integer(get(model)),
+        Access::Boolean(get, _) => Value::Boolean(get(model)),
+        Access::Text(get, _) => Value::Text(get(model).into()),
+    }
+}
+
 /// Writes a value that was accepted for the variable.
 fn put<M: Model>(model: &mut M, index: usize, value: &Value) {
     match (M::VARIABLES[index].access(), value) {
@@ -468,6 +515,10 @@ impl<M: Model> Slave for Native<M> {
         }
         let data: Data<M> = postcard::from_bytes(payload)
             .map_err(|e| Error::call(format!("the bytes of the saved state cannot be read: {e}")))?;
+        // A digest is no signature: whoever wants to can make a valid one.
+        if !data.is_possible(&self.interface) {
+            return Err(Error::call("the bytes are not a state that this model can be in"));
+        }
         Ok(Box::new(data))
     }
 

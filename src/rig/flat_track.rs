@@ -225,6 +225,10 @@ impl Model for RingBrushFlatTrack {
         Ok(())
     }
 
+    fn check(&self) -> Result<()> {
+        self.tire.check(&self.state)
+    }
+
     fn warning(&self) -> Option<String> {
         (!self.stationary_start).then(|| {
             "no stationary state was found for the start inputs; the tire starts rolling straight and free".into()
