@@ -10,6 +10,8 @@ pub mod description;
 mod entry;
 pub mod export;
 mod float;
+#[cfg(all(test, feature = "host"))]
+mod hostile;
 #[cfg(feature = "host")]
 pub mod import;
 mod instance;
