@@ -1,7 +1,7 @@
 //! `latsch export`: an FMU of a model.
 
 use super::print;
-use latsch::fmi::archive::ModelLibrary;
+use latsch::fmi::archive::{Binary, ModelLibrary};
 use latsch::model::Settings;
 use latsch::{Error, Result, write_file};
 use std::path::{Path, PathBuf};
@@ -20,6 +20,10 @@ pub struct Args {
     /// A library of own models made from fmu-template, instead of the shipped one
     #[arg(long, value_name = "LIBRARY")]
     library: Option<PathBuf>,
+    /// What goes into the FMU instead of that library: a binary built from the same sources for the platform
+    /// linux64, win64, ...; can be given more than once
+    #[arg(long, value_name = "PLATFORM=FILE")]
+    binary: Vec<Binary>,
 }
 
 pub fn run(args: &Args) -> Result<()> {
@@ -28,7 +32,7 @@ pub fn run(args: &Args) -> Result<()> {
         Some(path) => ModelLibrary::open(path)?,
         None => ModelLibrary::shipped()?,
     };
-    let fmu = library.fmu(&args.model, &settings)?;
+    let fmu = library.fmu(&args.model, &settings, &args.binary)?;
     let output = args.output.clone().unwrap_or_else(|| format!("{}.fmu", args.model).into());
     write_file(&output, &fmu)?;
     print(&format!("{}: {} kB", output.display(), fmu.len() / 1000));

@@ -1,6 +1,7 @@
 """A user's own model: the template copied out of the repository, with the oscillator of its README."""
 
 import math
+import zipfile
 
 import pytest
 
@@ -31,6 +32,28 @@ def test_our_own_importer_runs_it_too(template_library, tmp_path):
     last = (tmp_path / "o.csv").read_text().splitlines()[-1].split(",")
     assert float(last[0]) == 1.0 and float(last[2]) == pytest.approx(0.025)
     assert "position" in (tmp_path / "o.html").read_text()
+
+
+def test_an_fmu_with_several_binaries(template_library, tmp_path):
+    path, dll = tmp_path / "both.fmu", tmp_path / "models.dll"
+    dll.write_bytes(b"MZ and so on")
+    export = ["export", "oscillator", "--library", template_library, "--output", path]
+    both = ["--binary", f"linux64={template_library}", "--binary", f"win64={dll}"]
+    done = latsch(*export, *both)
+    assert done.returncode == 0, done.stderr
+    with zipfile.ZipFile(path) as archive:
+        names = [n for n in archive.namelist() if n.startswith("binaries/")]
+        assert names == ["binaries/linux64/oscillator.so", "binaries/win64/oscillator.dll"]
+        assert archive.read(names[0]) == template_library.read_bytes()
+    for wrong, words in [
+        ([*both, "--binary", f"win64={dll}"], "two binaries for win64"),
+        (["--binary", f"linux64={dll}"], "no library for linux64"),
+        (["--binary", "amiga=x"], "no platform"),
+        (["--binary", "win64"], "PLATFORM=FILE"),
+        (["--binary", f"win64={tmp_path}/nothing.dll"], "nothing.dll"),
+    ]:
+        done = latsch(*export, *wrong)
+        assert done.returncode == 2 and words in done.stderr, done.stderr
 
 
 def test_export_refuses_what_is_no_model_library(template_library, tmp_path):
