@@ -43,7 +43,8 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
     /// The length of an experiment that shows what the model does \[s\].
     const STOP_TIME: f64 = 1.0;
 
-    /// The step h of the model's own time grid t0 + n h \[s\].
+    /// The step h of the model's own time grid t0 + n h \[s\]. May depend on parameters, on nothing
+    /// else.
     fn step_size(&self) -> f64;
 
     /// Checks the parameters against each other and finds the state at the start from parameters

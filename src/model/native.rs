@@ -260,10 +260,11 @@ impl<M: Model> Data<M> {
             // the step that failed moved the ticks but not the time
             Phase::Failed => true,
             Phase::Running => {
-                step_size.is_finite()
+                // not any step: one that is too small would make for too many
+                step_size == self.grid.step_size()
                     && step_size > 0.0
                     && position < MAX_POSITION
-                    && (position - ticks as f64).abs() <= 1.0 + 1e-6 * position
+                    && (position - ticks as f64).abs() <= 1.0 + 1e-12 * position
                     && steps < u64::MAX / 2
             }
         };
