@@ -111,7 +111,7 @@ fn main() {
     };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("flat-track.fmu");
-    let make = || library.fmu(RingBrushFlatTrack::NAME, &Settings::default()).unwrap();
+    let make = || library.fmu(RingBrushFlatTrack::NAME, &Settings::default(), &[]).unwrap();
     std::fs::write(&path, make()).unwrap();
     let mut fmu = ImportedFmu::load(&path).unwrap();
     let mut rig = FlatTrack::new(&Settings::default()).unwrap();

@@ -42,7 +42,7 @@ fn shipped_library_has_the_shipped_models() {
 #[test]
 fn archives_are_reproducible() {
     let library = ModelLibrary::shipped().unwrap();
-    let make = || library.fmu(MODELS[0].name, &Settings::default()).unwrap();
+    let make = || library.fmu(MODELS[0].name, &Settings::default(), &[]).unwrap();
     assert!(make() == make());
 }
 

@@ -28,7 +28,7 @@ pub fn run(args: &Args) -> Result<()> {
     let model = RingBrushFlatTrack::NAME;
 
     let fmu = folder.join(format!("{model}.fmu"));
-    write_file(&fmu, &ModelLibrary::shipped()?.fmu(model, &Settings::default())?)?;
+    write_file(&fmu, &ModelLibrary::shipped()?.fmu(model, &Settings::default(), &[])?)?;
     let programme = folder.join("rig-programme.csv");
     write_file(&programme, PROGRAMME.as_bytes())?;
 

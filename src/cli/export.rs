@@ -2,7 +2,7 @@
 
 use super::{check_outputs, print};
 use latsch::fmi::Entry;
-use latsch::fmi::archive::ModelLibrary;
+use latsch::fmi::archive::{Binary, ModelLibrary};
 use latsch::fmi::import::ImportedFmu;
 use latsch::model::{Settings, Slave};
 use latsch::shipped::MODELS;
@@ -23,6 +23,10 @@ pub struct Args {
     /// A library of own models made from fmu-template, instead of the shipped one
     #[arg(long, value_name = "LIBRARY")]
     library: Option<PathBuf>,
+    /// What goes into the FMU instead of that library: a binary built from the same sources for the platform
+    /// linux64, win64, ...; can be given more than once
+    #[arg(long, value_name = "PLATFORM=FILE")]
+    binary: Vec<Binary>,
 }
 
 pub fn run(args: &Args) -> Result<()> {
@@ -31,7 +35,7 @@ pub fn run(args: &Args) -> Result<()> {
         Some(path) => ModelLibrary::open(path)?,
         None => ModelLibrary::shipped()?,
     };
-    let fmu = library.fmu(&args.model, &settings)?;
+    let fmu = library.fmu(&args.model, &settings, &args.binary)?;
     let output = args.output.clone().unwrap_or_else(|| format!("{}.fmu", args.model).into());
     check_outputs(
         &[&output],

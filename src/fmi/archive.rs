@@ -22,6 +22,52 @@ pub const PLATFORM: &str = if cfg!(windows) {
     "linux64"
 };
 
+/// A binary for another machine or another C library than this one.
+#[derive(Debug, Clone)]
+pub struct Binary {
+    platform: &'static str,
+    path: PathBuf,
+}
+
+/// Folders of binaries (FMI 2.0, and those of FMI 3.0 for ARM), the suffix of a library there, and how
+/// such a file begins.
+const PLATFORMS: [(&str, &str, &[u8]); 5] = [
+    ("linux64", ".so", b"\x7fELF"),
+    ("aarch64-linux", ".so", b"\x7fELF"),
+    ("win64", ".dll", b"MZ"),
+    ("darwin64", ".dylib", b"\xcf\xfa\xed\xfe"),
+    ("aarch64-darwin", ".dylib", b"\xcf\xfa\xed\xfe"),
+];
+
+impl std::str::FromStr for Binary {
+    type Err = String;
+
+    /// From `platform=path`.
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let (platform, path) = text.split_once('=').ok_or("PLATFORM=FILE is needed")?;
+        match PLATFORMS.iter().find(|(name, ..)| *name == platform) {
+            Some((platform, ..)) => Ok(Self { platform, path: path.into() }),
+            None => Err(format!(
+                "there is no platform {platform:?}; there is {}",
+                PLATFORMS.map(|(name, ..)| name).join(", ")
+            )),
+        }
+    }
+}
+
+impl Binary {
+    /// Name in the archive and content.
+    fn read(&self, identifier: &str) -> Result<(String, Vec<u8>)> {
+        let fail = |what: String| Error::fmu(format!("{}: {what}", self.path.display()));
+        let content = std::fs::read(&self.path).map_err(|e| fail(e.to_string()))?;
+        let known = PLATFORMS.iter().find(|(name, ..)| *name == self.platform);
+        let Some((_, suffix, _)) = known.filter(|(_, _, start)| content.starts_with(start)) else {
+            return Err(fail(format!("it is no library for {}", self.platform)));
+        };
+        Ok((format!("binaries/{}/{identifier}{suffix}", self.platform), content))
+    }
+}
+
 /// A binary made with [`export_fmus!`](crate::export_fmus), and the interfaces of its models.
 #[derive(Debug, Clone)]
 pub struct ModelLibrary {
@@ -114,29 +160,34 @@ impl ModelLibrary {
     }
 
     /// An FMU of a model with these settings, as the bytes of its archive. The same arguments give
-    /// the same bytes.
+    /// the same bytes. With `binaries`, it has those instead of this library.
     ///
     /// # Errors
-    /// No such model, settings that it does not accept, a binary that cannot be read.
-    pub fn fmu(&self, model: &str, settings: &Settings) -> Result<Vec<u8>> {
+    /// No such model, settings that it does not accept, a binary that cannot be read, two for one
+    /// platform.
+    pub fn fmu(&self, model: &str, settings: &Settings, binaries: &[Binary]) -> Result<Vec<u8>> {
         let (table, text) = self.find(model)?;
         let resources = settings.to_file(table)?;
         let interface = with_settings(table, settings)?;
         let guid = guid(table, &resources);
         let description = model_description(&interface, &guid)?;
         let page = documentation::page(table, &interface, &guid, text);
-        let binary =
-            std::fs::read(&self.path).map_err(|e| Error::fmu(format!("{}: {e}", self.path.display())))?;
-        let identifier = model_identifier(model);
-        let binary_name = format!("binaries/{PLATFORM}/{identifier}{}", std::env::consts::DLL_SUFFIX);
-        let mut files: Vec<(String, &[u8])> = vec![
-            ("modelDescription.xml".into(), description.as_bytes()),
-            ("resources/model.toml".into(), resources.as_bytes()),
-            (binary_name, &binary),
-            ("documentation/index.html".into(), page.as_bytes()),
+        let mut files: Vec<(String, Vec<u8>)> = vec![
+            ("modelDescription.xml".into(), description.into_bytes()),
+            ("resources/model.toml".into(), resources.into_bytes()),
         ];
+        let own = [Binary { platform: PLATFORM, path: self.path.clone() }];
+        let binaries = if binaries.is_empty() { &own } else { binaries };
+        for binary in binaries {
+            let (name, content) = binary.read(&model_identifier(model))?;
+            if files.iter().any(|(other, _)| *other == name) {
+                return Err(Error::fmu(format!("there are two binaries for {}", binary.platform)));
+            }
+            files.push((name, content));
+        }
+        files.push(("documentation/index.html".into(), page.into_bytes()));
         for (name, text) in documentation::LICENSES {
-            files.push((format!("documentation/licenses/{name}"), text.as_bytes()));
+            files.push((format!("documentation/licenses/{name}"), text.as_bytes().to_vec()));
         }
         let broken = |e: &dyn std::fmt::Display| Error::fmu(format!("the archive cannot be written: {e}"));
         let options = SimpleFileOptions::default()
@@ -148,7 +199,7 @@ impl ModelLibrary {
         for (name, content) in files {
             let mode = if name.starts_with("binaries") { 0o755 } else { 0o644 };
             archive.start_file(name, options.unix_permissions(mode)).map_err(|e| broken(&e))?;
-            archive.write_all(content).map_err(|e| broken(&e))?;
+            archive.write_all(&content).map_err(|e| broken(&e))?;
         }
         Ok(archive.finish().map_err(|e| broken(&e))?.into_inner())
     }

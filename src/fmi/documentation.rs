@@ -137,7 +137,7 @@ instance. Any number of instances run side by side.</li>
 does not begin where the last one ended: <code>fmi2Error</code> and one message. After a failed step the state can be
 restored or reset.</li>
 <li>First derivatives of real outputs are offered (<code>fmi2GetRealOutputDerivatives</code>).</li>
-<li>Not offered: directional derivatives, asynchronous steps.</li>
+<li>Not offered: asynchronous steps.</li>
 <li>The binary is for {PLATFORM}.</li>
 </ul>
 <h3>Log categories</h3>

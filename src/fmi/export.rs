@@ -7,6 +7,7 @@ use super::c::{
     Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, Status, Text, ValueReference,
 };
 use super::entry::Entry;
+use super::float::HostSettings;
 use super::instance::{Instance, Saved};
 use super::log::Log;
 use super::state::Function;
@@ -81,13 +82,16 @@ unsafe fn call(
 ) -> Status {
     // SAFETY: the caller's promise.
     let Some(instance) = (unsafe { component.cast::<Instance>().as_mut() }) else { return Status::Error };
-    match catch_unwind(AssertUnwindSafe(|| instance.call(function, body))) {
+    instance.enter();
+    let status = match catch_unwind(AssertUnwindSafe(|| instance.call(function, body))) {
         Ok(status) => status,
         Err(_) => catch_unwind(AssertUnwindSafe(|| {
             instance.fatal(&format!("fmi2{function:?}: internal error; please report it"))
         }))
         .unwrap_or(Status::Fatal),
-    }
+    };
+    instance.leave();
+    status
 }
 
 /// fmi2Instantiate.
@@ -109,6 +113,7 @@ pub unsafe fn instantiate(
     // Without callbacks there is nobody to tell.
     // SAFETY: null or valid by the caller's promise; copied.
     let Some(&callbacks) = (unsafe { functions.as_ref() }) else { return null_mut() };
+    let settings = HostSettings::replace();
     let made = catch_unwind(AssertUnwindSafe(|| {
         // SAFETY: the caller's promise.
         let (name_text, guid, location) = unsafe {
@@ -129,6 +134,7 @@ pub unsafe fn instantiate(
         let name = unsafe { CStr::from_ptr(name) };
         Instance::new(models, name, guid, location, callbacks, debug != FALSE)
     }));
+    drop(settings);
     let error = match made {
         Ok(Ok(instance)) => return Box::into_raw(Box::new(instance)).cast(),
         Ok(Err(error)) => error,
@@ -532,17 +538,12 @@ pub unsafe fn not_offered(c: Component, function: Function) -> Status {
     }
 }
 
-/// fmi2StatusKind fmi2LastSuccessfulTime.
-pub const LAST_SUCCESSFUL_TIME: c_int = 2;
-/// fmi2StatusKind fmi2Terminated.
-pub const TERMINATED: c_int = 3;
-
 /// The fmi2Get...Status functions: the last successful time and whether the slave wants to end have
 /// answers; the others are about asynchronous steps, which there are none of.
 ///
 /// # Safety
 /// As `call`; `value` is null or can be written.
-pub unsafe fn get_status<T>(
+unsafe fn get_status<T>(
     c: Component,
     function: Function,
     value: *mut T,
@@ -555,16 +556,46 @@ pub unsafe fn get_status<T>(
             let value = value.as_mut().ok_or_else(nowhere)?;
             match answer(instance) {
                 Some(answer) => *value = answer,
-                None => discard = true,
+                None => {
+                    instance.discard(function);
+                    discard = true;
+                }
             }
             Ok(())
         })
     };
-    if status != Status::Ok || !discard {
-        return status;
-    }
+    if status == Status::Ok && discard { Status::Discard } else { status }
+}
+
+/// fmi2GetRealStatus: the last successful time.
+///
+/// # Safety
+/// As `call`; `value` is null or can be written.
+pub unsafe fn get_real_status(c: Component, kind: c_int, value: *mut f64) -> Status {
+    const LAST_SUCCESSFUL_TIME: c_int = 2;
+    let answer = |i: &Instance| (kind == LAST_SUCCESSFUL_TIME).then(|| i.last_successful_time());
     // SAFETY: the caller's promise.
-    unsafe { c.cast::<Instance>().as_mut() }.map_or(Status::Error, |instance| instance.discard(function))
+    unsafe { get_status(c, Function::GetRealStatus, value, answer) }
+}
+
+/// fmi2GetBooleanStatus: whether the slave wants to end, which it never does.
+///
+/// # Safety
+/// As `call`; `value` is null or can be written.
+pub unsafe fn get_boolean_status(c: Component, kind: c_int, value: *mut Boolean) -> Status {
+    const TERMINATED: c_int = 3;
+    // SAFETY: the caller's promise.
+    unsafe { get_status(c, Function::GetBooleanStatus, value, |_| (kind == TERMINATED).then_some(FALSE)) }
+}
+
+/// fmi2GetStatus, fmi2GetIntegerStatus, fmi2GetStringStatus: no kind of status has these types, or only
+/// an asynchronous step has.
+///
+/// # Safety
+/// As `call`; `value` is null or can be written.
+pub unsafe fn no_status<T>(c: Component, function: Function, value: *mut T) -> Status {
+    // SAFETY: the caller's promise.
+    unsafe { get_status(c, function, value, |_| None) }
 }
 
 /// Passes the interfaces and documentations of a library's models to `sink`, for whoever makes an FMU:
@@ -656,15 +687,13 @@ macro_rules! export_fmus {
                 fmi2DoStep(c: Component, time: f64, length: f64, no_state_prior: Boolean) -> Status = export::do_step(c, time, length, no_state_prior);
                 fmi2CancelStep(c: Component) -> Status = export::not_offered(c, Function::CancelStep);
                 fmi2GetStatus(c: Component, _kind: c_int, value: *mut Status) -> Status
-                    = export::get_status(c, Function::GetStatus, value, |_| None);
-                fmi2GetRealStatus(c: Component, kind: c_int, value: *mut f64) -> Status
-                    = export::get_status(c, Function::GetRealStatus, value, |i| (kind == export::LAST_SUCCESSFUL_TIME).then(|| i.last_successful_time()));
+                    = export::no_status(c, Function::GetStatus, value);
+                fmi2GetRealStatus(c: Component, kind: c_int, value: *mut f64) -> Status = export::get_real_status(c, kind, value);
                 fmi2GetIntegerStatus(c: Component, _kind: c_int, value: *mut c_int) -> Status
-                    = export::get_status(c, Function::GetIntegerStatus, value, |_| None);
-                fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut Boolean) -> Status
-                    = export::get_status(c, Function::GetBooleanStatus, value, |_| (kind == export::TERMINATED).then_some(FALSE));
+                    = export::no_status(c, Function::GetIntegerStatus, value);
+                fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut Boolean) -> Status = export::get_boolean_status(c, kind, value);
                 fmi2GetStringStatus(c: Component, _kind: c_int, value: *mut Text) -> Status
-                    = export::get_status(c, Function::GetStringStatus, value, |_| None);
+                    = export::no_status(c, Function::GetStringStatus, value);
             }
         }
     };

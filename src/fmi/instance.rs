@@ -70,6 +70,16 @@ impl Instance {
         })
     }
 
+    /// Begins a call of an FMI function.
+    pub fn enter(&mut self) {
+        self.log.enter();
+    }
+
+    /// Ends it.
+    pub fn leave(&mut self) {
+        self.log.leave();
+    }
+
     /// Runs `body` if `function` may be called now. An error is told to the master and leaves the
     /// instance in the error state, as the standard has it.
     pub fn call(&mut self, function: Function, body: impl FnOnce(&mut Self) -> Result<()>) -> Status {
@@ -88,10 +98,9 @@ impl Instance {
     }
 
     /// Tells the master that a question has no answer.
-    pub fn discard(&mut self, function: Function) -> Status {
+    pub fn discard(&mut self, function: Function) {
         let message = format!("fmi2{function:?}: there is no such status: steps are never asynchronous");
         self.log.error(Status::Discard, &message);
-        Status::Discard
     }
 
     /// Tells the master of an error.
@@ -353,6 +362,9 @@ impl Instance {
         });
         let mut next = || numbers.next().unwrap_or(f64::NAN);
         let (start, stop, time) = (next(), next(), next());
+        if !time.is_finite() {
+            return Err(damaged());
+        }
         let experiment = start.is_finite().then_some((start, stop.is_finite().then_some(stop)));
         Ok(Saved { state, experiment, time, snapshot: self.slave.deserialize(rest)? })
     }

@@ -1,6 +1,7 @@
 //! Messages to the master's logger.
 
 use super::c::{CallbackFunctions, Status, Text};
+use super::float::HostSettings;
 use std::ffi::{CStr, CString};
 
 /// The categories that the model description declares.
@@ -16,12 +17,24 @@ pub struct Log {
     callbacks: CallbackFunctions,
     instance: CString,
     events: bool,
+    /// The host's floating-point settings during a call of an FMI function.
+    host: HostSettings,
 }
 
 impl Log {
     /// The logger of `callbacks` for an instance of this name.
     pub fn new(callbacks: CallbackFunctions, instance: &CStr, debug: bool) -> Self {
-        Self { callbacks, instance: instance.to_owned(), events: debug }
+        Self { callbacks, instance: instance.to_owned(), events: debug, host: HostSettings::default() }
+    }
+
+    /// Begins a call of an FMI function: the usual floating-point settings, but for the logger.
+    pub fn enter(&mut self) {
+        self.host = HostSettings::replace();
+    }
+
+    /// Ends it: the host's settings.
+    pub fn leave(&mut self) {
+        self.host = HostSettings::default();
     }
 
     /// Turns debug messages on or off, for all categories or for those named. Warnings and errors
@@ -65,7 +78,7 @@ impl Log {
         let text: Text = message.as_ptr();
         // SAFETY: the pointers are zero-terminated texts that outlive the call; the format has no
         // directives, so no further arguments are read.
-        unsafe {
+        self.host.during(|| unsafe {
             logger(
                 self.callbacks.component_environment,
                 self.instance.as_ptr(),
@@ -73,6 +86,6 @@ impl Log {
                 category.as_ptr(),
                 text,
             );
-        }
+        });
     }
 }

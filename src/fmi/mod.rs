@@ -11,6 +11,9 @@ pub mod description;
 mod documentation;
 mod entry;
 pub mod export;
+mod float;
+#[cfg(all(test, feature = "host"))]
+mod hostile;
 #[cfg(feature = "host")]
 pub mod import;
 mod instance;

@@ -53,7 +53,8 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
     /// True if [`directional_derivatives`](Model::directional_derivatives) has answers.
     const DIRECTIONAL_DERIVATIVES: bool = false;
 
-    /// The step h of the model's own time grid t0 + n h \[s\].
+    /// The step h of the model's own time grid t0 + n h \[s\]. May depend on parameters, on nothing
+    /// else.
     fn step_size(&self) -> f64;
 
     /// Checks the parameters against each other and finds the state at the start from parameters
@@ -70,6 +71,16 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
     /// # Errors
     /// Parameters that contradict each other.
     fn tune(&mut self) -> Result<()> {
+        Ok(())
+    }
+
+    /// Checks a value that was read from bytes, which may come from anywhere: whatever
+    /// [`step`](Model::step) takes for granted, such as lengths of vectors. Parameters are within
+    /// the ranges of the table.
+    ///
+    /// # Errors
+    /// A value that no run of this model leads to.
+    fn check(&self) -> Result<()> {
         Ok(())
     }
 
@@ -92,13 +103,6 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
     ) -> Result<Vec<f64>> {
         let _ = (starting, direction, unknowns);
         Err(crate::Error::call(format!("{} has no directional derivatives", Self::NAME)))
-    }
-
-    /// True if the parts of the value fit each other. Asked of values that come from bytes, which may
-    /// have been made by anybody: sizes of vectors that steps rely on have to be right. Parameters
-    /// were checked against their ranges before.
-    fn is_consistent(&self) -> bool {
-        true
     }
 
     /// Advances by `length` seconds (the step size, or less to reach a point between grid points).

@@ -13,6 +13,8 @@ use uuid::Uuid;
 const GRID_TOLERANCE: f64 = 1e-6;
 /// More grid steps than this in one communication step are taken for a mistake.
 const MAX_TICKS_PER_STEP: f64 = 1e9;
+/// Grid steps beyond this cannot be told apart in double precision.
+const MAX_POSITION: f64 = 9e15;
 
 /// A model that runs in this process.
 ///
@@ -160,37 +162,6 @@ impl<M: Model> Native<M> {
         }
     }
 
-    /// Checks a state that came as bytes: whoever knows how can give any content the right digest.
-    fn check(&self, data: &Data<M>) -> Result<()> {
-        let fail = |what: &str| Err(Error::call(format!("the bytes are not a state: {what}")));
-        let clock = &data.clock;
-        check_experiment(clock.start, clock.stop).map_err(|e| e.at("the bytes are not a state"))?;
-        let times = [clock.time, clock.time_before, clock.step_size];
-        let running = matches!(clock.phase, Phase::Running | Phase::Failed);
-        if !times.iter().all(|t| t.is_finite()) || running && clock.step_size != data.grid.step_size() {
-            return fail("its clock makes no sense");
-        }
-        let at = (clock.time - clock.start) / clock.step_size;
-        let grid_time_fits = (clock.ticks as f64 - at).abs() <= 1.0 + 1e-6 * at.abs();
-        if running && !(clock.step_size > 0.0 && at >= 0.0 && grid_time_fits) {
-            return fail("its clock makes no sense");
-        }
-        let inputs = |signals: &[Signal]| signals.iter().map(|s| s.variable).collect::<Vec<_>>();
-        let finite = |s: &Signal| [s.value, s.since, s.rate.unwrap_or(0.0)].iter().all(|x| x.is_finite());
-        if inputs(&data.signals) != inputs(&self.data.signals) || !data.signals.iter().all(finite) {
-            return fail("its inputs are others");
-        }
-        for model in [&data.grid, &data.between, &data.before] {
-            for index in self.interface.with(Causality::Parameter) {
-                self.interface.variables[index].accept(&look(model, index))?;
-            }
-            if !model.is_consistent() {
-                return fail("its parts do not fit each other");
-            }
-        }
-        Ok(())
-    }
-
     fn write(&mut self, index: usize, value: &Value) -> Result<()> {
         self.settable(index)?;
         let value = self.interface.variables[index].accept(value)?;
@@ -303,8 +274,49 @@ impl<M: Model> Data<M> {
     }
 }
 
+impl<M: Model> Data<M> {
+    /// Whether a run can lead to this, as far as [`Native`] relies on it.
+    fn is_possible(&self, interface: &Interface) -> bool {
+        let Clock { phase, start, stop, time, ticks, step_size, steps, time_before, .. } = self.clock;
+        let times = [start, time, time_before].iter().all(|t| t.is_finite())
+            && stop.is_none_or(|s| s.is_finite() && s > start);
+        let position = (time - start) / step_size;
+        let clock = match phase {
+            Phase::New | Phase::Starting => ticks == 0 && steps == 0 && time == start,
+            // the step that failed moved the ticks but not the time
+            Phase::Failed => true,
+            Phase::Running => {
+                // not any step: one that is too small would make for too many
+                step_size == self.grid.step_size()
+                    && step_size > 0.0
+                    && position < MAX_POSITION
+                    && (position - ticks as f64).abs() <= 1.0 + 1e-12 * position
+                    && steps < u64::MAX / 2
+            }
+        };
+        let signals = self.signals.iter().all(|s| {
+            s.value.is_finite() && s.since.is_finite() && s.rate.is_none_or(|rate| rate.is_finite())
+        });
+        let variables = self.signals.iter().map(|s| s.variable);
+        let inputs = interface.with(Causality::Input).filter(|i| interface.variables[*i].kind == Kind::Real);
+        let parameters = interface.with(Causality::Parameter).all(|index| {
+            self.models()
+                .into_iter()
+                .all(|model| interface.variables[index].accept(&take(model, index)).is_ok())
+        });
+        // what is stale is initialized before it is stepped
+        let stale = self.clock.stale && phase != Phase::Running;
+        let models = stale || self.models().into_iter().all(|model| model.check().is_ok());
+        times && clock && models && signals && variables.eq(inputs) && parameters
+    }
+
+    fn models(&self) -> [&M; 3] {
+        [&self.grid, &self.between, &self.before]
+    }
+}
+
 /// The value of a variable.
-fn look<M: Model>(model: &M, index: usize) -> Value {
+fn take<M: Model>(model: &M, index: usize) -> Value {
     match M::VARIABLES[index].access() {
         Access::Real(get, _) | Access::Rated(get, _) => Value::Real(get(model)),
         Access::Integer(get, _) => Value::Integer(get(model)),
@@ -596,7 +608,10 @@ impl<M: Model> Slave for Native<M> {
         }
         let data: Data<M> = postcard::from_bytes(payload)
             .map_err(|e| Error::call(format!("the bytes of the saved state cannot be read: {e}")))?;
-        self.check(&data)?;
+        // A digest is no signature: whoever wants to can make a valid one.
+        if !data.is_possible(&self.interface) {
+            return Err(Error::call("the bytes are not a state that this model can be in"));
+        }
         Ok(Box::new(data))
     }
 

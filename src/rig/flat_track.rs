@@ -12,9 +12,7 @@ use crate::model::{
 };
 use crate::solver::{Dual, Real};
 use crate::tire::Motion;
-use crate::tire::ring_brush::{
-    Bristles, Contact, Parameters, State, Stationary, Tire, Vertical, coupling, stationary,
-};
+use crate::tire::ring_brush::{Contact, Parameters, State, Stationary, Tire, Vertical, coupling, stationary};
 use crate::{Error, Result, boolean, clone_in_place, integer, real};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -260,9 +258,8 @@ impl Model for RingBrushFlatTrack {
         self.tire.tune(&self.parameters)
     }
 
-    fn is_consistent(&self) -> bool {
-        let fresh = self.tire == Tire::default() && self.state.bristles == Bristles::default();
-        fresh || self.tire.fits(&self.parameters) && self.state.bristles.fit(&self.parameters)
+    fn check(&self) -> Result<()> {
+        self.tire.check(&self.state)
     }
 
     fn warning(&self) -> Option<String> {

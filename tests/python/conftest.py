@@ -1,7 +1,9 @@
 """What the tests from outside share: the program, exported FMUs, a slave driven by hand."""
 
 import csv
+import os
 import pathlib
+import re
 import shutil
 import subprocess
 
@@ -10,7 +12,8 @@ import fmpy.fmi2
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PROGRAM = ROOT / "target" / "debug" / "latsch"
+TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+PROGRAM = TARGET / "debug" / "latsch"
 MODEL = "ring-brush-flat-track"
 INPUTS = ["steer", "deflection", "path_speed", "camber", "slip", "slip_angle"]
 
@@ -142,3 +145,29 @@ def slaves(fmu):
     yield make
     for slave in made:
         slave.close()
+
+
+@pytest.fixture(scope="session")
+def template_library(tmp_path_factory):
+    """A user's library: the template copied out of the repository, with the oscillator of its README and a model that
+    panics."""
+    crate = tmp_path_factory.mktemp("own") / "my-models"
+    shutil.copytree(ROOT / "fmu-template", crate)
+    manifest = (crate / "Cargo.toml").read_text()
+    assert 'path = ".."' in manifest
+    (crate / "Cargo.toml").write_text(manifest.replace('path = ".."', f'path = "{ROOT}"'))
+    shutil.copy(ROOT / "Cargo.lock", crate)
+    code = re.search(r"```rust\n(.*?)```", (crate / "README.md").read_text(), re.S).group(1)
+    assert "export_fmus!(Oscillator)" in code
+    code = code.replace("export_fmus!(Oscillator)", "export_fmus!(Oscillator, Bomb)")
+    (crate / "src" / "lib.rs").write_text(code + (ROOT / "tests" / "data" / "bomb.rs").read_text())
+    # a folder of its own in cargo's target, so that a second run is fast
+    target = TARGET / "template"
+    done = subprocess.run(
+        ["cargo", "build", "--manifest-path", crate / "Cargo.toml"],
+        env=dict(os.environ, CARGO_TARGET_DIR=str(target)),
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    return target / "debug" / "liblatsch_fmu.so"

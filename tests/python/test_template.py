@@ -1,42 +1,16 @@
 """A user's own model: the template copied out of the repository, with the oscillator of its README."""
 
 import math
-import os
-import re
-import shutil
-import subprocess
 import zipfile
 
 import pytest
 
-from conftest import ROOT, Slave, latsch
+from conftest import Slave, latsch
 
 
-@pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    crate = tmp_path_factory.mktemp("own") / "my-models"
-    shutil.copytree(ROOT / "fmu-template", crate)
-    manifest = (crate / "Cargo.toml").read_text()
-    assert 'path = ".."' in manifest
-    (crate / "Cargo.toml").write_text(manifest.replace('path = ".."', f'path = "{ROOT}"'))
-    shutil.copy(ROOT / "Cargo.lock", crate)
-    code = re.search(r"```rust\n(.*?)```", (crate / "README.md").read_text(), re.S).group(1)
-    (crate / "src" / "lib.rs").write_text(code)
-    # a folder of its own in the repository's target, so that a second run is fast
-    target = ROOT / "target" / "template"
-    done = subprocess.run(
-        ["cargo", "build", "--manifest-path", crate / "Cargo.toml"],
-        env=dict(os.environ, CARGO_TARGET_DIR=str(target)),
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
-    return target / "debug" / "liblatsch_fmu.so"
-
-
-def test_oscillator_swings_as_it_should(library, tmp_path):
+def test_oscillator_swings_as_it_should(template_library, tmp_path):
     path = tmp_path / "oscillator.fmu"
-    done = latsch("export", "oscillator", "--library", library, "--output", path)
+    done = latsch("export", "oscillator", "--library", template_library, "--output", path)
     assert done.returncode == 0, done.stderr
     slave = Slave(path)
     slave.begin(dict(force=10.0))
@@ -51,9 +25,9 @@ def test_oscillator_swings_as_it_should(library, tmp_path):
     slave.close()
 
 
-def test_our_own_importer_runs_it_too(library, tmp_path):
+def test_our_own_importer_runs_it_too(template_library, tmp_path):
     path = tmp_path / "oscillator.fmu"
-    assert latsch("export", "oscillator", "--library", library, "--output", path).returncode == 0
+    assert latsch("export", "oscillator", "--library", template_library, "--output", path).returncode == 0
     done = latsch("simulate", path, "--set", "force=10", "--set", "stiffness=0.4 kN/m", "--output",
                   tmp_path / "o.csv", "--report", tmp_path / "o.html")
     assert done.returncode == 0, done.stderr
@@ -62,9 +36,9 @@ def test_our_own_importer_runs_it_too(library, tmp_path):
     assert "position" in (tmp_path / "o.html").read_text()
 
 
-def test_the_authors_documentation_is_in_the_fmu(library, tmp_path):
+def test_the_authors_documentation_is_in_the_fmu(template_library, tmp_path):
     path = tmp_path / "oscillator.fmu"
-    assert latsch("export", "oscillator", "--library", library, "--output", path).returncode == 0
+    assert latsch("export", "oscillator", "--template_library", template_library, "--output", path).returncode == 0
     with zipfile.ZipFile(path) as archive:
         page = archive.read("documentation/index.html").decode()
     assert "<h2>Equations</h2>" in page and "<mi>x</mi>" in page
@@ -72,8 +46,30 @@ def test_the_authors_documentation_is_in_the_fmu(library, tmp_path):
         assert f"<code>{name}</code>" in page
 
 
-def test_export_refuses_what_is_no_model_library(library, tmp_path):
-    done = latsch("export", "pendulum", "--library", library, "--output", tmp_path / "x.fmu")
+def test_an_fmu_with_several_binaries(template_library, tmp_path):
+    path, dll = tmp_path / "both.fmu", tmp_path / "models.dll"
+    dll.write_bytes(b"MZ and so on")
+    export = ["export", "oscillator", "--library", template_library, "--output", path]
+    both = ["--binary", f"linux64={template_library}", "--binary", f"win64={dll}"]
+    done = latsch(*export, *both)
+    assert done.returncode == 0, done.stderr
+    with zipfile.ZipFile(path) as archive:
+        names = [n for n in archive.namelist() if n.startswith("binaries/")]
+        assert names == ["binaries/linux64/oscillator.so", "binaries/win64/oscillator.dll"]
+        assert archive.read(names[0]) == template_library.read_bytes()
+    for wrong, words in [
+        ([*both, "--binary", f"win64={dll}"], "two binaries for win64"),
+        (["--binary", f"linux64={dll}"], "no library for linux64"),
+        (["--binary", "amiga=x"], "no platform"),
+        (["--binary", "win64"], "PLATFORM=FILE"),
+        (["--binary", f"win64={tmp_path}/nothing.dll"], "nothing.dll"),
+    ]:
+        done = latsch(*export, *wrong)
+        assert done.returncode == 2 and words in done.stderr, done.stderr
+
+
+def test_export_refuses_what_is_no_model_library(template_library, tmp_path):
+    done = latsch("export", "pendulum", "--library", template_library, "--output", tmp_path / "x.fmu")
     assert done.returncode == 2 and "oscillator" in done.stderr
     other = tmp_path / "libother.so"
     other.write_bytes(b"\x7fELF no")

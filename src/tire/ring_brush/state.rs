@@ -92,19 +92,6 @@ impl Bristles {
     }
 }
 
-impl Bristles {
-    /// True if there are as many as the parameters say.
-    pub fn fit(&self, p: &Parameters) -> bool {
-        let (stripes, n) = (p.stripes.max(0) as usize, p.bristles_per_stripe.max(0) as usize);
-        let all = stripes * n;
-        self.x.len() == n
-            && self.laps.len() == n
-            && self.lengths.len() == stripes
-            && self.stick.len() == all
-            && [&self.deflection_x, &self.deflection_y, &self.pressure].iter().all(|v| v.len() == all)
-    }
-}
-
 clone_in_place!(Bristles { x, laps, lengths, deflection_x, deflection_y, pressure, stick });
 clone_in_place!(State {
     belt,

@@ -51,9 +51,31 @@ impl Tire {
         Ok(())
     }
 
-    /// True if this is the tire with these parameters.
-    pub fn fits(&self, parameters: &Parameters) -> bool {
-        Self::new(parameters).is_ok_and(|tire| tire == *self)
+    /// Checks a tire and its state that were read from bytes: there is a value for each stripe and
+    /// each bristle.
+    ///
+    /// # Errors
+    /// There is not.
+    pub fn check(&self, state: &State) -> Result<()> {
+        let count = |number: i32| usize::try_from(number).unwrap_or(usize::MAX);
+        let (stripes, n) = (count(self.parameters.stripes), count(self.parameters.bristles_per_stripe));
+        let Bristles { x, laps, lengths, deflection_x, deflection_y, pressure, stick } = &state.bristles;
+        let vectors = [
+            (self.places.len(), stripes),
+            (self.radii.len(), stripes),
+            (x.len(), n),
+            (laps.len(), n),
+            (lengths.len(), stripes),
+            (deflection_x.len(), stripes.saturating_mul(n)),
+            (deflection_y.len(), stripes.saturating_mul(n)),
+            (pressure.len(), stripes.saturating_mul(n)),
+            (stick.len(), stripes.saturating_mul(n)),
+        ];
+        if vectors.iter().all(|(length, expected)| length == expected) {
+            Ok(())
+        } else {
+            Err(Error::call("the tire's stripes and bristles do not fit its parameters"))
+        }
     }
 
     /// The parameters.
