@@ -38,7 +38,7 @@ def test_our_own_importer_runs_it_too(template_library, tmp_path):
 
 def test_the_authors_documentation_is_in_the_fmu(template_library, tmp_path):
     path = tmp_path / "oscillator.fmu"
-    assert latsch("export", "oscillator", "--template_library", template_library, "--output", path).returncode == 0
+    assert latsch("export", "oscillator", "--library", template_library, "--output", path).returncode == 0
     with zipfile.ZipFile(path) as archive:
         page = archive.read("documentation/index.html").decode()
     assert "<h2>Equations</h2>" in page and "<mi>x</mi>" in page
