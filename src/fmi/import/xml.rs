@@ -230,7 +230,9 @@ pub(in crate::fmi) fn read<E: From<Broken>>(
                 ended = path.is_empty();
             }
             Event::DocType(_) => {
-                return Err(place(start).broken("there is a DOCTYPE; for safety such files are not read").into());
+                return Err(place(start)
+                    .broken("there is a DOCTYPE; for safety such files are not read")
+                    .into());
             }
             Event::Text(text) if path.is_empty() && !text.trim().is_empty() => {
                 let side = if ended { "after the end of" } else { "outside" };
