@@ -35,18 +35,19 @@ fn end_record(bytes: &[u8]) -> Option<usize> {
 /// Reads the directory and checks all that is written in headers. `None` if the file is no zip archive.
 pub(super) fn check_headers(bytes: &[u8], findings: &mut Vec<Finding>) -> Option<Vec<Entry>> {
     let end = end_record(bytes)?;
-    let mut whole = |what: &str| findings.push(Finding::error("Z1", None, what));
+    let whole = |what: &str| Finding::error("Z1", None, what);
     if u16_at(bytes, end + 4)? != 0 || u16_at(bytes, end + 6)? != 0 {
-        whole("the archive is one part of several");
+        findings.push(whole("the archive is one part of several"));
     }
     if end >= 20 && bytes[end - 20..].starts_with(b"PK\x06\x07") {
-        whole("the archive uses zip64, which needs version 4.5 of the format; 2.0 is the limit");
+        findings
+            .push(whole("the archive uses zip64, which needs version 4.5 of the format; 2.0 is the limit"));
     }
     let (count, mut at) = (u16_at(bytes, end + 10)?, u32_at(bytes, end + 16)? as usize);
     let mut entries = Vec::new();
     for _ in 0..count {
         let Some(entry) = read_entry(bytes, &mut at) else {
-            whole("the archive's directory is damaged");
+            findings.push(whole("the archive's directory is damaged"));
             break;
         };
         check_entry(&entry, bytes, findings);

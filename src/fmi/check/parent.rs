@@ -3,7 +3,7 @@
 use super::Report;
 use super::cases::{CASES, Case};
 use super::child::{CALL, Found, Line};
-use super::finding::{Finding, Level, Place};
+use super::finding::{Finding, Place};
 use super::tree::Node;
 use super::unit::NOTE;
 use crate::fmi::import::Description;
@@ -179,6 +179,7 @@ fn signal_name(signal: i32) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Level;
     use super::*;
 
     #[test]

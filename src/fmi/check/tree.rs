@@ -36,7 +36,7 @@ impl Node {
 
     /// The first element called `name` inside this one.
     pub(super) fn child(&self, name: &str) -> Option<&Node> {
-        self.all(name).next()
+        self.children.iter().find(|c| c.name() == name)
     }
 
     /// The elements called `name` inside this one.
