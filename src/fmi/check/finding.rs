@@ -40,7 +40,7 @@ pub enum Place {
 /// Something that is wrong with an FMU.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// Name of the rule, such as "X10"; docs/check.md lists all.
+    /// Name of the rule, such as "X10"; [`RULES`](super::RULES) holds all.
     pub rule: &'static str,
     /// How bad it is.
     pub level: Level,
