@@ -104,7 +104,12 @@ fn a_crash_names_the_call() {
 
 #[test]
 fn a_state_that_lacks_something() {
-    finds("-DFORGETFUL", &["M6"], Level::Error, &["fmi2SetFMUstate after steps with other inputs", "\"y\" is"]);
+    finds(
+        "-DFORGETFUL",
+        &["M6"],
+        Level::Error,
+        &["fmi2SetFMUstate after steps with other inputs", "\"y\" is"],
+    );
 }
 
 #[test]
@@ -114,7 +119,12 @@ fn noise() {
 
 #[test]
 fn numbers_that_are_none() {
-    finds("-DNAN_PASSES", &["D8"], Level::Warning, &["\"u\" = NaN", "\"y\" becomes NaN", "modelDescription.xml:11:"]);
+    finds(
+        "-DNAN_PASSES",
+        &["D8"],
+        Level::Warning,
+        &["\"u\" = NaN", "\"y\" becomes NaN", "modelDescription.xml:11:"],
+    );
 }
 
 #[test]

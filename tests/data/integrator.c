@@ -83,7 +83,8 @@ void *fmi2Instantiate(const char *name, int type, const char *guid, const char *
     m->location = strdup(location);
     start_values(&m->data);
 #ifdef LEAK
-    memset(malloc(5000), 1, 5000);
+    static void *volatile lost;
+    lost = memset(malloc(5000), 1, 5000);
 #endif
     return m;
 }

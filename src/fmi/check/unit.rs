@@ -10,7 +10,7 @@ use crate::fmi::import::log::text;
 use std::ffi::{CString, c_int, c_void};
 use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// fmi2Error.
 pub(super) const ERROR: c_int = 3;
@@ -170,6 +170,10 @@ pub(super) static STRANGE: AtomicBool = AtomicBool::new(false);
 /// The environments that were given out: others are not looked into.
 static ENVIRONMENTS: Mutex<Vec<usize>> = Mutex::new(Vec::new());
 
+fn environments() -> MutexGuard<'static, Vec<usize>> {
+    ENVIRONMENTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 type Fixed = unsafe extern "C" fn(ComponentEnvironment, Text, c_int, Text, Text);
 
 fn variadic(function: Fixed) -> Logger {
@@ -188,12 +192,11 @@ unsafe extern "C" fn listen(
     category: Text,
     format: Text,
 ) {
-    let known = ENVIRONMENTS.lock().unwrap_or_else(PoisonError::into_inner).contains(&(env as usize));
-    if !known {
+    if !environments().contains(&(env as usize)) {
         STRANGE.store(true, Ordering::Relaxed);
         return;
     }
-    // SAFETY: an environment that was given out; listeners are never freed.
+    // SAFETY: an environment that was given out and not yet taken back.
     let listener = unsafe { &*env.cast::<Listener>() };
     // SAFETY: demanded of the caller.
     let message = unsafe {
@@ -290,7 +293,11 @@ pub(super) struct Maker<'a> {
 pub(super) struct Unit<'a> {
     maker: Maker<'a>,
     component: Component,
-    listener: &'static Listener,
+    listener: Arc<Listener>,
+    /// Spoilt, but there: reading them late is no crash of ours.
+    texts: [Vec<u8>; 3],
+    /// The same; null for no instance.
+    callbacks: *mut CallbackFunctions,
     /// The last message that came with fmi2OK.
     chatter: Option<String>,
     /// After fmi2Fatal nothing may be called, not even fmi2FreeInstance.
@@ -301,16 +308,16 @@ impl<'a> Maker<'a> {
     /// Instantiates for co-simulation. All that is passed is spoilt afterwards: it is only valid during
     /// the call. Returns the messages where there is no instance.
     pub(super) fn make(self, name: &str, guid: &str, resources: &str) -> Result<Unit<'a>, Vec<Message>> {
-        let listener: &'static Listener = Box::leak(Box::default());
-        ENVIRONMENTS.lock().unwrap_or_else(PoisonError::into_inner).push(ptr::from_ref(listener) as usize);
+        let listener: Arc<Listener> = Arc::default();
+        environments().push(Arc::as_ptr(&listener) as usize);
         let mut texts = [name, guid, resources]
             .map(|t| CString::new(t.replace('\0', "?")).unwrap_or_default().into_bytes_with_nul());
-        let callbacks = Box::leak(Box::new(CallbackFunctions {
+        let callbacks = Box::into_raw(Box::new(CallbackFunctions {
             logger: variadic(listen),
             allocate_memory: Some(libc::calloc),
             free_memory: Some(libc::free),
             step_finished: None,
-            component_environment: ptr::from_ref(listener).cast_mut().cast(),
+            component_environment: Arc::as_ptr(&listener).cast_mut().cast(),
         }));
         let Some(instantiate) = self.functions.instantiate else { return Err(Vec::new()) };
         self.note.write("fmi2Instantiate");
@@ -321,27 +328,36 @@ impl<'a> Maker<'a> {
             unsafe { instantiate(c_name, CO_SIMULATION, c_guid, c_resources, callbacks, FALSE, TRUE) };
         let same_float_mode = float_mode() == mode;
         restore_float_mode(mode);
-        // Leaked, so that reading them later is no crash of ours, but spoilt.
         for text in &mut texts {
             let end = text.len() - 1;
             text[..end].fill(b'~');
         }
-        std::mem::forget(texts);
-        callbacks.logger = variadic(stale_listen);
-        callbacks.allocate_memory = Some(stale_calloc);
-        callbacks.free_memory = Some(stale_free);
+        // SAFETY: the struct is ours until the unit is dropped.
+        unsafe {
+            (*callbacks).logger = variadic(stale_listen);
+            (*callbacks).allocate_memory = Some(stale_calloc);
+            (*callbacks).free_memory = Some(stale_free);
+        }
         let messages = listener.take();
         (self.judge)(&Outcome { call: "fmi2Instantiate", status: 0, messages: &messages, same_float_mode });
-        if component.is_null() {
-            return Err(messages);
-        }
-        Ok(Unit { maker: self, component, listener, chatter: None, dead: false })
+        let unit = Unit { maker: self, component, listener, texts, callbacks, chatter: None, dead: false };
+        // What is not there is not freed, but what was passed is.
+        if component.is_null() { Err(messages) } else { Ok(unit) }
     }
 
     /// An instance that is NULL, to see what calls make of it.
     pub(super) fn nothing(self) -> Unit<'a> {
-        let listener: &'static Listener = Box::leak(Box::default());
-        Unit { maker: self, component: ptr::null_mut(), listener, chatter: None, dead: false }
+        let (texts, callbacks) = ([const { Vec::new() }; 3], ptr::null_mut());
+        let listener = Arc::default();
+        Unit {
+            maker: self,
+            component: ptr::null_mut(),
+            listener,
+            texts,
+            callbacks,
+            chatter: None,
+            dead: false,
+        }
     }
 }
 
@@ -567,13 +583,24 @@ impl Unit<'_> {
 
 impl Drop for Unit<'_> {
     fn drop(&mut self) {
-        let free = self.maker.functions.free_instance;
-        if let Some(free) = free
-            && !self.dead
+        if self.dead {
+            // Its code may still run somewhere.
+            std::mem::forget((std::mem::take(&mut self.texts), self.listener.clone()));
+            return;
+        }
+        // An instance that was refused is not freed; NULL from `nothing` is, to see what happens.
+        if let Some(free) = self.maker.functions.free_instance
+            && (!self.component.is_null() || self.callbacks.is_null())
         {
             self.maker.note.write("fmi2FreeInstance");
             // SAFETY: the instance is not used after this.
             unsafe { free(self.component) };
+        }
+        let environment = Arc::as_ptr(&self.listener) as usize;
+        environments().retain(|e| *e != environment);
+        if !self.callbacks.is_null() {
+            // SAFETY: made from a box, and freed once.
+            drop(unsafe { Box::from_raw(self.callbacks) });
         }
     }
 }
