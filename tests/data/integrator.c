@@ -65,6 +65,10 @@ static Unit *alive(void *c) {
 const char *fmi2GetTypesPlatform(void) { return "default"; }
 const char *fmi2GetVersion(void) { return "2.0"; }
 
+#ifdef LEAK
+void *lost;
+#endif
+
 void *fmi2Instantiate(const char *name, int type, const char *guid, const char *location,
                       const Callbacks *callbacks, int visible, int logging) {
     (void)visible;
@@ -83,7 +87,6 @@ void *fmi2Instantiate(const char *name, int type, const char *guid, const char *
     m->location = strdup(location);
     start_values(&m->data);
 #ifdef LEAK
-    static void *volatile lost;
     lost = memset(malloc(5000), 1, 5000);
 #endif
     return m;

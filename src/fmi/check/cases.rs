@@ -1041,8 +1041,7 @@ fn clock(lab: &Lab<'_>) {
         }
         times.extend(unit.last_successful_time().map(|t| ("the last successful time".into(), t)));
         for (what, time) in times {
-            // Not NaN either.
-            if !((time - end).abs() <= 1e-6 * lab.h() + 1e-12 * end.abs()) {
+            if time.is_nan() || (time - end).abs() > 1e-6 * lab.h() + 1e-12 * end.abs() {
                 return lab.reporter.error("D1", format!("after a step to {end} s {what} is {time} s"));
             }
         }
@@ -1145,8 +1144,9 @@ fn directional(lab: &Lab<'_>) {
             let noise = 1e-12 * middle[i].abs().max(1e-3) / step;
             let what = if status > 1 {
                 format!("d {:?} / d {:?} returned {}", output.name, input.name, word(status))
-            } else if !((value - difference).abs()
-                <= DERIVATIVE_TOLERANCE * value.abs().max(difference.abs()) + noise)
+            } else if value.is_nan()
+                || (value - difference).abs()
+                    > DERIVATIVE_TOLERANCE * value.abs().max(difference.abs()) + noise
             {
                 format!(
                     "d {:?} / d {:?} is {value:?}; differences give {difference:?}",

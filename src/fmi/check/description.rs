@@ -580,7 +580,7 @@ fn check_structure(root: &Node, variables: &[Variable], findings: &mut Vec<Findi
     for (index, node) in &derivatives {
         let state: Option<usize> = variables[index - 1].kind.and_then(|k| number(k, "derivative"));
         match state {
-            Some(state) if (1..=count).contains(&state) => drop(states.extend([state, *index])),
+            Some(state) if (1..=count).contains(&state) => states.extend([state, *index]),
             _ => {
                 let what = format!("Derivatives lists variable {}, which is no derivative", named(*index));
                 findings.push(Finding::error("X9", at(node, "index"), what));
