@@ -360,7 +360,7 @@ fn near(name: &str, shape: &Type) -> String {
     shape
         .attributes
         .iter()
-        .map(|a| (strsim::jaro_winkler(name, a.name), a.name))
+        .map(|a| (strsim::jaro_winkler(&name.to_lowercase(), &a.name.to_lowercase()), a.name))
         .filter(|(score, _)| *score > 0.85)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, name)| format!("; did you mean {name}?"))
