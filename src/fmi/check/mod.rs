@@ -93,7 +93,10 @@ pub fn check(path: &Path, options: &Options) -> Result<Report> {
                 .collect(),
         }
     };
-    let (mut identifiers, sources) = (parts("modelIdentifier"), parts("SourceFiles"));
+    let (mut identifiers, mut sources) = (parts("modelIdentifier"), parts("SourceFiles"));
+    // Both parts of an FMU may be made of the same files.
+    sources.sort();
+    sources.dedup();
     identifiers.dedup();
     archive::check_folders(&entries, &identifiers, &sources, &mut report.findings);
     report.findings.extend(found);
