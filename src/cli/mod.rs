@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand.
 
+mod check;
 mod demo;
 mod describe;
 mod export;
@@ -27,6 +28,7 @@ enum Command {
     Describe(describe::Args),
     Export(export::Args),
     Simulate(simulate::Args),
+    Check(check::Args),
     Demo(demo::Args),
 }
 
@@ -41,15 +43,17 @@ enum Format {
 
 /// Reads the arguments, runs the subcommand and gives the exit code.
 pub fn run() -> ExitCode {
+    let done = |()| ExitCode::SUCCESS;
     let result = match Cli::parse().command {
-        Command::Models(args) => models::run(&args),
-        Command::Describe(args) => describe::run(&args),
-        Command::Export(args) => export::run(&args),
-        Command::Simulate(args) => simulate::run(&args),
-        Command::Demo(args) => demo::run(&args),
+        Command::Models(args) => models::run(&args).map(done),
+        Command::Describe(args) => describe::run(&args).map(done),
+        Command::Export(args) => export::run(&args).map(done),
+        Command::Simulate(args) => simulate::run(&args).map(done),
+        Command::Check(args) => check::run(&args),
+        Command::Demo(args) => demo::run(&args).map(done),
     };
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(if error.kind() == ErrorKind::Numeric { 1 } else { 2 })

@@ -6,6 +6,8 @@
 pub mod archive;
 pub mod c;
 #[cfg(feature = "host")]
+pub mod check;
+#[cfg(feature = "host")]
 pub mod description;
 #[cfg(feature = "host")]
 mod documentation;

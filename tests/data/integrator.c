@@ -2,7 +2,11 @@
  *
  * It refuses what the standard forbids, so that a master that calls in the wrong order fails.
  * The text parameter `mood` makes steps misbehave: "discard", "error", "fatal".
- * -DWITHOUT_STEP leaves out fmi2DoStep. */
+ * -DWITHOUT_STEP leaves out fmi2DoStep. -DPOLITE returns errors where a wrong call ends the process
+ * otherwise.
+ *
+ * Defects for the tests of the check: -DHANG_ON_NAN, -DCRASH_IN_RESET, -DFORGETFUL (a restored state lacks
+ * the input), -DNOISE (prints), -DNAN_PASSES, -DLEAK. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -22,13 +26,14 @@ typedef enum { INSTANTIATED, INITIALIZING, RUNNING, TERMINATED, FAILED, DEAD } P
 
 typedef struct {
     Phase phase;
+    int set_up;
     double time, stop, u, rate, y, k, last;
     int count, steps, flag, mode;
     char mood[64];
 } Data;
 typedef struct {
     Data data;
-    const Callbacks *callbacks;
+    Callbacks callbacks;
     char *name, *location;
     int saved;
 } Unit;
@@ -44,7 +49,7 @@ static void start_values(Data *d) {
 }
 
 static Status say(Unit *m, Status status, const char *text) {
-    m->callbacks->logger(m->callbacks->environment, m->name, status, "logStatus", text);
+    m->callbacks.logger(m->callbacks.environment, m->name, status, "logStatus", text);
     if (status == ERROR) m->data.phase = FAILED;
     if (status == FATAL) m->data.phase = DEAD;
     return status;
@@ -60,54 +65,77 @@ static Unit *alive(void *c) {
 const char *fmi2GetTypesPlatform(void) { return "default"; }
 const char *fmi2GetVersion(void) { return "2.0"; }
 
+#ifdef LEAK
+void *lost;
+#endif
+
 void *fmi2Instantiate(const char *name, int type, const char *guid, const char *location,
                       const Callbacks *callbacks, int visible, int logging) {
     (void)visible;
-    if (type != 1 || !logging || !strlen(name)) return NULL;
+    if (type != 1 || !logging) return NULL;
+    if (strspn(name, " ") == strlen(name)) {
+        callbacks->logger(callbacks->environment, name, ERROR, "logStatus", "blank name");
+        return NULL;
+    }
     if (strcmp(guid, "{integrator}")) {
-        callbacks->logger(callbacks->environment, name, ERROR, "logStatus", "wrong guid: 100%% of ##1#");
+        callbacks->logger(callbacks->environment, name, ERROR, "logStatus", "wrong guid: 100%% of ##1##");
         return NULL;
     }
     Unit *m = callbacks->allocate(1, sizeof *m);
-    m->callbacks = callbacks;
+    m->callbacks = *callbacks;
     m->name = strdup(name);
     m->location = strdup(location);
     start_values(&m->data);
+#ifdef LEAK
+    lost = memset(malloc(5000), 1, 5000);
+#endif
     return m;
 }
 
 void fmi2FreeInstance(void *c) {
     if (!c) return;
     Unit *m = alive(c);
+#ifndef POLITE
     if (m->saved) abort(); /* A state leaked. */
+#endif
     free(m->name);
     free(m->location);
-    m->callbacks->release(m);
+    void (*release)(void *) = m->callbacks.release;
+    release(m);
 }
 
 Status fmi2SetupExperiment(void *c, int has_tolerance, double tolerance, double start, int has_stop, double stop) {
     (void)has_tolerance, (void)tolerance;
+    if (!c) return ERROR;
     Unit *m = alive(c);
     if (m->data.phase != INSTANTIATED) return say(m, ERROR, "fmi2SetupExperiment: wrong phase");
+    m->data.set_up = 1;
     m->data.time = start;
     m->data.stop = has_stop ? stop : HUGE_VAL;
     return OK;
 }
 
 static Status move(void *c, Phase from, Phase to, const char *text) {
+    if (!c) return ERROR;
     Unit *m = alive(c);
-    if (m->data.phase != from) return say(m, ERROR, text);
+    if (m->data.phase != from || !m->data.set_up) return say(m, ERROR, text);
     m->data.phase = to;
     return OK;
 }
 Status fmi2EnterInitializationMode(void *c) { return move(c, INSTANTIATED, INITIALIZING, "enter: wrong phase"); }
 Status fmi2ExitInitializationMode(void *c) { return move(c, INITIALIZING, RUNNING, "exit: wrong phase"); }
 Status fmi2Terminate(void *c) {
+#ifndef POLITE
     /* A master that ends before a step fails, is wrong. */
     if (alive(c)->data.phase != RUNNING) abort();
-    return move(c, RUNNING, TERMINATED, "");
+#endif
+    return move(c, RUNNING, TERMINATED, "terminate: wrong phase");
 }
 Status fmi2Reset(void *c) {
+    if (!c) return ERROR;
+#ifdef CRASH_IN_RESET
+    *(volatile int *)8 = 1;
+#endif
     start_values(&alive(c)->data);
     return OK;
 }
@@ -117,6 +145,7 @@ static Status readable(Unit *m) {
 }
 
 Status fmi2GetReal(void *c, const unsigned *vr, size_t n, double *value) {
+    if (!c) return ERROR;
     Unit *m = alive(c);
     if (readable(m)) return ERROR;
     for (size_t i = 0; i < n; i++) {
@@ -132,15 +161,19 @@ Status fmi2GetReal(void *c, const unsigned *vr, size_t n, double *value) {
 Status fmi2GetInteger(void *c, const unsigned *vr, size_t n, int *value) {
     Unit *m = alive(c);
     if (readable(m)) return ERROR;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
+        if (vr[i] > MODE) return say(m, ERROR, "unknown integer");
         value[i] = vr[i] == COUNT ? m->data.count : vr[i] == STEPS ? m->data.steps : m->data.mode;
+    }
     return OK;
 }
 Status fmi2GetBoolean(void *c, const unsigned *vr, size_t n, int *value) {
-    (void)vr;
     Unit *m = alive(c);
     if (readable(m)) return ERROR;
-    for (size_t i = 0; i < n; i++) value[i] = m->data.flag;
+    for (size_t i = 0; i < n; i++) {
+        if (vr[i]) return say(m, ERROR, "unknown boolean");
+        value[i] = m->data.flag;
+    }
     return OK;
 }
 Status fmi2GetString(void *c, const unsigned *vr, size_t n, const char **value) {
@@ -151,9 +184,12 @@ Status fmi2GetString(void *c, const unsigned *vr, size_t n, const char **value) 
 }
 
 Status fmi2SetReal(void *c, const unsigned *vr, size_t n, const double *value) {
+    if (!c) return ERROR;
     Unit *m = alive(c);
     for (size_t i = 0; i < n; i++) {
-        if (isnan(value[i])) return say(m, ERROR, "the value is no number; 100%% sure");
+#ifndef NAN_PASSES
+        if (!isfinite(value[i])) return say(m, ERROR, "the value is no number; 100%% sure");
+#endif
         if (vr[i] == U) {
             if (m->data.phase == INSTANTIATED) return say(m, ERROR, "input before initialization");
             m->data.u = value[i];
@@ -167,12 +203,16 @@ Status fmi2SetReal(void *c, const unsigned *vr, size_t n, const double *value) {
 }
 Status fmi2SetInteger(void *c, const unsigned *vr, size_t n, const int *value) {
     Unit *m = alive(c);
-    for (size_t i = 0; i < n; i++) *(vr[i] == COUNT ? &m->data.count : &m->data.mode) = value[i];
+    for (size_t i = 0; i < n; i++) {
+        if (vr[i] != COUNT && (vr[i] != MODE || m->data.phase == RUNNING)) return say(m, ERROR, "not an integer to set");
+        *(vr[i] == COUNT ? &m->data.count : &m->data.mode) = value[i];
+    }
     return OK;
 }
 Status fmi2SetBoolean(void *c, const unsigned *vr, size_t n, const int *value) {
-    (void)vr, (void)n;
-    alive(c)->data.flag = value[0];
+    Unit *m = alive(c);
+    if (n != 1 || vr[0] || m->data.phase == RUNNING) return say(m, ERROR, "not a boolean to set");
+    m->data.flag = value[0];
     return OK;
 }
 Status fmi2SetString(void *c, const unsigned *vr, size_t n, const char *const *value) {
@@ -190,10 +230,18 @@ Status fmi2SetRealInputDerivatives(void *c, const unsigned *vr, size_t n, const 
 
 #ifndef WITHOUT_STEP
 Status fmi2DoStep(void *c, double time, double h, int no_rollback) {
+    if (!c) return ERROR;
+#ifdef HANG_ON_NAN
+    for (volatile int i = 0; isnan(h); i++) {}
+#endif
+#ifdef NOISE
+    printf("step to %g\n", time + h);
+#endif
     Unit *m = alive(c);
     Data *d = &m->data;
     if (no_rollback || d->phase != RUNNING) return say(m, ERROR, "step: wrong phase");
-    if (fabs(time - d->time) > 1e-9) return say(m, ERROR, "step: wrong time");
+    if (!(h > 0) || isinf(h)) return say(m, ERROR, "step: wrong length");
+    if (!(fabs(time - d->time) <= 1e-9)) return say(m, ERROR, "step: wrong time");
     if (time + h > d->stop + 1e-9) return say(m, ERROR, "step beyond the stop time");
     if (!strcmp(d->mood, "error")) return say(m, ERROR, "bad mood");
     if (!strcmp(d->mood, "fatal")) return say(m, FATAL, "very bad mood");
@@ -204,7 +252,7 @@ Status fmi2DoStep(void *c, double time, double h, int no_rollback) {
     }
     d->y += d->k * (d->u * h + d->rate * h * h / 2);
     d->u += d->rate * h;
-    d->time = time + h;
+    d->time = d->last = time + h;
     d->steps++;
     return OK;
 }
@@ -221,6 +269,25 @@ Status fmi2GetBooleanStatus(void *c, int kind, int *value) {
     return OK;
 }
 
+/* What is not supported, but has to be there. */
+Status fmi2SetDebugLogging(void *c, int on, size_t n, const char *const *categories) {
+    (void)c, (void)on, (void)n, (void)categories;
+    return OK;
+}
+Status fmi2CancelStep(void *c) { return say(alive(c), ERROR, "no step to cancel"); }
+Status fmi2GetDirectionalDerivative(void *c, const unsigned *u, size_t nu, const unsigned *k, size_t nk,
+                                    const double *seed, double *result) {
+    (void)u, (void)nu, (void)k, (void)nk, (void)seed, (void)result;
+    return say(alive(c), ERROR, "no directional derivatives");
+}
+Status fmi2GetRealOutputDerivatives(void *c, const unsigned *vr, size_t n, const int *order, double *value) {
+    (void)vr, (void)n, (void)order, (void)value;
+    return say(alive(c), ERROR, "no derivatives of outputs");
+}
+Status fmi2GetStatus(void *c, int kind, Status *value) { return (void)c, (void)kind, (void)value, DISCARD; }
+Status fmi2GetIntegerStatus(void *c, int kind, int *value) { return (void)c, (void)kind, (void)value, DISCARD; }
+Status fmi2GetStringStatus(void *c, int kind, const char **value) { return (void)c, (void)kind, (void)value, DISCARD; }
+
 Status fmi2GetFMUstate(void *c, void **state) {
     Unit *m = alive(c);
     if (!*state) {
@@ -231,7 +298,11 @@ Status fmi2GetFMUstate(void *c, void **state) {
     return OK;
 }
 Status fmi2SetFMUstate(void *c, void *state) {
-    memcpy(&alive(c)->data, state, sizeof(Data));
+    Data *d = &alive(c)->data;
+#ifdef FORGETFUL
+    ((Data *)state)->u = d->u;
+#endif
+    memcpy(d, state, sizeof(Data));
     return OK;
 }
 Status fmi2FreeFMUstate(void *c, void **state) {

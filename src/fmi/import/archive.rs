@@ -209,7 +209,7 @@ fn damaged(error: &io::Error) -> String {
 }
 
 /// Fails unless joining the path to a folder stays in that folder, on any system.
-pub(super) fn check_path(path: &str) -> std::result::Result<(), &'static str> {
+pub(in crate::fmi) fn check_path(path: &str) -> std::result::Result<(), &'static str> {
     if path.contains('\0') {
         return Err("its path holds a NUL character; this archive is not unpacked");
     }

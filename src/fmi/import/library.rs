@@ -7,7 +7,7 @@ use crate::{Error, Result};
 use std::ffi::{CStr, CString, c_int, c_void};
 use std::fs;
 use std::os::unix::ffi::OsStrExt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The folders in `binaries/` that hold a binary for this machine, and its ending.
 const PLATFORMS: &[&str] = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
@@ -83,15 +83,9 @@ impl Library {
     /// Loads the binary `identifier` of the FMU unpacked in `folder`, with the functions that it needs
     /// for co-simulation and for `capabilities`. Runs the initialisers of the library: foreign code.
     pub(super) fn load(folder: &Path, identifier: &str, capabilities: &Capabilities) -> Result<Self> {
-        let binaries = folder.join("binaries");
-        let file = format!("{identifier}.{ENDING}");
-        let (platform, path) = PLATFORMS
-            .iter()
-            .map(|platform| (platform, binaries.join(platform).join(&file)))
-            .find(|(_, path)| path.is_file())
-            .ok_or_else(|| missing(&binaries, &file))?;
-        let handle = Handle::open(&path).map_err(|e| e.at(format!("binaries/{platform}/{file}")))?;
-        let functions = Functions { handle: &handle, file: format!("binaries/{platform}/{file}") };
+        let (file, path) = find(folder, identifier)?;
+        let handle = Handle::open(&path).map_err(|e| e.at(&file))?;
+        let functions = Functions { handle: &handle, file };
         // SAFETY: the types are those that FMI 2.0 gives the functions of these names.
         unsafe {
             if let Some(version) = functions.optional::<unsafe extern "C" fn() -> Text>(c"fmi2GetVersion") {
@@ -148,6 +142,18 @@ impl Library {
     }
 }
 
+/// The binary `identifier` for this machine in the FMU unpacked in `folder`: its name in the archive
+/// and its path.
+pub(in crate::fmi) fn find(folder: &Path, identifier: &str) -> Result<(String, PathBuf)> {
+    let binaries = folder.join("binaries");
+    let file = format!("{identifier}.{ENDING}");
+    PLATFORMS
+        .iter()
+        .map(|platform| (format!("binaries/{platform}/{file}"), binaries.join(platform).join(&file)))
+        .find(|(_, path)| path.is_file())
+        .ok_or_else(|| missing(&binaries, &file))
+}
+
 /// The error for an FMU without a binary for this machine.
 fn missing(binaries: &Path, file: &str) -> Error {
     let mut there: Vec<String> = fs::read_dir(binaries)
@@ -167,10 +173,10 @@ fn missing(binaries: &Path, file: &str) -> Error {
 }
 
 /// A library as the dynamic loader knows it.
-struct Handle(*mut c_void);
+pub(in crate::fmi) struct Handle(*mut c_void);
 
 impl Handle {
-    fn open(path: &Path) -> Result<Self> {
+    pub(in crate::fmi) fn open(path: &Path) -> Result<Self> {
         let path = CString::new(path.as_os_str().as_bytes())
             .map_err(|_| Error::fmu("the path of the binary holds a NUL character"))?;
         // SAFETY: the path ends with a zero. The initialisers of the library run: that is what
@@ -182,6 +188,24 @@ impl Handle {
             return Err(Error::fmu(format!("the binary cannot be loaded: {why}")));
         }
         Ok(Self(handle))
+    }
+}
+
+impl Handle {
+    /// The function called `name`, if there is one.
+    ///
+    /// # Safety
+    /// `F` is the type of the pointer to that function.
+    pub(in crate::fmi) unsafe fn function<F: Copy>(&self, name: &CStr) -> Option<F> {
+        // No other type has a meaning here: the copy below reads exactly one pointer.
+        const { assert!(size_of::<F>() == size_of::<*mut c_void>()) };
+        // SAFETY: the handle is open and the name ends with a zero.
+        let symbol = unsafe { libc::dlsym(self.0, name.as_ptr()) };
+        if symbol.is_null() {
+            return None;
+        }
+        // SAFETY: `F` is a function pointer (demanded of the caller), as large as `symbol`, not null.
+        Some(unsafe { std::mem::transmute_copy(&symbol) })
     }
 }
 
@@ -204,15 +228,8 @@ impl Functions<'_> {
     /// # Safety
     /// `F` is the type of the pointer to that function.
     unsafe fn optional<F: Copy>(&self, name: &CStr) -> Option<F> {
-        // No other type has a meaning here: the copy below reads exactly one pointer.
-        const { assert!(size_of::<F>() == size_of::<*mut c_void>()) };
-        // SAFETY: the handle is open and the name ends with a zero.
-        let symbol = unsafe { libc::dlsym(self.handle.0, name.as_ptr()) };
-        if symbol.is_null() {
-            return None;
-        }
-        // SAFETY: `F` is a function pointer (demanded of the caller), as large as `symbol`, not null.
-        Some(unsafe { std::mem::transmute_copy(&symbol) })
+        // SAFETY: demanded of the caller.
+        unsafe { self.handle.function(name) }
     }
 
     /// As [`optional`](Self::optional), but fails where there is no such function.

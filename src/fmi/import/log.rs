@@ -97,7 +97,7 @@ unsafe extern "C" fn log(
 ///
 /// # Safety
 /// `text` is null or ends with a zero.
-pub(super) unsafe fn text(text: Text) -> String {
+pub(in crate::fmi) unsafe fn text(text: Text) -> String {
     if text.is_null() {
         return String::new();
     }

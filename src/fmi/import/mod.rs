@@ -4,13 +4,13 @@
 //! instance of it. What comes in the archive is not trusted until the binary is loaded; whoever runs
 //! an FMU runs foreign code.
 
-mod archive;
+pub(super) mod archive;
 mod description;
 mod instance;
-mod library;
-mod log;
-mod slave;
-mod xml;
+pub(super) mod library;
+pub(super) mod log;
+pub(super) mod slave;
+pub(super) mod xml;
 
 pub use archive::{Archive, Limits, MAX_ENTRIES, MAX_UNPACKED};
 pub use description::{Capabilities, Description, Experiment, MAX_LENGTH};

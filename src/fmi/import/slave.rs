@@ -375,7 +375,7 @@ fn digest(payload: &[u8]) -> Uuid {
 }
 
 /// The URI of an absolute path, by RFC 3986.
-fn file_uri(path: &Path) -> String {
+pub(in crate::fmi) fn file_uri(path: &Path) -> String {
     let mut uri = String::from("file://");
     for &byte in path.as_os_str().as_bytes() {
         match byte {

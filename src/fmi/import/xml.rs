@@ -11,52 +11,104 @@ const MAX_DEPTH: usize = 64;
 
 /// Where something is: byte offset in the file.
 #[derive(Clone)]
-pub(super) struct Place {
+pub(in crate::fmi) struct Place {
     text: Rc<str>,
     offset: usize,
 }
 
 impl Place {
-    /// The error `what`, with line and column. Columns count characters from 1.
+    /// The error `what`, with line and column.
     pub(super) fn error(&self, what: &str) -> Error {
+        self.broken(what).into()
+    }
+
+    fn broken(&self, what: &str) -> Broken {
+        Broken { place: Some(self.clone()), what: what.to_owned() }
+    }
+
+    /// Line and column, both from 1, columns in characters; and the text of the line.
+    pub(in crate::fmi) fn position(&self) -> (usize, usize, &str) {
         let mut end = self.offset.min(self.text.len());
         while !self.text.is_char_boundary(end) {
             end -= 1;
         }
         let before = &self.text[..end];
-        let line = before.matches('\n').count() + 1;
-        let column = before.rsplit('\n').next().map_or(0, |l| l.chars().count()) + 1;
-        Error::fmu(format!("modelDescription.xml, line {line}, column {column}: {what}"))
+        let start = before.rfind('\n').map_or(0, |i| i + 1);
+        let line = self.text[start..].split('\n').next().unwrap_or_default();
+        (before.matches('\n').count() + 1, before[start..].chars().count() + 1, line.trim_end_matches('\r'))
     }
 }
 
+/// XML that cannot be read.
+pub(in crate::fmi) struct Broken {
+    /// Unknown for a file that is not even text.
+    pub(in crate::fmi) place: Option<Place>,
+    /// A sentence.
+    pub(in crate::fmi) what: String,
+}
+
+impl From<Broken> for Error {
+    fn from(broken: Broken) -> Self {
+        let what = broken.what;
+        match broken.place {
+            None => Error::fmu(format!("modelDescription.xml: {what}")),
+            Some(place) => {
+                let (line, column, _) = place.position();
+                Error::fmu(format!("modelDescription.xml, line {line}, column {column}: {what}"))
+            }
+        }
+    }
+}
+
+/// An attribute of a start tag.
+#[derive(Clone)]
+pub(in crate::fmi) struct Attribute {
+    pub(in crate::fmi) name: String,
+    pub(in crate::fmi) value: String,
+    pub(in crate::fmi) place: Place,
+}
+
 /// A start tag.
-pub(super) struct Element {
+#[derive(Clone)]
+pub(in crate::fmi) struct Element {
     name: String,
-    attributes: Vec<(String, String)>,
+    attributes: Vec<Attribute>,
     place: Place,
 }
 
 impl Element {
-    fn new(tag: &BytesStart<'_>, place: Place) -> Result<Self> {
+    fn new(tag: &BytesStart<'_>, place: Place) -> std::result::Result<Self, Broken> {
         let name = tag.name().0.to_owned();
         let mut attributes = Vec::new();
         for attribute in tag.attributes() {
-            let attribute = attribute.map_err(|e| place.error(&format!("<{name}>: {e}")))?;
+            let attribute = attribute.map_err(|e| place.broken(&format!("<{name}>: {e}")))?;
+            let key = attribute.key.0;
             let value = attribute
                 .normalized_value(XmlVersion::Explicit1_0)
-                .map_err(|e| place.error(&format!("<{name}>: attribute {}: {e}", attribute.key.0)))?;
-            attributes.push((attribute.key.0.to_owned(), value.into_owned()));
+                .map_err(|e| place.broken(&format!("<{name}>: attribute {key}: {e}")))?;
+            // The key is a part of the text; were it a copy, the place of the tag has to do.
+            let offset = (key.as_ptr() as usize).wrapping_sub(place.text.as_ptr() as usize);
+            let offset = if offset < place.text.len() { offset } else { place.offset };
+            attributes.push(Attribute {
+                name: key.to_owned(),
+                value: value.into_owned(),
+                place: Place { offset, ..place.clone() },
+            });
         }
         Ok(Self { name, attributes, place })
     }
 
-    pub(super) fn name(&self) -> &str {
+    pub(in crate::fmi) fn name(&self) -> &str {
         &self.name
     }
 
-    pub(super) fn place(&self) -> Place {
+    pub(in crate::fmi) fn place(&self) -> Place {
         self.place.clone()
+    }
+
+    /// In the order of the file.
+    pub(in crate::fmi) fn attributes(&self) -> &[Attribute] {
+        &self.attributes
     }
 
     /// The error `what` about this element.
@@ -69,8 +121,8 @@ impl Element {
     }
 
     /// An attribute.
-    pub(super) fn text(&self, attribute: &str) -> Option<&str> {
-        self.attributes.iter().find(|(name, _)| name == attribute).map(|(_, value)| value.as_str())
+    pub(in crate::fmi) fn text(&self, attribute: &str) -> Option<&str> {
+        self.attributes.iter().find(|a| a.name == attribute).map(|a| a.value.as_str())
     }
 
     /// An attribute that has to be there.
@@ -135,12 +187,13 @@ impl Element {
 ///
 /// Fails for XML that is not well-formed, for a DOCTYPE (entities that grow without bound come from
 /// there, and no FMU needs one), and with whatever `open` fails with.
-pub(super) fn read(bytes: &[u8], mut open: impl FnMut(&[String], &Element) -> Result<()>) -> Result<()> {
-    let text = std::str::from_utf8(bytes).map_err(|e| {
-        Error::fmu(format!(
-            "modelDescription.xml: byte {} is not UTF-8, which FMI demands",
-            e.valid_up_to() + 1
-        ))
+pub(in crate::fmi) fn read<E: From<Broken>>(
+    bytes: &[u8],
+    mut open: impl FnMut(&[String], &Element) -> std::result::Result<(), E>,
+) -> std::result::Result<(), E> {
+    let text = std::str::from_utf8(bytes).map_err(|e| Broken {
+        place: None,
+        what: format!("byte {} is not UTF-8, which FMI demands", e.valid_up_to() + 1),
     })?;
     let text: Rc<str> = text.trim_start_matches('\u{feff}').into();
     let place =
@@ -153,17 +206,18 @@ pub(super) fn read(bytes: &[u8], mut open: impl FnMut(&[String], &Element) -> Re
         let start = reader.buffer_position();
         let event = reader.read_event().map_err(|e| {
             let at = if reader.error_position() > 0 { reader.error_position() } else { start };
-            place(at).error(&format!("the XML is broken: {e}"))
+            place(at).broken(&format!("the XML is broken: {e}"))
         })?;
         match event {
             Event::Start(_) | Event::Empty(_) if ended => {
-                return Err(place(start).error("there is an element after the end of the document"));
+                return Err(place(start).broken("there is an element after the end of the document").into());
             }
             Event::Start(tag) => {
                 let element = Element::new(&tag, place(start))?;
                 open(&path, &element)?;
                 if path.len() == MAX_DEPTH {
-                    return Err(element.wrong(&format!("it is more than {MAX_DEPTH} elements deep")));
+                    let what = format!("<{}>: it is more than {MAX_DEPTH} elements deep", element.name);
+                    return Err(element.place.broken(&what).into());
                 }
                 path.push(element.name);
             }
@@ -176,11 +230,13 @@ pub(super) fn read(bytes: &[u8], mut open: impl FnMut(&[String], &Element) -> Re
                 ended = path.is_empty();
             }
             Event::DocType(_) => {
-                return Err(place(start).error("there is a DOCTYPE; for safety such files are not read"));
+                return Err(place(start)
+                    .broken("there is a DOCTYPE; for safety such files are not read")
+                    .into());
             }
             Event::Text(text) if path.is_empty() && !text.trim().is_empty() => {
                 let side = if ended { "after the end of" } else { "outside" };
-                return Err(place(start).error(&format!("there is text {side} the document")));
+                return Err(place(start).broken(&format!("there is text {side} the document")).into());
             }
             Event::Eof => break,
             _ => {}
@@ -188,7 +244,8 @@ pub(super) fn read(bytes: &[u8], mut open: impl FnMut(&[String], &Element) -> Re
     }
     match path.last() {
         Some(name) => {
-            Err(place(text.len() as u64).error(&format!("the file ends, but <{name}> is not closed")))
+            let what = format!("the file ends, but <{name}> is not closed");
+            Err(place(text.len() as u64).broken(&what).into())
         }
         None => Ok(()),
     }

@@ -1,0 +1,286 @@
+//! The process that runs foreign code: one case, then it ends. What it finds it writes at once, so that
+//! it is kept if the code crashes.
+
+use super::cases::{CASES, Lab};
+use super::finding::Level;
+use super::tree::Node;
+use super::unit::{self, CallNote, Functions, Maker, Message, Outcome, STALE, STRANGE};
+use crate::fmi::import::Description;
+use crate::fmi::import::library::{Handle, find};
+use crate::fmi::import::slave::file_uri;
+use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
+use std::fs::File;
+use std::io::Write;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// The file for the name of the current call.
+pub(super) const CALL: &str = "call";
+/// Where the code's standard output goes.
+pub(super) const STDOUT: &str = "stdout";
+/// Where the code's standard error goes.
+pub(super) const STDERR: &str = "stderr";
+
+/// A finding on its way to the parent process, which adds citation and place.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Found {
+    pub(super) rule: String,
+    pub(super) level: Level,
+    pub(super) what: String,
+    /// The variable that it is about.
+    pub(super) variable: Option<String>,
+    /// The attribute of CoSimulation that it is about.
+    pub(super) attribute: Option<String>,
+}
+
+/// A line from this process.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Line {
+    /// Something is wrong.
+    Found(Found),
+    /// Something could not be checked, or nothing else makes sense.
+    Stop(String),
+    /// The case is through.
+    Done,
+}
+
+/// Writes findings to the parent.
+pub(super) struct Reporter {
+    out: Mutex<File>,
+    told: Mutex<HashSet<String>>,
+}
+
+impl Reporter {
+    fn send(&self, line: &Line) {
+        let Ok(mut text) = serde_json::to_vec(line) else { return };
+        text.push(b'\n');
+        // If nobody listens any more, there is nobody to tell.
+        let _ = self.out.lock().unwrap_or_else(PoisonError::into_inner).write_all(&text);
+    }
+
+    /// Sends a finding, once.
+    pub(super) fn found(&self, found: Found) {
+        let new = self
+            .told
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .insert(format!("{} {}", found.rule, found.what));
+        if new {
+            self.send(&Line::Found(found));
+        }
+    }
+
+    pub(super) fn report(&self, level: Level, rule: &str, what: impl Into<String>) {
+        self.found(Found { rule: rule.into(), level, what: what.into(), variable: None, attribute: None });
+    }
+
+    pub(super) fn error(&self, rule: &str, what: impl Into<String>) {
+        self.report(Level::Error, rule, what);
+    }
+
+    pub(super) fn warning(&self, rule: &str, what: impl Into<String>) {
+        self.report(Level::Warning, rule, what);
+    }
+
+    /// Nothing can be checked after this.
+    pub(super) fn stop(&self, why: impl Into<String>) {
+        self.send(&Line::Stop(why.into()));
+    }
+}
+
+/// Runs the case called `name` on the FMU unpacked in `folder`; `work` is a folder for notes. Findings go
+/// to standard output as lines of JSON. This process should do nothing else.
+///
+/// # Errors
+/// A wrong name, or folders that [`check`](super::check) did not make.
+pub fn run_child(name: &str, folder: &Path, work: &Path, timeout: Duration) -> Result<()> {
+    let begin = Instant::now();
+    let case = CASES
+        .iter()
+        .find(|case| case.name == name)
+        .ok_or_else(|| Error::call(format!("there is no check {name:?}")))?;
+    let io = |e: std::io::Error| Error::file(format!("{}: {e}", work.display()));
+    unit::no_core_files();
+    let out = File::create(work.join(STDOUT)).map_err(io)?;
+    let err = File::create(work.join(STDERR)).map_err(io)?;
+    let xml = std::fs::read(folder.join("modelDescription.xml")).map_err(io)?;
+    let description = Description::parse(&xml)?;
+    let root = Node::parse(&xml).map_err(Error::from)?;
+    let note = CallNote::at(&work.join(CALL));
+    let results =
+        unit::redirect(1, &out).ok_or_else(|| Error::call("standard output cannot be redirected"))?;
+    unit::redirect(2, &err).ok_or_else(|| Error::call("standard error cannot be redirected"))?;
+    let reporter = Reporter { out: Mutex::new(results), told: Mutex::default() };
+
+    let resources = std::fs::canonicalize(folder).map_err(io)?.join("resources");
+    std::fs::create_dir_all(&resources).map_err(io)?;
+    let (file, path) = match find(folder, &description.model_identifier) {
+        Ok(found) => found,
+        Err(error) => {
+            reporter.stop(error.to_string());
+            return Ok(());
+        }
+    };
+    note.write("loading the library");
+    let handle = match Handle::open(&path) {
+        Ok(handle) => handle,
+        Err(error) => {
+            reporter.error("Z3", format!("{file}: {error}"));
+            reporter.stop(format!("{file} cannot be loaded"));
+            return Ok(());
+        }
+    };
+    // SAFETY: running foreign code by the names of FMI 2.0 is what this process is for; the handle is
+    // closed after the last call.
+    let functions = unsafe { Functions::find(&handle) };
+    let categories: Vec<String> = root
+        .child("LogCategories")
+        .map(|list| list.all("Category").filter_map(|c| c.text("name")).map(Into::into).collect())
+        .unwrap_or_default();
+    let asynchronous = description.capabilities.can_run_asynchronously;
+    let judge = |outcome: &Outcome<'_>| judge(outcome, &reporter, &categories, asynchronous);
+    let lab = Lab {
+        maker: Maker { functions, note: &note, judge: &judge },
+        note: &note,
+        description: &description,
+        reporter: &reporter,
+        resources: file_uri(&resources),
+        begin,
+        timeout,
+    };
+    (case.run)(&lab);
+    if STALE.load(Ordering::Relaxed) {
+        reporter.error(
+            "S4",
+            "the FMU calls back through the struct fmi2CallbackFunctions, which is only valid during fmi2Instantiate",
+        );
+    }
+    if STRANGE.load(Ordering::Relaxed) {
+        reporter.error("L4", "the logger was called with an environment that the master did not give");
+    }
+    note.write("closing the library");
+    drop(handle);
+    if case.name == "unload" && unit::is_loaded(&path) {
+        reporter
+            .warning("S11", format!("{file} stays loaded after its last instance is freed and it is closed"));
+    }
+    note.write("printing");
+    unit::flush_c_streams();
+    for (stream, name) in [(STDOUT, "standard output"), (STDERR, "standard error")] {
+        if let Ok(bytes) = std::fs::read(work.join(stream))
+            && !bytes.is_empty()
+        {
+            let text = String::from_utf8_lossy(&bytes);
+            let line: String = text.lines().next().unwrap_or_default().chars().take(60).collect();
+            reporter.warning("S8", format!("the FMU prints to {name}: {line:?}"));
+        }
+    }
+    note.write("the end of the process");
+    reporter.send(&Line::Done);
+    Ok(())
+}
+
+/// What every call has to keep to.
+fn judge(outcome: &Outcome<'_>, reporter: &Reporter, categories: &[String], asynchronous: bool) {
+    let call = outcome.call;
+    if !outcome.same_float_mode {
+        reporter.error("S8", format!("{call} leaves the floating-point control word changed"));
+    }
+    match outcome.status {
+        0..=4 => {}
+        5 if asynchronous => {}
+        5 => reporter.error("D6", format!("{call} returned fmi2Pending, though no step is asynchronous")),
+        other => reporter.error("D6", format!("{call} returned {other}, which is no fmi2Status")),
+    }
+    // The calls for statuses answer fmi2Discard where there is nothing to tell.
+    if (1..=4).contains(&outcome.status) && outcome.messages.is_empty() && !call.ends_with("Status") {
+        let status = super::cases::word(outcome.status);
+        reporter.error("L5", format!("{call} returned {status} without a message"));
+    }
+    for message in outcome.messages {
+        judge_message(call, message, reporter, categories);
+    }
+}
+
+fn judge_message(call: &str, message: &Message, reporter: &Reporter, categories: &[String]) {
+    match &message.category {
+        Some(category) if !categories.contains(category) => {
+            let what = if categories.is_empty() {
+                format!("{call} logs in the category {category:?}, but none is declared")
+            } else {
+                format!("{call} logs in the category {category:?}; declared are {}", categories.join(", "))
+            };
+            reporter.error("L1", what);
+        }
+        _ => {}
+    }
+    if message.name != super::cases::NAME && !message.name.trim().is_empty() {
+        if message.name.bytes().all(|b| b == b'~') {
+            reporter.error(
+                "S1",
+                format!("{call} uses the instance's name, which was freed after fmi2Instantiate"),
+            );
+        } else {
+            reporter.error(
+                "L4",
+                format!("{call} logs for {:?}, but the instance is {:?}", message.name, super::cases::NAME),
+            );
+        }
+    }
+    let shown: String = message.format.chars().take(60).collect();
+    if let Some(directive) = stray(&message.format) {
+        reporter.warning("L3", format!("the message {shown:?} has a stray {directive:?}"));
+    }
+    if message.format.ends_with('\n') {
+        reporter.warning("L3", format!("the message {shown:?} ends with a line break"));
+    }
+}
+
+/// The first percent sign that starts no directive of printf, or hash that starts no `#r12#`.
+fn stray(format: &str) -> Option<String> {
+    let plain = format.replace("%%", "").replace("##", "");
+    let mut rest = plain.as_str();
+    while let Some(at) = rest.find(['%', '#']) {
+        let (sign, tail) = (&rest[at..=at], &rest[at + 1..]);
+        let shown: String = rest[at..].chars().take(6).collect();
+        if sign == "#" {
+            let reference = tail.split_once('#').filter(|(inside, _)| {
+                let mut letters = inside.chars();
+                letters.next().is_some_and(|c| matches!(c, 'r' | 'i' | 'b' | 's'))
+                    && inside.len() > 1
+                    && letters.all(|c| c.is_ascii_digit())
+            });
+            let Some((_, tail)) = reference else { return Some(shown) };
+            rest = tail;
+            continue;
+        }
+        let tail =
+            tail.trim_start_matches(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+' | '.' | '*' | '#'));
+        let tail = tail.trim_start_matches(['h', 'l', 'L', 'z', 'j', 't']);
+        if !tail.starts_with(|c: char| "diouxXeEfFgGaAcspn".contains(c)) {
+            return Some(shown);
+        }
+        rest = &tail[1..];
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::stray;
+
+    #[test]
+    fn directives() {
+        for good in ["", "100 %% of ##1", "%s is %5.2f, %ld, %-8zu", "variable #r12# and #s3#"] {
+            assert_eq!(stray(good), None, "{good}");
+        }
+        for bad in ["100% sure", "50 %", "item #1", "# done", "#r#"] {
+            assert!(stray(bad).is_some(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,1071 @@
+//! The rules on modelDescription.xml that no schema expresses.
+
+use super::finding::{Finding, Place};
+use super::schema::{CAUSALITIES, INITIALS, VARIABILITIES};
+use super::tree::Node;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+
+/// A ScalarVariable with FMI's defaults filled in. Values that the schema does not know are left out:
+/// they have been found there.
+struct Variable<'a> {
+    node: &'a Node,
+    name: &'a str,
+    reference: Option<u32>,
+    causality: &'a str,
+    variability: &'a str,
+    /// As written.
+    initial: Option<&'a str>,
+    /// The element for the type.
+    kind: Option<&'a Node>,
+}
+
+impl<'a> Variable<'a> {
+    fn new(node: &'a Node) -> Self {
+        let word = |name: &str, words: &[&str], default: &'a str| match node.text(name) {
+            Some(value) if words.contains(&value) => value,
+            _ => default,
+        };
+        Self {
+            node,
+            name: node.text("name").unwrap_or("?"),
+            reference: number(node, "valueReference"),
+            causality: word("causality", CAUSALITIES, "local"),
+            variability: word("variability", VARIABILITIES, "continuous"),
+            initial: node.text("initial").filter(|i| INITIALS.contains(i)),
+            kind: node
+                .children
+                .iter()
+                .find(|c| matches!(c.name(), "Real" | "Integer" | "Boolean" | "String" | "Enumeration")),
+        }
+    }
+
+    fn base(&self) -> &str {
+        self.kind.map_or("", Node::name)
+    }
+
+    fn start(&self) -> Option<&'a str> {
+        self.kind.and_then(|k| k.text("start"))
+    }
+
+    /// The words for `initial` that the standard allows, the default first; none where it forbids the
+    /// attribute.
+    fn allowed_initials(&self) -> &'static [&'static str] {
+        match (self.causality, self.variability) {
+            ("input" | "independent", _) => &[],
+            ("parameter", _) | (_, "constant") => &["exact"],
+            ("calculatedParameter", _) | ("local", "fixed" | "tunable") => &["calculated", "approx"],
+            _ => &["calculated", "exact", "approx"],
+        }
+    }
+
+    /// How the variable starts, with the default.
+    fn initial(&self) -> Option<&'a str> {
+        let allowed = self.allowed_initials();
+        self.initial.filter(|i| allowed.contains(i)).or(allowed.first().copied())
+    }
+
+    fn place(&self) -> Option<Place> {
+        Some(Place::tag(&self.node.element))
+    }
+
+    fn at(&self, attribute: &str) -> Option<Place> {
+        at(self.node, attribute)
+    }
+
+    fn at_kind(&self, attribute: &str) -> Option<Place> {
+        self.kind.map_or_else(|| self.place(), |k| at(k, attribute))
+    }
+}
+
+fn at(node: &Node, attribute: &str) -> Option<Place> {
+    Some(Place::attribute(&node.element, attribute))
+}
+
+fn number<T: std::str::FromStr>(node: &Node, attribute: &str) -> Option<T> {
+    node.text(attribute).and_then(|t| t.trim().parse().ok())
+}
+
+fn flag(node: &Node, attribute: &str) -> bool {
+    matches!(node.text(attribute).map(str::trim), Some("true" | "1"))
+}
+
+/// Checks all rules.
+pub(super) fn check(root: &Node, findings: &mut Vec<Finding>) {
+    let list = |section: &str, element| -> Vec<&Node> {
+        root.child(section).map(|s| s.all(element).collect()).unwrap_or_default()
+    };
+    let variables: Vec<Variable> =
+        list("ModelVariables", "ScalarVariable").into_iter().map(Variable::new).collect();
+    let types = list("TypeDefinitions", "SimpleType");
+    let units = list("UnitDefinitions", "Unit");
+    check_head(root, findings);
+    check_experiment(root, findings);
+    check_names(root, &variables, &types, &units, findings);
+    check_types(&types, &units, findings);
+    let types: HashMap<&str, &Node> = types.iter().filter_map(|t| Some((t.text("name")?, *t))).collect();
+    let co_simulation_only = root.child("ModelExchange").is_none();
+    for variable in &variables {
+        check_variable(variable, co_simulation_only, findings);
+        check_kind(variable, &types, &units, findings);
+        check_derivative(variable, &variables, findings);
+    }
+    check_independent(&variables, findings);
+    check_aliases(&variables, findings);
+    if root.text("variableNamingConvention") == Some("structured") {
+        check_structured_names(&variables, findings);
+    }
+    check_structure(root, &variables, findings);
+}
+
+fn check_head(root: &Node, findings: &mut Vec<Finding>) {
+    match root.text("fmiVersion") {
+        Some("2.0") | None => {}
+        Some(other) => findings.push(Finding::error(
+            "X1",
+            at(root, "fmiVersion"),
+            format!("fmiVersion is {other:?}; \"2.0\" is written for all versions 2.0.x"),
+        )),
+    }
+    if root.text("guid").is_some_and(|guid| guid.trim().is_empty()) {
+        findings.push(Finding::error(
+            "X3",
+            at(root, "guid"),
+            "the guid is empty, so it tells no versions apart",
+        ));
+    }
+    let mut parts = 0;
+    for part in root.children.iter().filter(|c| matches!(c.name(), "ModelExchange" | "CoSimulation")) {
+        parts += 1;
+        if let Some(identifier) = part.text("modelIdentifier")
+            && !is_c_identifier(identifier)
+        {
+            findings.push(Finding::error(
+                "X2",
+                at(part, "modelIdentifier"),
+                format!("the modelIdentifier {identifier:?} is no C identifier"),
+            ));
+        }
+        if flag(part, "canSerializeFMUstate") && !flag(part, "canGetAndSetFMUstate") {
+            findings.push(Finding::error(
+                "M7",
+                at(part, "canSerializeFMUstate"),
+                "canSerializeFMUstate is true, but canGetAndSetFMUstate is not",
+            ));
+        }
+    }
+    if parts > 0 && root.child("CoSimulation").is_none() {
+        findings.push(Finding::warning(
+            "CS",
+            root.child("ModelExchange").map(|m| Place::tag(&m.element)),
+            "there is no <CoSimulation>, so only what can be seen without running the FMU is checked",
+        ));
+    }
+}
+
+fn is_c_identifier(text: &str) -> bool {
+    !text.is_empty()
+        && !text.starts_with(|c: char| c.is_ascii_digit())
+        && text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_')
+}
+
+fn check_experiment(root: &Node, findings: &mut Vec<Finding>) {
+    let Some(experiment) = root.child("DefaultExperiment") else { return };
+    let value = |name: &str| number::<f64>(experiment, name);
+    let start = value("startTime").unwrap_or(0.0);
+    if let Some(stop) = value("stopTime")
+        && stop <= start
+    {
+        let what = format!("stopTime = {stop} is not after startTime = {start}");
+        // A run of no length is possible, if of little use.
+        let level = if stop < start { super::Level::Error } else { super::Level::Warning };
+        findings.push(Finding::new(level, "X18", at(experiment, "stopTime"), what));
+    }
+    for name in ["stepSize", "tolerance"] {
+        if let Some(value) = value(name)
+            && value <= 0.0
+        {
+            let what = format!("{name} = {value} is not positive");
+            findings.push(Finding::error("X18", at(experiment, name), what));
+        }
+    }
+}
+
+/// Reports names that occur twice among `nodes`.
+fn check_unique<'a>(
+    rule: &str,
+    what: &str,
+    nodes: impl IntoIterator<Item = &'a Node>,
+    findings: &mut Vec<Finding>,
+) {
+    let mut seen = HashSet::new();
+    for node in nodes {
+        if let Some(name) = node.text("name")
+            && !seen.insert(name)
+        {
+            findings.push(Finding::error(
+                rule,
+                at(node, "name"),
+                format!("there is a second {what} {name:?}"),
+            ));
+        }
+    }
+}
+
+fn check_names(
+    root: &Node,
+    variables: &[Variable],
+    types: &[&Node],
+    units: &[&Node],
+    findings: &mut Vec<Finding>,
+) {
+    check_unique("X12", "variable", variables.iter().map(|v| v.node), findings);
+    check_unique("X12", "type", types.iter().copied(), findings);
+    check_unique("X12", "unit", units.iter().copied(), findings);
+    for unit in units {
+        let name = unit.text("name").unwrap_or("?");
+        check_unique("X12", &format!("display unit of {name:?}"), unit.all("DisplayUnit"), findings);
+    }
+    for (section, element, what, rule) in [
+        ("LogCategories", "Category", "log category", "L1"),
+        ("VendorAnnotations", "Tool", "vendor annotation of", "X12"),
+    ] {
+        if let Some(section) = root.child(section) {
+            check_unique(rule, what, section.all(element), findings);
+        }
+    }
+    for part in root.all("ModelExchange").chain(root.all("CoSimulation")) {
+        if let Some(files) = part.child("SourceFiles") {
+            check_unique("X12", "source file", files.all("File"), findings);
+        }
+    }
+    for variable in variables {
+        if let Some(annotations) = variable.node.child("Annotations") {
+            let what = format!("annotation of {:?} by", variable.name);
+            check_unique("X12", &what, annotations.all("Tool"), findings);
+        }
+    }
+    let names: HashSet<&str> = variables.iter().map(|v| v.name).collect();
+    for node in types {
+        if let Some(name) = node.text("name")
+            && names.contains(name)
+        {
+            findings.push(Finding::error(
+                "X12",
+                at(node, "name"),
+                format!("the type {name:?} has the name of a variable"),
+            ));
+        }
+    }
+}
+
+fn check_types(types: &[&Node], units: &[&Node], findings: &mut Vec<Finding>) {
+    for node in types {
+        let name = node.text("name").unwrap_or("?");
+        for kind in &node.children {
+            check_limits(&format!("the type {name:?}"), kind, None, findings);
+            check_units(&format!("the type {name:?}"), kind, None, units, findings);
+            if kind.name() != "Enumeration" {
+                continue;
+            }
+            check_unique("X13", &format!("item of {name:?} called"), kind.all("Item"), findings);
+            let mut values = HashSet::new();
+            for item in kind.all("Item") {
+                if let Some(value) = number::<i32>(item, "value")
+                    && !values.insert(value)
+                {
+                    let what = format!("two items of {name:?} have the value {value}");
+                    findings.push(Finding::error("X13", at(item, "value"), what));
+                }
+            }
+        }
+    }
+}
+
+/// A number of the element, or else of its declared type.
+fn inherited(kind: &Node, declared: Option<&Node>, name: &str) -> Option<f64> {
+    match kind.text(name) {
+        Some(text) => text.trim().parse().ok(),
+        None => declared.and_then(|d| number(d, name)),
+    }
+}
+
+fn check_limits(who: &str, kind: &Node, declared: Option<&Node>, findings: &mut Vec<Finding>) {
+    let min = inherited(kind, declared, "min");
+    let max = inherited(kind, declared, "max");
+    if let (Some(min), Some(max)) = (min, max)
+        && min > max
+    {
+        let attribute = if kind.text("max").is_some() { "max" } else { "min" };
+        let what = format!("{who}: min = {min} is greater than max = {max}");
+        findings.push(Finding::error("X17", at(kind, attribute), what));
+        return;
+    }
+    let Some(start) = number::<f64>(kind, "start") else { return };
+    if min.is_some_and(|min| start < min) || max.is_some_and(|max| start > max) {
+        let limit = |v: Option<f64>| v.map_or("none".to_owned(), |v| v.to_string());
+        let what =
+            format!("{who}: start = {start} is outside its limits: min {}, max {}", limit(min), limit(max));
+        findings.push(Finding::error("X17", at(kind, "start"), what));
+    }
+}
+
+fn check_units(
+    who: &str,
+    kind: &Node,
+    declared: Option<&Node>,
+    units: &[&Node],
+    findings: &mut Vec<Finding>,
+) {
+    let find = |name: &str| units.iter().find(|u| u.text("name") == Some(name));
+    let unit = kind.text("unit");
+    if let Some(unit) = unit
+        && find(unit).is_none()
+    {
+        let what = format!("{who}: UnitDefinitions has no unit {unit:?}");
+        findings.push(Finding::error("X12", at(kind, "unit"), what));
+        return;
+    }
+    let Some(display) = kind.text("displayUnit") else { return };
+    let what = match unit.or_else(|| declared.and_then(|d| d.text("unit"))) {
+        None => format!("{who}: there is a displayUnit, but no unit"),
+        Some(unit) => match find(unit) {
+            Some(node) if node.all("DisplayUnit").all(|d| d.text("name") != Some(display)) => {
+                format!("{who}: the unit {unit:?} has no DisplayUnit {display:?}")
+            }
+            _ => return,
+        },
+    };
+    findings.push(Finding::error("X12", at(kind, "displayUnit"), what));
+}
+
+fn check_variable(v: &Variable, co_simulation_only: bool, findings: &mut Vec<Finding>) {
+    let name = v.name;
+    let not_real = v.kind.is_some() && v.base() != "Real";
+    let allowed: &[&str] = match v.causality {
+        "parameter" | "calculatedParameter" => &["fixed", "tunable"],
+        "input" => &["discrete", "continuous"],
+        "output" => &["constant", "discrete", "continuous"],
+        "independent" => &["continuous"],
+        _ => VARIABILITIES,
+    };
+    let fits = allowed.contains(&v.variability);
+    if !fits {
+        let default = if v.node.text("variability").is_none() { " (the default)" } else { "" };
+        findings.push(Finding::error(
+            "X5",
+            v.at("variability"),
+            format!(
+                "{name:?} has the causality {} and the variability {}{default}; {} is allowed",
+                v.causality,
+                v.variability,
+                allowed.join(" or ")
+            ),
+        ));
+    } else if not_real && v.variability == "continuous" && v.causality != "independent" {
+        let default = if v.node.text("variability").is_none() { ", by default" } else { "" };
+        findings.push(Finding::error(
+            "X4",
+            v.at("variability"),
+            format!("{name:?} is {} and continuous{default}; only Real variables are continuous", v.base()),
+        ));
+    }
+    // What follows depends on both; one finding about a wrong combination is enough.
+    let initials = v.allowed_initials();
+    if fits
+        && let Some(initial) = v.initial
+        && !initials.contains(&initial)
+    {
+        let kind = format!("{} {}", v.variability, v.causality);
+        let what = match initials {
+            [] => format!("{name:?} is an {}, which has no attribute initial", v.causality),
+            words => {
+                format!("{name:?} is a {kind}; initial is {initial:?}, allowed is {}", words.join(" or "))
+            }
+        };
+        findings.push(Finding::error("X6", v.at("initial"), what));
+    } else if fits && v.kind.is_some() {
+        let needed = v.causality == "input" || matches!(v.initial(), Some("exact" | "approx"));
+        let who = match (v.causality, v.initial()) {
+            ("input" | "parameter", _) => format!("the {} {name:?}", v.causality),
+            (causality, Some(initial)) => format!("the {causality} {name:?}, whose initial is {initial},"),
+            (causality, None) => format!("the {causality} variable {name:?}"),
+        };
+        match v.start() {
+            None if needed => {
+                let place = v.kind.map(|k| Place::tag(&k.element));
+                findings.push(Finding::error("X7", place, format!("{who} has no start value")));
+            }
+            // An independent variable with a start breaks the rule on these.
+            Some(_) if !needed && v.causality != "independent" => {
+                findings.push(Finding::error(
+                    "X7",
+                    v.at_kind("start"),
+                    format!("{who} has a start value, which is forbidden"),
+                ));
+            }
+            _ => {}
+        }
+    }
+    if co_simulation_only {
+        let multiple = "canHandleMultipleSetPerTimeInstant";
+        if v.node.text(multiple).is_some() {
+            let what = format!("{name:?} has the attribute {multiple}, which is for model exchange");
+            findings.push(Finding::error("X15", v.at(multiple), what));
+        }
+        if v.kind.is_some_and(|k| k.text("reinit").is_some()) {
+            let what = format!("{name:?} has the attribute reinit, which is for model exchange");
+            findings.push(Finding::error("X15", v.at_kind("reinit"), what));
+        }
+    }
+}
+
+fn check_kind(v: &Variable, types: &HashMap<&str, &Node>, units: &[&Node], findings: &mut Vec<Finding>) {
+    let Some(kind) = v.kind else { return };
+    let mut declared = None;
+    if let Some(name) = kind.text("declaredType") {
+        let fault = match types.get(name) {
+            None => Some(format!(
+                "{:?} has the declaredType {name:?}, which TypeDefinitions does not have",
+                v.name
+            )),
+            Some(node) => {
+                declared = node.children.iter().find(|c| c.name() == kind.name());
+                let other = node.children.first().map_or("nothing", Node::name);
+                declared
+                    .is_none()
+                    .then(|| format!("{:?} is {}, its declaredType {name:?} is {other}", v.name, kind.name()))
+            }
+        };
+        if let Some(what) = fault {
+            findings.push(Finding::error("X17", v.at_kind("declaredType"), what));
+            return;
+        }
+    }
+    check_limits(&format!("{:?}", v.name), kind, declared, findings);
+    check_units(&format!("{:?}", v.name), kind, declared, units, findings);
+    if kind.name() == "Enumeration"
+        && let (Some(declared), Some(start)) = (declared, number::<i32>(kind, "start"))
+        && declared.all("Item").all(|item| number(item, "value") != Some(start))
+    {
+        let what = format!("{:?} starts with {start}, which is the value of no item of its type", v.name);
+        findings.push(Finding::error("X13", v.at_kind("start"), what));
+    }
+}
+
+fn check_derivative(v: &Variable, variables: &[Variable], findings: &mut Vec<Finding>) {
+    let Some(index) = v.kind.and_then(|k| number::<usize>(k, "derivative")) else { return };
+    let state = index.checked_sub(1).and_then(|i| variables.get(i));
+    let what = match state {
+        None => format!("{:?} is the derivative of variable {index}; there are {}", v.name, variables.len()),
+        Some(state) if state.base() != "Real" || state.variability != "continuous" => {
+            format!("{:?} is the derivative of {:?}, which is no continuous Real", v.name, state.name)
+        }
+        Some(state) if std::ptr::eq(state, v) => format!("{:?} is its own derivative", v.name),
+        Some(_) => return,
+    };
+    findings.push(Finding::error("X9", v.at_kind("derivative"), what));
+}
+
+fn check_independent(variables: &[Variable], findings: &mut Vec<Finding>) {
+    let mut independent = variables.iter().filter(|v| v.causality == "independent");
+    if let Some(v) = independent.next() {
+        if v.kind.is_some() && v.base() != "Real" {
+            let what = format!("the independent variable {:?} is {}, not Real", v.name, v.base());
+            findings.push(Finding::error("X8", v.place(), what));
+        }
+        if v.start().is_some() {
+            let what = format!("the independent variable {:?} has a start value", v.name);
+            findings.push(Finding::error("X8", v.at_kind("start"), what));
+        }
+    }
+    for v in independent {
+        let what = format!("{:?} is a second independent variable; one is allowed", v.name);
+        findings.push(Finding::error("X8", v.at("causality"), what));
+    }
+}
+
+fn check_aliases(variables: &[Variable], findings: &mut Vec<Finding>) {
+    let mut sets: BTreeMap<(&str, u32), Vec<&Variable>> = BTreeMap::new();
+    for v in variables {
+        // Enumerations are read and written with the functions for integers.
+        let base = if v.base() == "Enumeration" { "Integer" } else { v.base() };
+        if let Some(reference) = v.reference {
+            sets.entry((base, reference)).or_default().push(v);
+        }
+    }
+    for ((_, reference), set) in sets {
+        let mut report = |v: &Variable, what: String| {
+            findings.push(Finding::error("X14", v.at("valueReference"), what));
+        };
+        let settable: Vec<_> = set.iter().filter(|v| matches!(v.causality, "input" | "parameter")).collect();
+        if let [first, others @ ..] = settable.as_slice() {
+            for v in others {
+                let what = format!(
+                    "{:?} and {:?} can both be set and share the value reference {reference}",
+                    first.name, v.name
+                );
+                report(v, what);
+            }
+            if !others.is_empty() {
+                continue;
+            }
+        }
+        let constants = set.iter().filter(|v| v.variability == "constant").count();
+        if constants > 0 && constants < set.len() {
+            let names: Vec<_> = set.iter().map(|v| v.name).collect();
+            report(set[1], format!("{} share a value reference, but not all are constant", names.join(", ")));
+            continue;
+        }
+        let started: Vec<_> = set.iter().filter(|v| v.start().is_some()).collect();
+        if let [first, others @ ..] = started.as_slice() {
+            for v in others {
+                if constants == 0 {
+                    report(v, format!("{:?} and its alias {:?} both have a start value", v.name, first.name));
+                } else if v.start() != first.start() {
+                    report(v, format!("the constant {:?} and its alias {:?} differ", v.name, first.name));
+                }
+            }
+        }
+    }
+}
+
+/// The indices in a section of ModelStructure that point to variables, with their places.
+fn unknowns<'a>(
+    section: Option<&'a Node>,
+    count: usize,
+    findings: &mut Vec<Finding>,
+    rule: &str,
+) -> Vec<(usize, &'a Node)> {
+    let mut list: Vec<(usize, &Node)> = Vec::new();
+    let mut seen = HashSet::new();
+    let Some(section) = section else { return list };
+    for node in section.all("Unknown") {
+        let Some(index) = number::<usize>(node, "index") else { continue };
+        let what = if index == 0 || index > count {
+            format!("{} lists variable {index}; the variables are numbered 1 to {count}", section.name())
+        } else if !seen.insert(index) {
+            format!("{} lists variable {index} twice", section.name())
+        } else {
+            list.push((index, node));
+            continue;
+        };
+        findings.push(Finding::error(rule, at(node, "index"), what));
+    }
+    list
+}
+
+fn check_structure(root: &Node, variables: &[Variable], findings: &mut Vec<Finding>) {
+    let Some(structure) = root.child("ModelStructure") else { return };
+    let count = variables.len();
+    let named = |index: usize| format!("{index} ({:?})", variables[index - 1].name);
+
+    let outputs = unknowns(structure.child("Outputs"), count, findings, "X9");
+    for (index, node) in &outputs {
+        let v = &variables[index - 1];
+        if v.causality != "output" {
+            let what =
+                format!("Outputs lists variable {}, whose causality is {}", named(*index), v.causality);
+            findings.push(Finding::error("X9", at(node, "index"), what));
+        }
+    }
+    for (i, v) in variables.iter().enumerate() {
+        if v.causality == "output" && outputs.iter().all(|(index, _)| *index != i + 1) {
+            let what = format!("Outputs does not list the output {}", named(i + 1));
+            findings.push(Finding::error("X9", v.at("causality"), what));
+        }
+    }
+
+    let derivatives = unknowns(structure.child("Derivatives"), count, findings, "X9");
+    let mut states = BTreeSet::new();
+    for (index, node) in &derivatives {
+        let state: Option<usize> = variables[index - 1].kind.and_then(|k| number(k, "derivative"));
+        match state {
+            Some(state) if (1..=count).contains(&state) => states.extend([state, *index]),
+            _ => {
+                let what = format!("Derivatives lists variable {}, which is no derivative", named(*index));
+                findings.push(Finding::error("X9", at(node, "index"), what));
+            }
+        }
+    }
+
+    let uncertain = |index: usize| matches!(variables[index - 1].initial(), Some("approx" | "calculated"));
+    states.retain(|index| uncertain(*index));
+    // Where nothing uses the derivatives, co-simulation ignores them: their absence is no fault then.
+    let used = root.child("ModelExchange").is_some()
+        || root.child("CoSimulation").is_some_and(|c| flag(c, "providesDirectionalDerivative"));
+    let mut needed: BTreeSet<usize> = (1..=count)
+        .filter(|i| match variables[i - 1].causality {
+            "output" => uncertain(*i),
+            causality => causality == "calculatedParameter",
+        })
+        .collect();
+    let mut allowed = needed.clone();
+    allowed.extend(&states);
+    if used {
+        needed.extend(&states);
+    }
+    let section = structure.child("InitialUnknowns");
+    let listed = unknowns(section, count, findings, "X10");
+    for (index, node) in &listed {
+        if !allowed.contains(index) {
+            let v = &variables[index - 1];
+            let what = format!(
+                "InitialUnknowns lists variable {}, a {} {} that is {}: it is not unknown",
+                named(*index),
+                v.variability,
+                v.causality,
+                v.initial().unwrap_or("given")
+            );
+            findings.push(Finding::error("X10", at(node, "index"), what));
+        }
+    }
+    let missing: Vec<String> =
+        needed.iter().filter(|i| listed.iter().all(|(index, _)| index != *i)).map(|i| named(*i)).collect();
+    if !missing.is_empty() {
+        let place = Place::tag(&section.unwrap_or(structure).element);
+        let what = format!("InitialUnknowns does not list {}", missing.join(", "));
+        findings.push(Finding::error("X10", Some(place), what));
+    }
+    if let Some(pair) = listed.windows(2).find(|pair| pair[0].0 > pair[1].0) {
+        let what = format!(
+            "InitialUnknowns is not sorted: variable {} comes after {}",
+            named(pair[1].0),
+            named(pair[0].0)
+        );
+        findings.push(Finding::error("X10", at(pair[1].1, "index"), what));
+    }
+
+    for (section, list) in
+        [("Outputs", &outputs), ("Derivatives", &derivatives), ("InitialUnknowns", &listed)]
+    {
+        for (index, node) in list {
+            check_dependencies(section, *index, node, count, findings);
+        }
+    }
+}
+
+fn check_dependencies(section: &str, index: usize, node: &Node, count: usize, findings: &mut Vec<Finding>) {
+    let mut report = |attribute: &str, what: String| {
+        let what = format!("{section}, variable {index}: {what}");
+        findings.push(Finding::error("X11", at(node, attribute), what));
+    };
+    let dependencies: Option<Vec<usize>> = match node.text("dependencies") {
+        None => None,
+        Some(text) => match text.split_ascii_whitespace().map(str::parse).collect() {
+            Ok(list) => Some(list),
+            // The schema says so already.
+            Err(_) => return,
+        },
+    };
+    if let Some(list) = &dependencies {
+        if let Some(wrong) = list.iter().find(|i| **i == 0 || **i > count) {
+            report("dependencies", format!("it depends on variable {wrong}; there are 1 to {count}"));
+        }
+        if let Some(pair) = list.windows(2).find(|pair| pair[0] >= pair[1]) {
+            let what = format!("the dependencies are not sorted: {} comes after {}", pair[1], pair[0]);
+            report("dependencies", what);
+        }
+    }
+    let Some(kinds) = node.text("dependenciesKind") else { return };
+    let kinds: Vec<&str> = kinds.split_ascii_whitespace().collect();
+    match &dependencies {
+        None => report("dependenciesKind", "there are kinds of dependencies, but no dependencies".into()),
+        Some(list) if list.len() != kinds.len() => report(
+            "dependenciesKind",
+            format!("there are {} dependencies, but {} kinds of them", list.len(), kinds.len()),
+        ),
+        Some(_) => {}
+    }
+    if section == "InitialUnknowns"
+        && let Some(kind) = kinds.iter().find(|k| matches!(**k, "fixed" | "tunable" | "discrete"))
+    {
+        report("dependenciesKind", format!("the kind {kind:?} has no meaning in the initialization"));
+    }
+}
+
+/// A structured name, taken apart: the name with its indices left out, and the indices.
+struct Structured {
+    pattern: String,
+    indices: Vec<u64>,
+}
+
+/// Reads `name` or `der(name)` or `der(name,n)` by the grammar of structured names.
+fn structured(text: &str) -> Option<Structured> {
+    let (inner, order) = match text.strip_prefix("der(").and_then(|t| t.strip_suffix(')')) {
+        None => (text, ""),
+        Some(inner) => match inner.rsplit_once(',') {
+            // A comma may also stand between indices.
+            Some((name, order)) if !order.is_empty() && order.trim().bytes().all(|b| b.is_ascii_digit()) => {
+                (name, order)
+            }
+            _ => (inner, "1"),
+        },
+    };
+    let mut pattern = if order.is_empty() { String::new() } else { format!("der{}:", order.trim()) };
+    let mut indices = Vec::new();
+    let mut rest = inner;
+    loop {
+        if let Some(quoted) = rest.strip_prefix('\'') {
+            let mut escaped = false;
+            let end = quoted.find(|c| {
+                let end = c == '\'' && !escaped;
+                escaped = c == '\\' && !escaped;
+                end
+            })?;
+            if end == 0 {
+                return None;
+            }
+            pattern += &rest[..end + 2];
+            rest = &quoted[end + 1..];
+        } else {
+            let end = rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(rest.len());
+            if end == 0 || rest.starts_with(|c: char| c.is_ascii_digit()) {
+                return None;
+            }
+            pattern += &rest[..end];
+            rest = &rest[end..];
+        }
+        if let Some(list) = rest.strip_prefix('[') {
+            let (list, after) = list.split_once(']')?;
+            for index in list.split(',') {
+                indices.push(index.trim().parse().ok()?);
+            }
+            pattern += "[]";
+            rest = after;
+        }
+        match rest.strip_prefix('.') {
+            Some(after) => {
+                pattern.push('.');
+                rest = after;
+            }
+            None if rest.is_empty() => return Some(Structured { pattern, indices }),
+            None => return None,
+        }
+    }
+}
+
+fn check_structured_names(variables: &[Variable], findings: &mut Vec<Finding>) {
+    // Of each array: where its last element was seen, and its indices.
+    let mut arrays: HashMap<String, (usize, Vec<u64>)> = HashMap::new();
+    for (position, v) in variables.iter().enumerate() {
+        let Some(name) = structured(v.name) else {
+            let what = format!("{:?} is no structured name", v.name);
+            findings.push(Finding::error("X16", v.at("name"), what));
+            continue;
+        };
+        // Records in arrays may stand one record after the other: the grammar does not tell which is
+        // meant, so only arrays of plain variables are followed.
+        if name.indices.is_empty() || !name.pattern.ends_with("[]") || name.pattern.matches("[]").count() > 1
+        {
+            continue;
+        }
+        if let Some((last, indices)) = arrays.get(&name.pattern) {
+            let what = if *last + 1 != position {
+                Some(format!("{:?} does not stand beside the other elements of its array", v.name))
+            } else if *indices >= name.indices {
+                Some(format!("{:?} is not in order: the last index runs fastest", v.name))
+            } else {
+                None
+            };
+            if let Some(what) = what {
+                findings.push(Finding::error("X16", v.at("name"), what));
+            }
+        }
+        arrays.insert(name.pattern, (position, name.indices));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::finding::Level;
+    use super::super::static_findings;
+    use super::structured;
+
+    const GOOD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Hub" guid="{1}" generationDateAndTime="2026-01-31T12:00:00Z"
+    variableNamingConvention="structured">
+  <CoSimulation modelIdentifier="hub" canGetAndSetFMUstate="true" canSerializeFMUstate="true"
+      canHandleVariableCommunicationStepSize="true" maxOutputDerivativeOrder="1">
+    <SourceFiles><File name="a.c"/><File name="b.c"/></SourceFiles>
+  </CoSimulation>
+  <UnitDefinitions>
+    <Unit name="N"><BaseUnit kg="1" m="1" s="-2"/><DisplayUnit name="kN" factor="0.001"/><DisplayUnit name="MN" factor="1e-6"/></Unit>
+    <Unit name="m"><BaseUnit m="1"/></Unit>
+  </UnitDefinitions>
+  <TypeDefinitions>
+    <SimpleType name="Force"><Real unit="N" displayUnit="kN" min="-100" max="100"/></SimpleType>
+    <SimpleType name="Mode"><Enumeration><Item name="on" value="1"/><Item name="off" value="2"/></Enumeration></SimpleType>
+  </TypeDefinitions>
+  <LogCategories><Category name="logAll"/><Category name="logEvents"/></LogCategories>
+  <DefaultExperiment startTime="1" stopTime="2" stepSize="0.1" tolerance="1e-4"/>
+  <VendorAnnotations><Tool name="x"><Own thing="1"/></Tool><Tool name="y"/></VendorAnnotations>
+  <ModelVariables>
+    <ScalarVariable name="F" valueReference="0" causality="input"><Real declaredType="Force" start="0"/></ScalarVariable>
+    <ScalarVariable name="y" valueReference="1" causality="output"><Real unit="m"/></ScalarVariable>
+    <ScalarVariable name="z" valueReference="2" causality="output" initial="exact"><Real start="3" min="2"/></ScalarVariable>
+    <ScalarVariable name="p" valueReference="3" causality="parameter" variability="fixed"><Real start="1"/></ScalarVariable>
+    <ScalarVariable name="q" valueReference="4" causality="calculatedParameter" variability="fixed"><Real/></ScalarVariable>
+    <ScalarVariable name="m" valueReference="5" causality="parameter" variability="tunable"><Enumeration declaredType="Mode" start="2"/></ScalarVariable>
+    <ScalarVariable name="der(y)" valueReference="6"><Real derivative="2"/></ScalarVariable>
+    <ScalarVariable name="a.b[1]" valueReference="7"><Real/></ScalarVariable>
+    <ScalarVariable name="a.b[2]" valueReference="8"><Real/></ScalarVariable>
+    <ScalarVariable name="k" valueReference="9" variability="constant"><Integer start="7"/></ScalarVariable>
+    <ScalarVariable name="time" valueReference="10" causality="independent"><Real/></ScalarVariable>
+    <ScalarVariable name="on" valueReference="11" variability="discrete"><Boolean/><Annotations><Tool name="x"/></Annotations></ScalarVariable>
+    <ScalarVariable name="u" valueReference="12" causality="output" variability="discrete"><String/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure>
+    <Outputs><Unknown index="2"/><Unknown index="3" dependencies="1 4" dependenciesKind="dependent fixed"/><Unknown index="13"/></Outputs>
+    <Derivatives><Unknown index="7"/></Derivatives>
+    <InitialUnknowns><Unknown index="2" dependencies=""/><Unknown index="5"/><Unknown index="7"/><Unknown index="13"/></InitialUnknowns>
+  </ModelStructure>
+</fmiModelDescription>
+"#;
+
+    fn rules(text: &str) -> Vec<(&'static str, String)> {
+        static_findings(text.as_bytes()).into_iter().map(|f| (f.rule, f.as_text())).collect()
+    }
+
+    #[test]
+    fn a_valid_description_is_clean() {
+        assert_eq!(rules(GOOD), []);
+    }
+
+    /// Each row: the rule, what to replace in the valid description, by what.
+    const MUTATIONS: &[(&str, &str, &str)] = &[
+        ("XML", "</ModelStructure>", ""),
+        ("XML", "modelName=\"Hub\"", "modelName=\"Hub & rim\""),
+        ("XML", "modelName=\"Hub\"", "modelName=\"Hub\" modelName=\"Hub\""),
+        ("XSD", "modelName=\"Hub\"", ""),
+        ("XSD", "modelName=\"Hub\"", "modelName=\"Hub\" modelname=\"Hub\""),
+        ("XSD", "maxOutputDerivativeOrder=\"1\"", "maxOutputDerivativeOrder=\"-1\""),
+        ("XSD", "canGetAndSetFMUstate=\"true\"", "canGetAndSetFMUstate=\"true\" needsExecutionTool=\"no\""),
+        (
+            "XSD",
+            "canGetAndSetFMUstate=\"true\"",
+            "canGetAndSetFMUstate=\"true\" canRunAsynchronously=\"true\"",
+        ),
+        ("XSD", "stepSize=\"0.1\"", "stepSize=\"fast\""),
+        ("XSD", "stepSize=\"0.1\"", "stepSize=\"infinity\""),
+        ("XSD", "generationDateAndTime=\"2026-01-31T12:00:00Z\"", "generationDateAndTime=\"today\""),
+        ("XSD", "variableNamingConvention=\"structured\"", "variableNamingConvention=\"free\""),
+        ("XSD", "<Integer start=\"7\"/>", "<Integer start=\"7.5\"/>"),
+        ("XSD", "<Real derivative=\"2\"/>", "<Real derivative=\"2\"/><Real/>"),
+        ("XSD", "<Own thing=\"1\"/></Tool>", "</Tool><Own/>"),
+        ("XSD", "<File name=\"a.c\"/><File name=\"b.c\"/>", ""),
+        ("XSD", "name=\"k\" valueReference=\"9\"", "name=\"k\" valueReference=\"-9\""),
+        ("XSD", "name=\"k\" valueReference=\"9\"", "name=\"k\""),
+        ("XSD", "dependencies=\"1 4\"", "dependencies=\"1,4\""),
+        ("XSD", "dependenciesKind=\"dependent fixed\"", "dependenciesKind=\"dependent firm\""),
+        (
+            "XSD",
+            "<Boolean/><Annotations><Tool name=\"x\"/></Annotations>",
+            "<Annotations><Tool name=\"x\"/></Annotations><Boolean/>",
+        ),
+        ("XSD", "<Enumeration declaredType=\"Mode\" start=\"2\"/>", "<Enumeration start=\"2\"/>"),
+        ("D8", "stepSize=\"0.1\"", "stepSize=\"NaN\""),
+        ("D8", "<Real start=\"1\"/>", "<Real start=\"-INF\"/>"),
+        ("X1", "fmiVersion=\"2.0\"", "fmiVersion=\"2.0.5\""),
+        ("X1", "encoding=\"UTF-8\"", "encoding=\"ISO-8859-1\""),
+        ("X2", "modelIdentifier=\"hub\"", "modelIdentifier=\"my-hub\""),
+        ("X2", "modelIdentifier=\"hub\"", "modelIdentifier=\"2hub\""),
+        ("X3", "guid=\"{1}\"", "guid=\"\""),
+        (
+            "X4",
+            "name=\"on\" valueReference=\"11\" variability=\"discrete\"",
+            "name=\"on\" valueReference=\"11\"",
+        ),
+        (
+            "X4",
+            "causality=\"output\" variability=\"discrete\"",
+            "causality=\"output\" variability=\"continuous\"",
+        ),
+        ("X5", "causality=\"parameter\" variability=\"fixed\"", "causality=\"parameter\""),
+        (
+            "X5",
+            "causality=\"calculatedParameter\" variability=\"fixed\"",
+            "causality=\"calculatedParameter\" variability=\"discrete\"",
+        ),
+        ("X5", "causality=\"input\"", "causality=\"input\" variability=\"fixed\""),
+        ("X5", "causality=\"input\"", "causality=\"input\" variability=\"constant\""),
+        (
+            "X5",
+            "causality=\"output\" variability=\"discrete\"",
+            "causality=\"output\" variability=\"tunable\"",
+        ),
+        ("X5", "causality=\"independent\"", "causality=\"independent\" variability=\"discrete\""),
+        ("X6", "causality=\"input\"", "causality=\"input\" initial=\"exact\""),
+        (
+            "X6",
+            "causality=\"parameter\" variability=\"fixed\"",
+            "causality=\"parameter\" variability=\"fixed\" initial=\"calculated\"",
+        ),
+        ("X6", "causality=\"calculatedParameter\"", "causality=\"calculatedParameter\" initial=\"exact\""),
+        ("X6", "variability=\"constant\"", "variability=\"constant\" initial=\"approx\""),
+        ("X6", "causality=\"independent\"", "causality=\"independent\" initial=\"exact\""),
+        ("X7", "<Real start=\"1\"/>", "<Real/>"),
+        ("X7", "declaredType=\"Force\" start=\"0\"", "declaredType=\"Force\""),
+        ("X7", "<Real start=\"3\" min=\"2\"/>", "<Real min=\"2\"/>"),
+        ("X7", "<Integer start=\"7\"/>", "<Integer/>"),
+        ("X7", "<Real unit=\"m\"/>", "<Real unit=\"m\" start=\"0\"/>"),
+        ("X8", "causality=\"independent\"><Real/>", "causality=\"independent\"><Real start=\"0\"/>"),
+        ("X8", "causality=\"independent\"><Real/>", "causality=\"independent\"><Integer/>"),
+        (
+            "X8",
+            "name=\"a.b[2]\" valueReference=\"8\"",
+            "name=\"a.b[2]\" valueReference=\"8\" causality=\"independent\"",
+        ),
+        ("X9", "<Outputs><Unknown index=\"2\"/>", "<Outputs>"),
+        ("X9", "<Outputs><Unknown index=\"2\"/>", "<Outputs><Unknown index=\"2\"/><Unknown index=\"2\"/>"),
+        ("X9", "<Outputs><Unknown index=\"2\"/>", "<Outputs><Unknown index=\"2\"/><Unknown index=\"0\"/>"),
+        ("X9", "<Outputs><Unknown index=\"2\"/>", "<Outputs><Unknown index=\"1\"/><Unknown index=\"2\"/>"),
+        (
+            "X9",
+            "<Derivatives><Unknown index=\"7\"/>",
+            "<Derivatives><Unknown index=\"7\"/><Unknown index=\"8\"/>",
+        ),
+        ("X10", "<Unknown index=\"5\"/>", ""),
+        ("X10", "<Unknown index=\"5\"/>", "<Unknown index=\"3\"/><Unknown index=\"5\"/>"),
+        ("X10", "<Unknown index=\"5\"/>", "<Unknown index=\"5\"/><Unknown index=\"5\"/>"),
+        (
+            "X10",
+            "<Unknown index=\"5\"/><Unknown index=\"7\"/>",
+            "<Unknown index=\"7\"/><Unknown index=\"5\"/>",
+        ),
+        (
+            "X10",
+            "<InitialUnknowns><Unknown index=\"2\" dependencies=\"\"/><Unknown index=\"5\"/><Unknown index=\"7\"/><Unknown index=\"13\"/></InitialUnknowns>",
+            "",
+        ),
+        ("X11", "dependencies=\"1 4\"", "dependencies=\"4 1\""),
+        ("X11", "dependencies=\"1 4\"", "dependencies=\"1 44\""),
+        ("X11", "dependencies=\"1 4\"", ""),
+        ("X11", "dependenciesKind=\"dependent fixed\"", "dependenciesKind=\"dependent\""),
+        ("X11", "index=\"2\" dependencies=\"\"", "index=\"2\" dependencies=\"1\" dependenciesKind=\"fixed\""),
+        ("X12", "name=\"k\"", "name=\"p\""),
+        (
+            "X12",
+            "<SimpleType name=\"Mode\">",
+            "<SimpleType name=\"Force\"><Real/></SimpleType><SimpleType name=\"Mode\">",
+        ),
+        (
+            "X12",
+            "<SimpleType name=\"Mode\">",
+            "<SimpleType name=\"F\"><Real/></SimpleType><SimpleType name=\"Mode\">",
+        ),
+        ("X12", "<Unit name=\"m\">", "<Unit name=\"N\">"),
+        ("X12", "name=\"MN\"", "name=\"kN\""),
+        ("X12", "<Tool name=\"y\"/>", "<Tool name=\"x\"/>"),
+        ("X12", "name=\"b.c\"", "name=\"a.c\""),
+        ("X12", "<Real unit=\"m\"/>", "<Real unit=\"mile\"/>"),
+        ("X12", "<Real unit=\"m\"/>", "<Real unit=\"m\" displayUnit=\"kN\"/>"),
+        ("X12", "<Real start=\"1\"/>", "<Real start=\"1\" displayUnit=\"kN\"/>"),
+        ("X13", "name=\"off\" value=\"2\"", "name=\"on\" value=\"2\""),
+        (
+            "X13",
+            "<Enumeration declaredType=\"Mode\" start=\"2\"/>",
+            "<Enumeration declaredType=\"Mode\" start=\"3\"/>",
+        ),
+        ("X14", "name=\"p\" valueReference=\"3\"", "name=\"p\" valueReference=\"0\""),
+        ("X14", "name=\"z\" valueReference=\"2\"", "name=\"z\" valueReference=\"3\""),
+        ("X14", "name=\"k\" valueReference=\"9\"", "name=\"k\" valueReference=\"5\""),
+        ("X15", "<Real unit=\"m\"/>", "<Real unit=\"m\" reinit=\"false\"/>"),
+        ("X15", "causality=\"input\"", "causality=\"input\" canHandleMultipleSetPerTimeInstant=\"true\""),
+        ("X16", "name=\"k\"", "name=\"k one\""),
+        ("X16", "name=\"k\"", "name=\"k[1\""),
+        ("X16", "name=\"p\"", "name=\"a.b[0]\""),
+        ("X16", "name=\"a.b[2]\"", "name=\"a.b[0]\""),
+        ("X17", "declaredType=\"Force\"", "declaredType=\"Farce\""),
+        ("X17", "declaredType=\"Force\"", "declaredType=\"Mode\""),
+        ("X17", "min=\"-100\"", "min=\"200\""),
+        ("X17", "declaredType=\"Force\" start=\"0\"", "declaredType=\"Force\" start=\"200\""),
+        ("X17", "<Real start=\"3\" min=\"2\"/>", "<Real start=\"1\" min=\"2\"/>"),
+        ("X17", "declaredType=\"Force\" start=\"0\"", "declaredType=\"Force\" min=\"101\" start=\"0\""),
+        ("X18", "stopTime=\"2\"", "stopTime=\"0.5\""),
+        ("X18", "startTime=\"1\" stopTime=\"2\"", "stopTime=\"-1\""),
+        ("X18", "stepSize=\"0.1\"", "stepSize=\"0\""),
+        ("X18", "tolerance=\"1e-4\"", "tolerance=\"-1e-4\""),
+        ("M7", "canGetAndSetFMUstate=\"true\"", ""),
+        ("L1", "<Category name=\"logEvents\"/>", "<Category name=\"logAll\"/>"),
+    ];
+
+    #[test]
+    fn every_mutation_breaks_its_rule_and_no_other() {
+        for (rule, from, to) in MUTATIONS {
+            assert_eq!(GOOD.matches(from).count(), 1, "{from}");
+            let found = rules(&GOOD.replacen(from, to, 1));
+            let told: Vec<&str> = found.iter().map(|(_, text)| text.as_str()).collect();
+            assert!(!found.is_empty(), "{rule}: {from} -> {to}: nothing is found");
+            assert!(
+                found.iter().all(|(name, _)| name == rule),
+                "{rule}: {from} -> {to}:\n{}",
+                told.join("\n")
+            );
+            assert!(told[0].contains(" --> modelDescription.xml:") || *rule == "XML", "{}", told[0]);
+        }
+    }
+
+    #[test]
+    fn without_a_part_for_co_simulation() {
+        let start = GOOD.find("  <CoSimulation").unwrap();
+        let end = GOOD.find("  <UnitDefinitions").unwrap();
+        let found = rules(&format!("{}{}", &GOOD[..start], &GOOD[end..]));
+        assert_eq!(found.len(), 1);
+        assert!(
+            found[0].1.contains("error[XSD]: <fmiModelDescription> has no <ModelExchange> or <CoSimulation>")
+        );
+        let exchange = format!("{}<ModelExchange modelIdentifier=\"hub\"/>{}", &GOOD[..start], &GOOD[end..]);
+        let found = static_findings(exchange.as_bytes());
+        assert_eq!((found.len(), found[0].rule, found[0].level), (1, "CS", Level::Warning));
+    }
+
+    #[test]
+    fn order_of_the_sections() {
+        let start = GOOD.find("  <LogCategories").unwrap();
+        let end = GOOD.find("  <DefaultExperiment").unwrap();
+        let moved = GOOD
+            .replace(&GOOD[start..end], "")
+            .replace("  <UnitDefinitions", &format!("{}  <UnitDefinitions", &GOOD[start..end]));
+        let found = rules(&moved);
+        assert!(found.iter().all(|(rule, _)| *rule == "XSD") && !found.is_empty());
+        assert!(found[0].1.contains("it belongs before <LogCategories>"), "{}", found[0].1);
+    }
+
+    #[test]
+    fn all_findings_are_collected() {
+        let text = GOOD
+            .replace("stopTime=\"2\"", "stopTime=\"0\"")
+            .replace("<Unknown index=\"5\"/>", "")
+            .replace("unit=\"m\"", "unit=\"mile\"");
+        let found: Vec<_> = rules(&text).into_iter().map(|(rule, _)| rule).collect();
+        assert_eq!(found, ["X18", "X12", "X10"]);
+    }
+
+    #[test]
+    fn any_cut_is_survived() {
+        for end in (0..GOOD.trim_end().len()).step_by(7) {
+            assert!(!static_findings(&GOOD.as_bytes()[..end]).is_empty());
+        }
+    }
+
+    #[test]
+    fn grammar_of_structured_names() {
+        for good in [
+            "a",
+            "_a1",
+            "a.b",
+            "a[1]",
+            "a[1,2].b",
+            "der(a.b)",
+            "der(a[1,2])",
+            "der(a,2)",
+            "'x y'.z",
+            "'it\\'s'",
+        ] {
+            assert!(structured(good).is_some(), "{good}");
+        }
+        for bad in ["", "1a", "a.", ".a", "a[", "a[]", "a[x]", "a b", "der(a", "a-b", "''", "'a", "a[1]b"] {
+            assert!(structured(bad).is_none(), "{bad}");
+        }
+    }
+}
