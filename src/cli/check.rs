@@ -61,16 +61,16 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             "checks": report.checks,
             "notes": report.notes,
         })),
-    }
+    }?;
     Ok(if report.count(Level::Error) == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-fn print_text(args: &Args, report: &Report) {
+fn print_text(args: &Args, report: &Report) -> Result<()> {
     for finding in &report.findings {
-        print(&finding.as_text());
+        print(&finding.as_text())?;
     }
     for note in &report.notes {
-        print(&format!("note: {note}\n"));
+        print(&format!("note: {note}\n"))?;
     }
     let number = |count: usize, what: &str| match count {
         0 => format!("no {what}s"),
@@ -86,5 +86,5 @@ fn print_text(args: &Args, report: &Report) {
         args.fmu.display(),
         number(report.count(Level::Error), "error"),
         number(report.count(Level::Warning), "warning")
-    ));
+    ))
 }

@@ -18,7 +18,7 @@ const NOWHERE: u32 = 0xfffe_fffe;
 /// How much results may depend on the length of the steps, relative to the largest value.
 const PARTITION_TOLERANCE: f64 = 0.02;
 /// How much directional derivatives may differ from differences, relative to the larger one.
-const DERIVATIVE_TOLERANCE: f64 = 1e-4;
+const DERIVATIVE_TOLERANCE: f64 = 1e-6;
 /// Growth of the memory by more than this, in each half of many cycles, is a leak \[bytes\].
 const LEAK: u64 = 64 << 10;
 
@@ -1134,14 +1134,20 @@ fn directional(lab: &Lab<'_>) {
                 .map(|v| Some(unit.get_real(v.reference)).filter(|(s, _)| *s <= 1).map(|(_, y)| y))
                 .collect()
         };
-        let (Some(above), Some(below), Some(middle)) = (at(start + step), at(start - step), at(start)) else {
+        let mut slopes = |step: f64| -> Option<Vec<f64>> {
+            let (above, below) = (at(start + step)?, at(start - step)?);
+            Some(above.iter().zip(below).map(|(a, b)| (a - b) / (2.0 * step)).collect())
+        };
+        let (Some(wide), Some(narrow), Some(middle)) = (slopes(step), slopes(0.5 * step), at(start)) else {
             return;
         };
+        // Outputs that are small by symmetry are rounded like those that are not.
+        let largest = middle.iter().fold(1e-3, |most: f64, y| most.max(y.abs()));
         for (i, output) in outputs.iter().enumerate() {
             let (status, value) = unit.directional(output.reference, input.reference);
-            let difference = (above[i] - below[i]) / (2.0 * step);
-            // What rounding does to the difference.
-            let noise = 1e-12 * middle[i].abs().max(1e-3) / step;
+            let difference = (4.0 * narrow[i] - wide[i]) / 3.0;
+            // What curvature and rounding do to the difference.
+            let noise = (narrow[i] - wide[i]).abs() + 1e-12 * largest / step;
             let what = if status > 1 {
                 format!("d {:?} / d {:?} returned {}", output.name, input.name, word(status))
             } else if value.is_nan()
