@@ -106,9 +106,9 @@ mod tests {
     #[test]
     fn decodes_file_uris() {
         for (uri, path) in [
-            ("file:///tmp/a%20b/resources", "/tmp/a b/resources"),
-            ("file:/tmp/resources", "/tmp/resources"),
-            ("file://localhost/tmp/r%C3%A4der", "/tmp/räder"),
+            ("file:///srv/a%20b/resources", "/srv/a b/resources"),
+            ("file:/srv/resources", "/srv/resources"),
+            ("file://localhost/srv/r%C3%A4der", "/srv/räder"),
             ("file:///C:/fmu/resources", "C:/fmu/resources"),
             ("/plain/path", "/plain/path"),
         ] {

@@ -316,7 +316,7 @@ mod tests {
         for (forged, word) in [
             ("../../../evil.txt", "'..'"),
             ("resources/../../e", "'..'"),
-            ("/tmp/evil-latsch0", "absolute"),
+            ("/evil-latsch0", "absolute"),
             ("..\\..\\..\\evil.txt", "backslash"),
             ("C:/windows/evil.t", "drive letter"),
             ("resources/e\0.text", "NUL"),
@@ -332,7 +332,7 @@ mod tests {
             // Nothing appears beside the archive.
             assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
         }
-        assert!(!Path::new("/tmp/evil-latsch0").exists());
+        assert!(!Path::new("/evil-latsch0").exists());
     }
 
     #[test]

@@ -1,20 +1,20 @@
 //! [`Native`]: a [`Model`] as a [`Slave`], with the time grid, the inputs' courses and saved states.
 
+mod data;
+
+use self::data::{Data, Phase, feed, put};
 use super::slave::wrong_order;
 use super::{
     Access, Causality, Initial, Interface, Kind, Model, Settings, Slave, Snapshot, Value, Variability,
     VariableInfo, check_experiment, check_step,
 };
-use crate::{Error, Result, clone_in_place};
-use serde::{Deserialize, Serialize};
+use crate::{Error, Result};
 use uuid::Uuid;
 
 /// How far from a grid point, in steps, a communication point still counts as lying on it.
 const GRID_TOLERANCE: f64 = 1e-6;
 /// More grid steps than this in one communication step are taken for a mistake.
 const MAX_TICKS_PER_STEP: f64 = 1e9;
-/// Grid steps beyond this cannot be told apart in double precision.
-const MAX_POSITION: f64 = 9e15;
 
 /// A model that runs in this process.
 ///
@@ -30,70 +30,6 @@ pub struct Native<M: Model> {
     settings: Vec<(usize, Value)>,
     data: Data<M>,
 }
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-enum Phase {
-    /// Made; parameters can be set.
-    New,
-    /// Started; parameters and inputs can be set, outputs read.
-    Starting,
-    /// Ready to step.
-    Running,
-    /// A step failed; only restore and reset help.
-    Failed,
-}
-
-/// Everything that changes: what a snapshot holds.
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
-struct Data<M> {
-    clock: Clock,
-    signals: Vec<Signal>,
-    /// The state at the last grid point.
-    grid: M,
-    /// The state at the communication point, where `clock.off_grid`.
-    between: M,
-    /// The state one grid step before `grid`, for derivatives of outputs.
-    before: M,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Clock {
-    phase: Phase,
-    /// Something was set after the last `initialize`, or a parameter was tuned after the last step.
-    stale: bool,
-    start: f64,
-    stop: Option<f64>,
-    /// The last communication point.
-    time: f64,
-    /// Grid steps since the start.
-    ticks: u64,
-    step_size: f64,
-    /// Communication steps since the start.
-    steps: u64,
-    /// The communication point lies between grid points.
-    off_grid: bool,
-    /// The time of the state before.
-    time_before: f64,
-}
-
-/// The course of one input.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Signal {
-    variable: usize,
-    value: f64,
-    since: f64,
-    rate: Option<f64>,
-    /// The communication step before which the rate was set.
-    rate_set_in: u64,
-}
-
-impl Signal {
-    fn at(&self, time: f64) -> f64 {
-        self.value + self.rate.unwrap_or(0.0) * (time - self.since)
-    }
-}
-
-clone_in_place!(Data<M> { clock, signals, grid, between, before });
 
 impl<M: Model> Native<M> {
     /// The interface of the model with the start values of its variable table.
@@ -236,116 +172,6 @@ impl<M: Model> Native<M> {
         clock.time = target;
         clock.steps += 1;
         Ok(())
-    }
-}
-
-impl<M: Model> Data<M> {
-    fn new(settings: &[(usize, Value)]) -> Self {
-        let mut grid = M::default();
-        let mut signals = Vec::new();
-        for (index, row) in M::VARIABLES.iter().enumerate() {
-            let info = row.info(0);
-            let set = settings.iter().find(|(i, _)| *i == index).map(|(_, v)| v);
-            let Some(value) = set.or(info.start.as_ref()) else { continue };
-            put(&mut grid, index, value);
-            if let (Causality::Input, Value::Real(value)) = (info.causality, value) {
-                signals.push(Signal {
-                    variable: index,
-                    value: *value,
-                    since: 0.0,
-                    rate: None,
-                    rate_set_in: u64::MAX,
-                });
-            }
-        }
-        let clock = Clock {
-            phase: Phase::New,
-            stale: true,
-            start: 0.0,
-            stop: None,
-            time: 0.0,
-            ticks: 0,
-            step_size: 0.0,
-            steps: 0,
-            off_grid: false,
-            time_before: 0.0,
-        };
-        Self { clock, signals, between: grid.clone(), before: grid.clone(), grid }
-    }
-}
-
-impl<M: Model> Data<M> {
-    /// Whether a run can lead to this, as far as [`Native`] relies on it.
-    fn is_possible(&self, interface: &Interface) -> bool {
-        let Clock { phase, start, stop, time, ticks, step_size, steps, time_before, .. } = self.clock;
-        let times = [start, time, time_before].iter().all(|t| t.is_finite())
-            && stop.is_none_or(|s| s.is_finite() && s > start);
-        let position = (time - start) / step_size;
-        let clock = match phase {
-            Phase::New | Phase::Starting => ticks == 0 && steps == 0 && time == start,
-            // the step that failed moved the ticks but not the time
-            Phase::Failed => true,
-            Phase::Running => {
-                // not any step: one that is too small would make for too many
-                step_size == self.grid.step_size()
-                    && step_size > 0.0
-                    && position < MAX_POSITION
-                    && (position - ticks as f64).abs() <= 1.0 + 1e-12 * position
-                    && steps < u64::MAX / 2
-            }
-        };
-        let signals = self.signals.iter().all(|s| {
-            s.value.is_finite() && s.since.is_finite() && s.rate.is_none_or(|rate| rate.is_finite())
-        });
-        let variables = self.signals.iter().map(|s| s.variable);
-        let inputs = interface.with(Causality::Input).filter(|i| interface.variables[*i].kind == Kind::Real);
-        let parameters = interface.with(Causality::Parameter).all(|index| {
-            self.models()
-                .into_iter()
-                .all(|model| interface.variables[index].accept(&take(model, index)).is_ok())
-        });
-        // what is stale is initialized before it is stepped
-        let stale = self.clock.stale && phase != Phase::Running;
-        let models = stale || self.models().into_iter().all(|model| model.check().is_ok());
-        times && clock && models && signals && variables.eq(inputs) && parameters
-    }
-
-    fn models(&self) -> [&M; 3] {
-        [&self.grid, &self.between, &self.before]
-    }
-}
-
-/// The value of a variable.
-fn take<M: Model>(model: &M, index: usize) -> Value {
-    match M::VARIABLES[index].access() {
-        Access::Real(get, _) | Access::Rated(get, _) => Value::Real(get(model)),
-        Access::Integer(get, _) => Value::Integer(get(model)),
-        Access::Boolean(get, _) => Value::Boolean(get(model)),
-        Access::Text(get, _) => Value::Text(get(model).into()),
-    }
-}
-
-/// Writes a value that was accepted for the variable.
-fn put<M: Model>(model: &mut M, index: usize, value: &Value) {
-    match (M::VARIABLES[index].access(), value) {
-        (Access::Real(_, set), Value::Real(v)) => set(model, *v),
-        (Access::Rated(_, set), Value::Real(v)) => set(model, *v, None),
-        (Access::Integer(_, set), Value::Integer(v)) => set(model, *v),
-        (Access::Boolean(_, set), Value::Boolean(v)) => set(model, *v),
-        (Access::Text(_, set), Value::Text(v)) => set(model, v),
-        // `VariableInfo::accept` lets no other pair through.
-        _ => debug_assert!(false, "{} = {value:?}", M::VARIABLES[index].name()),
-    }
-}
-
-/// Writes the inputs' values at `time`.
-fn feed<M: Model>(model: &mut M, signals: &[Signal], time: f64) {
-    for signal in signals {
-        match M::VARIABLES[signal.variable].access() {
-            Access::Real(_, set) => set(model, signal.at(time)),
-            Access::Rated(_, set) => set(model, signal.at(time), signal.rate),
-            _ => {}
-        }
     }
 }
 

@@ -5,6 +5,9 @@
 //! an unbounded plane over which the wheel travels. All signs at this interface are those of
 //! ISO 8855; the source's slip angle (DIN 70000) has the opposite sign and is converted here, once.
 
+mod derivatives;
+
+use self::derivatives::Changes;
 use super::{Actuator, Command};
 use crate::model::{
     Access, Model, Variable, boolean_parameter, input, integer_parameter, local, output, parameter,
@@ -12,8 +15,8 @@ use crate::model::{
 };
 use crate::solver::{Dual, Real};
 use crate::tire::Motion;
-use crate::tire::ring_brush::{Contact, Parameters, State, Stationary, Tire, Vertical, coupling, stationary};
-use crate::{Error, Result, boolean, clone_in_place, integer, real};
+use crate::tire::ring_brush::{Parameters, State, Stationary, Tire, Vertical, stationary};
+use crate::{Result, boolean, clone_in_place, integer, real};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -88,7 +91,7 @@ impl Model for RingBrushFlatTrack {
     const DESCRIPTION: &'static str = "Ring-and-brush tire on a flat-track rig: commands of the rig in, force and moment on the rim in H axes out (ISO 8855 signs)";
     const STOP_TIME: f64 = 5.0;
     const DIRECTIONAL_DERIVATIVES: bool = true;
-    const DOCUMENTATION: &'static str = include_str!("flat_track.html");
+    const DOCUMENTATION: &'static str = include_str!("documentation.html");
     const VARIABLES: &'static [Variable<Self>] = &[
         // commands
         input("steer", "rad", command!(steer), 0.0, "Steer angle of the wheel about z; it turns wheel and path together, so it makes no slip angle").range(-2.0 * PI, 2.0 * PI),
@@ -398,86 +401,5 @@ impl RingBrushFlatTrack {
     /// None was found.
     pub fn stationary_at_load(&self, load: f64) -> Result<Stationary> {
         stationary(&self.tire, &self.rim, Vertical::Load(load))
-    }
-}
-
-/// Derivatives of the outputs along a change of the rim's motion.
-struct Changes {
-    force: Vector3<f64>,
-    moment: Vector3<f64>,
-    /// Of what is inside the tire; between steps it does not change.
-    inside: Option<Inside>,
-}
-
-struct Inside {
-    penetration: f64,
-    /// Lengths of the contact stripes: left, center, right.
-    lengths: [f64; 3],
-    patch_force: Vector3<f64>,
-}
-
-impl Changes {
-    /// Between steps: the belt stays, and the side wall answers at once.
-    fn side_wall(rig: &RingBrushFlatTrack, rim: &Motion<Dual<1>>) -> Self {
-        Self::measured(rig, rim, &rig.state.belt.constant(), None)
-    }
-
-    /// Before the first step: the whole stationary state moves along.
-    fn stationary(rig: &RingBrushFlatTrack, rim: &Motion<Dual<1>>) -> Result<Self> {
-        let stationary = stationary(&rig.tire, &rig.rim, Vertical::Height(rig.rim.position.z))?;
-        let moved = stationary.along(&rig.tire, rim).ok_or_else(|| {
-            Error::numeric("the stationary state has no derivative: its equations are singular here")
-        })?;
-        let mut belt = moved.belt;
-        belt.angles.y = rim.angles.y - moved.windup;
-        let contact = Contact::new(&rig.parameters, &belt);
-        let lengths = [0.0, 0.5, 1.0].map(|share| {
-            let i = rig.stripe(share);
-            let (y, radius) = (rig.tire.stripe_places()[i], rig.tire.stripe_radii()[i]);
-            contact.stripe_length(&rig.parameters, y, radius).gradient[0]
-        });
-        let inside = Inside {
-            penetration: contact.penetration.gradient[0],
-            lengths,
-            patch_force: moved.patch.force.map(|f| f.gradient[0]),
-        };
-        Ok(Self::measured(rig, rim, &belt, Some(inside)))
-    }
-
-    fn measured(
-        rig: &RingBrushFlatTrack,
-        rim: &Motion<Dual<1>>,
-        belt: &Motion<Dual<1>>,
-        inside: Option<Inside>,
-    ) -> Self {
-        let on_rim = coupling(&rig.parameters, rim, belt).on_rim;
-        let change = |v| to_heading(rim.angles.z, v).map(|x| x.gradient[0]);
-        Self { force: change(&on_rim.force), moment: change(&on_rim.moment), inside }
-    }
-
-    /// The derivative of the output called `name`.
-    fn of(&self, name: &str) -> Result<f64> {
-        let from_inside = |f: fn(&Inside) -> f64| Ok(self.inside.as_ref().map_or(0.0, f));
-        match name {
-            "force_x" => Ok(self.force.x),
-            "force_y" => Ok(self.force.y),
-            "force_z" => Ok(self.force.z),
-            "moment_x" => Ok(self.moment.x),
-            "moment_y" => Ok(self.moment.y),
-            "moment_z" => Ok(self.moment.z),
-            "belt_deflection" => from_inside(|i| i.penetration),
-            "contact_length_left" => from_inside(|i| i.lengths[0]),
-            "contact_length_center" => from_inside(|i| i.lengths[1]),
-            "contact_length_right" => from_inside(|i| i.lengths[2]),
-            "patch_force_x" => from_inside(|i| i.patch_force.x),
-            "patch_force_y" => from_inside(|i| i.patch_force.y),
-            "patch_force_z" => from_inside(|i| i.patch_force.z),
-            // they count from the start
-            "sliding_distance" | "wheel_angle" => Ok(0.0),
-            _ if self.inside.is_none() => Ok(0.0),
-            _ => Err(Error::call(format!(
-                "{name} has no derivative at the start: it is a sum over single bristles, which stick or slide"
-            ))),
-        }
     }
 }

@@ -1,0 +1,89 @@
+//! Exact derivatives of the flat track's outputs, with dual numbers through rig, tire and side wall.
+
+use super::{RingBrushFlatTrack, to_heading};
+use crate::solver::Dual;
+use crate::tire::Motion;
+use crate::tire::ring_brush::{Contact, Vertical, coupling, stationary};
+use crate::{Error, Result};
+use nalgebra::Vector3;
+
+/// Derivatives of the outputs along a change of the rim's motion.
+pub(super) struct Changes {
+    force: Vector3<f64>,
+    moment: Vector3<f64>,
+    /// Of what is inside the tire; between steps it does not change.
+    inside: Option<Inside>,
+}
+
+struct Inside {
+    penetration: f64,
+    /// Lengths of the contact stripes: left, center, right.
+    lengths: [f64; 3],
+    patch_force: Vector3<f64>,
+}
+
+impl Changes {
+    /// Between steps: the belt stays, and the side wall answers at once.
+    pub(super) fn side_wall(rig: &RingBrushFlatTrack, rim: &Motion<Dual<1>>) -> Self {
+        Self::measured(rig, rim, &rig.state.belt.constant(), None)
+    }
+
+    /// Before the first step: the whole stationary state moves along.
+    pub(super) fn stationary(rig: &RingBrushFlatTrack, rim: &Motion<Dual<1>>) -> Result<Self> {
+        let stationary = stationary(&rig.tire, &rig.rim, Vertical::Height(rig.rim.position.z))?;
+        let moved = stationary.along(&rig.tire, rim).ok_or_else(|| {
+            Error::numeric("the stationary state has no derivative: its equations are singular here")
+        })?;
+        let mut belt = moved.belt;
+        belt.angles.y = rim.angles.y - moved.windup;
+        let contact = Contact::new(&rig.parameters, &belt);
+        let lengths = [0.0, 0.5, 1.0].map(|share| {
+            let i = rig.stripe(share);
+            let (y, radius) = (rig.tire.stripe_places()[i], rig.tire.stripe_radii()[i]);
+            contact.stripe_length(&rig.parameters, y, radius).gradient[0]
+        });
+        let inside = Inside {
+            penetration: contact.penetration.gradient[0],
+            lengths,
+            patch_force: moved.patch.force.map(|f| f.gradient[0]),
+        };
+        Ok(Self::measured(rig, rim, &belt, Some(inside)))
+    }
+
+    fn measured(
+        rig: &RingBrushFlatTrack,
+        rim: &Motion<Dual<1>>,
+        belt: &Motion<Dual<1>>,
+        inside: Option<Inside>,
+    ) -> Self {
+        let on_rim = coupling(&rig.parameters, rim, belt).on_rim;
+        let change = |v| to_heading(rim.angles.z, v).map(|x| x.gradient[0]);
+        Self { force: change(&on_rim.force), moment: change(&on_rim.moment), inside }
+    }
+
+    /// The derivative of the output called `name`.
+    pub(super) fn of(&self, name: &str) -> Result<f64> {
+        let from_inside = |f: fn(&Inside) -> f64| Ok(self.inside.as_ref().map_or(0.0, f));
+        match name {
+            "force_x" => Ok(self.force.x),
+            "force_y" => Ok(self.force.y),
+            "force_z" => Ok(self.force.z),
+            "moment_x" => Ok(self.moment.x),
+            "moment_y" => Ok(self.moment.y),
+            "moment_z" => Ok(self.moment.z),
+            "belt_deflection" => from_inside(|i| i.penetration),
+            "contact_length_left" => from_inside(|i| i.lengths[0]),
+            "contact_length_center" => from_inside(|i| i.lengths[1]),
+            "contact_length_right" => from_inside(|i| i.lengths[2]),
+            "patch_force_x" => from_inside(|i| i.patch_force.x),
+            "patch_force_y" => from_inside(|i| i.patch_force.y),
+            "patch_force_z" => from_inside(|i| i.patch_force.z),
+            // they count from the start
+            "sliding_distance" | "wheel_angle" => Ok(0.0),
+            _ if self.inside.is_none() => Ok(0.0),
+            _ => Err(Error::call(format!(
+                "{name} has no derivative at the start: it is a sum over single bristles, which stick or slide"
+            ))),
+        }
+    }
+}
