@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub struct Args {
     /// Name of the model (see `latsch models`)
     model: String,
-    /// Values of parameters and start values of inputs: TOML with [parameters] and [inputs], SI units
+    /// Values of parameters and start values of inputs: TOML with [parameters] and [inputs], in SI units or as "170 N/mm"
     #[arg(long, value_name = "F.toml")]
     parameters: Option<PathBuf>,
     /// The FMU to write [default: MODEL.fmu]

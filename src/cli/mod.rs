@@ -14,7 +14,7 @@ use std::process::ExitCode;
 
 /// Physical tire and rig models as FMI 2.0 co-simulation units
 ///
-/// Exit codes: 0 done, 1 the answer is no (a model left its validity), 2 the call or a file is wrong.
+/// Exit codes: 0 done, 1 the answer is no (a model left its validity, an FMU breaks a rule), 2 the call or a file is wrong.
 #[derive(Parser)]
 #[command(name = "latsch", version, propagate_version = true)]
 struct Cli {

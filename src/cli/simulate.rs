@@ -33,7 +33,7 @@ pub struct Args {
     /// Value of a parameter, or of an input for the whole run; `path_speed="90 km/h"` is converted
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
-    /// Parameters and inputs of a shipped model: TOML with [parameters] and [inputs], SI units
+    /// Parameters and inputs of a shipped model: TOML with [parameters] and [inputs], in SI units or as "170 N/mm"
     #[arg(long, value_name = "F.toml")]
     parameters: Option<PathBuf>,
     /// Start time [s] [default: the first recorded time]
