@@ -102,12 +102,12 @@ fn main() {
         );
     }
 
-    let library = ModelLibrary::shipped();
-    let Ok(library) = library else {
-        println!(
-            "\nno library beside this program: the FMU is not measured (cargo build --release makes it)"
-        );
-        return;
+    let library = match ModelLibrary::shipped() {
+        Ok(library) => library,
+        Err(error) => {
+            println!("\nthe FMU is not measured: {error}");
+            return;
+        }
     };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("flat-track.fmu");
