@@ -279,27 +279,7 @@ footer { margin-top: 3rem; padding-top: .6rem; border-top: 1px solid #d5dade; fo
 @media print {
   @page { margin: 15mm; }
   body { padding: 0; max-width: none; font-size: 10pt; }
-  nav, h3 { margin: 1.6rem 0 .5rem; font-size: 1rem; font-weight: 650; break-after: avoid; }
-code { font: .92em ui-monospace, 'SF Mono', Menlo, Consolas, 'DejaVu Sans Mono', monospace; }
-td code { white-space: nowrap; }
-ul { padding-left: 1.2rem; max-width: 48rem; }
-li { margin: .25rem 0; }
-dl.eq { margin: .6rem 0; padding: .5rem .9rem; background: #f7f8fa; border-radius: 6px; overflow-x: auto; break-inside: avoid; }
-dl.eq > div { display: flex; justify-content: space-between; align-items: center; gap: 2rem; min-height: 2.1rem; }
-dl.eq dt, dl.eq dd { margin: 0; white-space: nowrap; }
-dl.eq dd { color: #5b6770; font-size: .87rem; }
-math { font-size: 1.06em; }
-math[display=block] { margin: .25rem 0; text-align: left; }
-math .matrix { margin: 0 .2em; padding: 0 .1em; border: solid; border-width: 0 1.5px; border-radius: .6em; }
-math .cases { margin-left: .2em; border-left: 1.5px solid; border-radius: .6em; }
-math .cases mtd { text-align: left; }
-math mrow.matrix { padding: 0 .25em; }
-math mover > mo { font-size: 1.25em; }
-math mfrac > * { padding: .12em .1em; }
-.range { white-space: nowrap; }
-.wide .text { white-space: normal; }
-.changed { background: #fff6dc; }
-.patch input { display: none; }
+  nav, .patch input { display: none; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 ";
@@ -309,6 +289,17 @@ mod tests {
     use super::*;
 
     const ATTACK: &str = "<script>alert('x')</script>\"&";
+
+    #[test]
+    fn the_stylesheet_says_everything_once() {
+        let mut seen = std::collections::BTreeSet::new();
+        for rule in STYLE.lines().map(str::trim).filter(|line| line.contains(": ")) {
+            assert!(seen.insert(rule), "twice: {rule}");
+        }
+        let (_, print) = STYLE.split_once("@media print").unwrap();
+        assert!(print.contains("nav, .patch input { display: none; }"), "paper has no links and sliders");
+        assert_eq!(STYLE.matches('{').count(), STYLE.matches('}').count());
+    }
 
     #[test]
     fn text_stays_text_everywhere() {

@@ -277,13 +277,13 @@ pub const RULES: &[Rule] = &[
         name: "M2",
         title: "nothing is read before initialization",
         citation: "FMI 2.0.5, 4.2.4",
-        help: "return fmi2Error from fmi2GetXXX before fmi2EnterInitializationMode",
+        help: "return fmi2Error from the fmi2Get functions before fmi2EnterInitializationMode",
     },
     Rule {
         name: "M3",
         title: "only inputs and tunable parameters are set between steps",
         citation: "FMI 2.0.5, 4.2.4",
-        help: "return fmi2Error from fmi2SetXXX for fixed parameters, outputs and local variables",
+        help: "return fmi2Error from the fmi2Set functions for fixed parameters, outputs and local variables",
     },
     Rule {
         name: "M5",
