@@ -18,6 +18,7 @@ pub mod recording;
 #[cfg(feature = "host")]
 pub mod report;
 pub mod rig;
+pub mod road;
 pub mod shipped;
 #[cfg(feature = "host")]
 pub mod simulate;

@@ -1,0 +1,158 @@
+//! Profiles of straight pieces with vertical edges, filtered.
+
+use crate::clone_in_place;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Straight pieces between kinks; level before the first kink and behind the last. Repeated or not.
+#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct Polyline {
+    /// Place of the first kink \[m\].
+    origin: f64,
+    /// Height before it \[m\].
+    rest: f64,
+    kinks: Vec<Kink>,
+    /// Distance of the copies \[m\], which begin and end at the height `rest`.
+    period: Option<f64>,
+}
+
+/// A place where height or slope change.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+struct Kink {
+    /// Distance from the first kink \[m\].
+    at: f64,
+    /// Height and slope behind it.
+    height: f64,
+    slope: f64,
+    /// How they change there.
+    jump: f64,
+    bend: f64,
+    /// Cosine and sine of pi at / L: differences of phases then need no elementary functions.
+    cos: f64,
+    sin: f64,
+}
+
+clone_in_place!(Polyline { origin, rest, kinks, period });
+
+impl Polyline {
+    /// The polyline through points (x counted from `start`, z) \[m\], x never decreasing, for a filter of
+    /// length `length`.
+    pub(super) fn new(start: f64, points: &[[f64; 2]], period: Option<f64>, length: f64) -> Self {
+        let Some(&[first, rest]) = points.first() else { return Self::default() };
+        let mut kinks: Vec<Kink> = Vec::new();
+        let (mut height_before, mut slope_before) = (rest, 0.0);
+        for (i, &[x, z]) in points.iter().enumerate() {
+            let slope = match points.get(i + 1) {
+                Some(next) if next[0] == x => continue, // the next point is the upper end of an edge
+                Some(next) => (next[1] - z) / (next[0] - x),
+                None => 0.0,
+            };
+            let (sin, cos) = libm::sincos(PI * (x - first) / length);
+            let (jump, bend) = (z - height_before, slope - slope_before);
+            if jump != 0.0 || bend != 0.0 {
+                kinks.push(Kink { at: x - first, height: z, slope, jump, bend, cos, sin });
+            }
+            slope_before = slope;
+            height_before = points.get(i + 1).map_or(z, |next| next[1]);
+        }
+        Self { origin: start + first, rest, kinks, period }
+    }
+
+    /// Filtered height, slope and curvature at `s`.
+    pub(super) fn at(&self, s: f64, length: f64) -> [f64; 3] {
+        if self.kinks.is_empty() {
+            return [self.rest, 0.0, 0.0];
+        }
+        // The piece where the kernel begins, continued, and what the kinks within the kernel change.
+        let begin = s - self.origin - length;
+        let first = self.copy(begin);
+        let (passed, height, slope) = self.piece(first, begin);
+        let (mut w, mut slope, mut curvature) = (height + slope * length, slope, 0.0);
+        for n in first..=self.copy(begin + 2.0 * length) {
+            let u = begin - self.shift(n) + length;
+            let phase = libm::sincos(PI * u / length);
+            let kinks = if n == first { &self.kinks[passed..] } else { &self.kinks };
+            for kink in kinks.iter().take_while(|k| k.at < u + length) {
+                let response = Response::new(kink, u, phase, length);
+                w += kink.jump * response.step + kink.bend * response.ramp;
+                slope += kink.jump * response.kernel + kink.bend * response.step;
+                curvature += kink.jump * response.kernel_slope + kink.bend * response.kernel;
+            }
+        }
+        [w, slope, curvature]
+    }
+
+    /// Height at `s`, not filtered.
+    pub(super) fn raw(&self, s: f64) -> f64 {
+        let t = s - self.origin;
+        self.piece(self.copy(t), t).1
+    }
+
+    /// Kinks of copy `n` up to `t`, height and slope at `t`.
+    fn piece(&self, n: u64, t: f64) -> (usize, f64, f64) {
+        let u = t - self.shift(n);
+        match self.kinks.partition_point(|k| k.at <= u) {
+            0 => (0, self.rest, 0.0),
+            passed => {
+                let Kink { at, height, slope, .. } = self.kinks[passed - 1];
+                (passed, height + slope * (u - at), slope)
+            }
+        }
+    }
+
+    /// Number of the copy at `t`: the first from minus infinity on.
+    fn copy(&self, t: f64) -> u64 {
+        // saturates for negative numbers
+        self.period.map_or(0, |period| (t / period).floor() as u64)
+    }
+
+    /// Where copy `n` begins.
+    fn shift(&self, n: u64) -> f64 {
+        self.period.map_or(0.0, |period| n as f64 * period)
+    }
+
+    /// True if [`new`](Self::new) can have made it.
+    pub(super) fn is_whole(&self, length: f64) -> bool {
+        let finite = |k: &Kink| {
+            [k.at, k.height, k.slope, k.jump, k.bend, k.cos, k.sin].iter().all(|value| value.is_finite())
+        };
+        let extent = self.kinks.last().map_or(0.0, |k| k.at);
+        self.origin.is_finite()
+            && self.rest.is_finite()
+            && self.kinks.iter().all(finite)
+            && self.kinks.windows(2).all(|pair| pair[0].at < pair[1].at)
+            && self.period.is_none_or(|p| p.is_finite() && p >= extent && p >= shortest_period(length))
+    }
+}
+
+/// Copies closer than this \[m\] to each other make an evaluation long and are no road.
+pub(super) fn shortest_period(length: f64) -> f64 {
+    length / 100.0
+}
+
+/// What the filter makes of a unit step and a unit change of slope, u - kink.at behind them.
+struct Response {
+    /// Integral of `step` \[m\].
+    ramp: f64,
+    /// Integral of `kernel`.
+    step: f64,
+    /// K \[1/m\].
+    kernel: f64,
+    /// dK/du \[1/m²\].
+    kernel_slope: f64,
+}
+
+impl Response {
+    #[inline]
+    fn new(kink: &Kink, u: f64, (sin_u, cos_u): (f64, f64), length: f64) -> Self {
+        let v = (u - kink.at) / length;
+        let sin = sin_u * kink.cos - cos_u * kink.sin;
+        let cos = cos_u * kink.cos + sin_u * kink.sin;
+        Self {
+            ramp: length * (0.25 * (1.0 + v) * (1.0 + v) - 0.5 * (1.0 + cos) / (PI * PI)),
+            step: 0.5 * (1.0 + v + sin / PI),
+            kernel: 0.5 * (1.0 + cos) / length,
+            kernel_slope: -0.5 * PI * sin / (length * length),
+        }
+    }
+}
