@@ -1,0 +1,363 @@
+//! Roads against quadrature of the filter's definition, closed forms, limits and conservation.
+
+use latsch::road::{Road, RoadParameters, Surface};
+use proptest::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+const L: f64 = 0.08;
+
+/// A road of a kind, with the filter of length L, that begins at 5 m.
+fn parameters(kind: i32) -> RoadParameters {
+    RoadParameters { kind, filter_length: L, ..RoadParameters::default() }
+}
+
+fn road(p: &RoadParameters) -> Road {
+    let road = Road::new(p).unwrap();
+    road.check().unwrap();
+    road
+}
+
+/// Integral of K(u) z(s - u) du by Gauss-Legendre quadrature between the places where z is not smooth.
+fn filtered(z: impl Fn(f64) -> f64, breaks: &[f64], s: f64) -> f64 {
+    let mut edges: Vec<f64> = breaks.iter().copied().filter(|b| (b - s).abs() < L).collect();
+    edges.extend([s - L, s + L]);
+    edges.sort_by(f64::total_cmp);
+    let nodes = [
+        (0.0, 0.568_888_888_888_888_9),
+        (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+        (0.906_179_845_938_664, 0.236_926_885_056_189_1),
+    ];
+    let mut sum = 0.0;
+    for pair in edges.windows(2) {
+        let width = (pair[1] - pair[0]) / 16.0;
+        for i in 0..16 {
+            let middle = pair[0] + (f64::from(i) + 0.5) * width;
+            for (node, weight) in nodes {
+                for side in if node == 0.0 { vec![0.0] } else { vec![-node, node] } {
+                    let r = middle + 0.5 * side * width;
+                    sum += 0.5 * width * weight * z(r) * (1.0 + (PI * (s - r) / L).cos()) / (2.0 * L);
+                }
+            }
+        }
+    }
+    sum
+}
+
+/// Compares a road with its profile, the quadrature of that, and derivatives with differences.
+#[track_caller]
+fn compare(p: &RoadParameters, z: impl Fn(f64) -> f64, breaks: &[f64], places: std::ops::Range<f64>) {
+    let road = road(p);
+    let (sin, cos) = p.direction.sin_cos();
+    for i in 0..400 {
+        let s = places.start + (f64::from(i) + 0.37) / 400.0 * (places.end - places.start);
+        assert!((road.raw_height(s) - z(s)).abs() < 1e-11, "profile at {s}");
+        // somewhere across the road
+        let (x, y) = (s * cos - 0.7 * sin, s * sin + 0.7 * cos);
+        let here = road.at(x, y);
+        let expected = filtered(&z, breaks, s);
+        assert!((here.height - expected).abs() < 1e-11, "kind {} at {s}: {} {expected}", p.kind, here.height);
+        let step = 1e-7;
+        let difference = |f: &dyn Fn(Surface) -> f64, dx: f64, dy: f64| {
+            (f(road.at(x + dx, y + dy)) - f(road.at(x - dx, y - dy))) / (2.0 * step)
+        };
+        let pairs = [
+            (here.slope[0], difference(&|at| at.height, step, 0.0)),
+            (here.slope[1], difference(&|at| at.height, 0.0, step)),
+            (L * here.curvature[0], L * difference(&|at| at.slope[0], step, 0.0)),
+            (L * here.curvature[1], L * difference(&|at| at.slope[0], 0.0, step)),
+            (L * here.curvature[2], L * difference(&|at| at.slope[1], 0.0, step)),
+        ];
+        for (j, (exact, difference)) in pairs.into_iter().enumerate() {
+            assert!((exact - difference).abs() < 2e-6, "derivative {j} at {s}: {exact} {difference}");
+        }
+    }
+}
+
+#[test]
+fn steps_and_ramps_are_the_filters_integral() {
+    let p = RoadParameters { height: -0.03, direction: 0.4, ..parameters(2) };
+    compare(&p, |s| if s < 5.0 { 0.0 } else { -0.03 }, &[5.0], 4.9..5.1);
+    // shorter and longer than the filter
+    for length in [0.05, 0.3] {
+        let p = RoadParameters { height: 0.02, length, ..parameters(3) };
+        let z = |s: f64| 0.02 * ((s - 5.0) / length).clamp(0.0, 1.0);
+        compare(&p, z, &[5.0, 5.0 + length], 4.9..5.5);
+    }
+    let flat = road(&parameters(1)).at(1.0, 2.0);
+    assert_eq!(flat, Surface { height: 0.0, slope: [0.0; 2], curvature: [0.0; 3], friction: 1.0 });
+}
+
+#[test]
+fn repeated_cleats_and_slabs_are_the_filters_integral() {
+    // height and bevel; a cleat may be a groove, and its bevels may meet
+    for (height, bevel) in [(0.012, 0.004), (-0.02, 0.0), (0.012, 0.01), (0.01, 0.01)] {
+        let p =
+            RoadParameters { height, bevel, length: 0.02, spacing: 0.06, direction: -1.1, ..parameters(4) };
+        let z = |s: f64| {
+            let u = if s < 5.0 { 1.0 } else { (s - 5.0) % 0.06 };
+            let depth = u.min(0.02 - u);
+            if depth < 0.0 { 0.0 } else { height.signum() * (height.abs() - bevel + depth).min(height.abs()) }
+        };
+        let breaks: Vec<_> = (0..8)
+            .flat_map(|n| [0.0, bevel, 0.02 - bevel, 0.02].map(|u| 5.0 + 0.06 * f64::from(n) + u))
+            .collect();
+        compare(&p, z, &breaks, 4.9..5.3);
+    }
+    let p = RoadParameters { height: 0.05, length: 0.5, ..parameters(7) };
+    let z = |s: f64| if s < 5.0 { 0.0 } else { 0.1 * ((s - 5.0) % 0.5) };
+    compare(&p, z, &[5.0, 5.5, 6.0, 6.5, 7.0], 4.9..6.8);
+    let p = RoadParameters { spacing: 0.7, ..p };
+    let z = |s: f64| if s < 5.0 || (s - 5.0) % 0.7 >= 0.5 { 0.0 } else { 0.1 * ((s - 5.0) % 0.7) };
+    compare(&p, z, &[5.0, 5.5, 5.7, 6.2, 6.4, 6.9], 4.9..6.7);
+}
+
+#[test]
+fn sines_are_the_filters_integral_from_their_beginning_on() {
+    // 2 L and what is hardly another wavelength are where the closed form 0 / 0 would be
+    for length in [0.5 * L, L, 1.5 * L, 2.0 * L, 2.0 * L * (1.0 + 1e-9), 2.001 * L, 1.3] {
+        let p = RoadParameters { height: 0.01, length, ..parameters(5) };
+        let z = |s: f64| 0.005 * (1.0 - (TAU * (s - 5.0).max(0.0) / length).cos());
+        compare(&p, z, &[5.0], 4.9..5.4);
+    }
+}
+
+#[test]
+fn sines_have_the_gain_of_the_table() {
+    for (ratio, gain, digits) in [
+        (20.0, 0.994, 5e-4),
+        (10.0, 0.975, 5e-4),
+        (4.0, 0.849, 5e-4),
+        (2.0, 0.5, 1e-12),
+        (1.5, 0.266, 5e-4),
+        (1.0, 0.0, 1e-12),
+    ] {
+        let p = RoadParameters { height: 2.0, length: ratio * L, ..parameters(5) };
+        let peak = 5.0 + 3.5 * ratio * L;
+        let height = road(&p).at(peak, 0.0).height;
+        assert!((height - 1.0 - gain).abs() < digits, "{ratio}: {height}");
+    }
+    // the largest lobes below wavelength L
+    let lobes = (1..1000).map(|i| {
+        let a = TAU * (1.0 + 0.01 * f64::from(i));
+        a.sin() / (a * (1.0 - (a / PI).powi(2)))
+    });
+    let (least, most) = lobes.fold((0.0_f64, 0.0_f64), |(least, most), g| (least.min(g), most.max(g)));
+    assert!((least + 0.027).abs() < 5e-4 && (most - 0.009).abs() < 5e-4, "{least} {most}");
+}
+
+#[test]
+fn a_filtered_step_is_as_steep_and_as_bent_as_documented() {
+    let road = road(&RoadParameters { height: 0.02, ..parameters(2) });
+    let places: Vec<_> = (0..=4000).map(|i| road.at(5.0 + L * (f64::from(i) / 2000.0 - 1.0), 0.0)).collect();
+    let most = |f: &dyn Fn(&Surface) -> f64| places.iter().map(f).fold(0.0, f64::max);
+    assert!((most(&|at| at.slope[0]) - 0.02 / L).abs() < 1e-12);
+    assert!((most(&|at| at.curvature[0].abs()) - PI * 0.02 / (2.0 * L * L)).abs() < 1e-10);
+    assert_eq!(places[0].height, 0.0);
+    assert!((places[4000].height - 0.02).abs() < 1e-16);
+}
+
+#[test]
+fn a_filtered_cleat_keeps_its_area() {
+    for length in [0.01, 0.1] {
+        let p = RoadParameters { height: 0.015, length, bevel: 0.003, ..parameters(4) };
+        let road = road(&p);
+        let step = 1e-5;
+        let area: f64 = (0..40_000).map(|i| step * road.at(4.9 + step * f64::from(i), 0.0).height).sum();
+        let expected = 0.015 * length - 0.003 * 0.003;
+        assert!((area / expected - 1.0).abs() < 1e-8, "{area} {expected}");
+    }
+}
+
+#[test]
+fn irregular_roads_have_the_psd_of_the_standard() {
+    const SAMPLES: usize = 1 << 15;
+    let (roughness, step) = (256e-6, 0.04);
+    let road = road(&RoadParameters { roughness, seed: 7, ..parameters(6) });
+    // Hann window, whose mean square is 3 / 8
+    let heights: Vec<f64> = (0..SAMPLES)
+        .map(|i| {
+            let window = 0.5 * (1.0 - (TAU * i as f64 / SAMPLES as f64).cos());
+            window * road.raw_height(20.0 + step * i as f64)
+        })
+        .collect();
+    let span = step * SAMPLES as f64;
+    let density = |bin: usize| {
+        let turn = 2.0 * (TAU * bin as f64 / SAMPLES as f64).cos();
+        let (last, before) = heights.iter().fold((0.0, 0.0), |(a, b), z| (z + turn * a - b, a));
+        let square = last * last + before * before - turn * last * before;
+        2.0 * square * step * step / (span * 0.375)
+    };
+    for octave in 3..9 {
+        let from = 0.01 * f64::from(1 << octave);
+        let bins = (from * span) as usize..(2.0 * from * span) as usize;
+        let expected = roughness * 0.01 * (1.0 / (bins.start as f64) - 1.0 / bins.end as f64) * span;
+        let variance: f64 = bins.map(|bin| density(bin) / span).sum();
+        assert!((variance / expected - 1.0).abs() < 0.1, "from {from} / m: {variance} {expected}");
+    }
+}
+
+#[test]
+fn irregular_roads_are_filtered_and_differ_by_their_seed() {
+    let p = RoadParameters { seed: -3, direction: 2.0, ..parameters(6) };
+    let road_ = road(&p);
+    // behind the fade-in; the quadrature is the test's, the profile the road's
+    compare(&p, |s| road_.raw_height(s), &[], 16.0..19.0);
+    compare(&p, |s| road_.raw_height(s), &[], 9000.0..9001.0);
+    let start = road_.at(5.0 * p.direction.cos(), 5.0 * p.direction.sin());
+    assert!(start.height.abs() < 1e-15 && start.slope.iter().all(|slope| slope.abs() < 1e-12));
+    // over realisations, the variance at one place is that of the whole band
+    let expected = 64e-6 * 0.01 * (1.0 / 0.01 - 1.0 / 10.24);
+    let heights =
+        (0..2000).map(|seed| Road::new(&RoadParameters { seed, ..p.clone() }).unwrap().raw_height(50.0));
+    let (mean, square) = heights.fold((0.0, 0.0), |(m, q), z| (m + z / 2000.0, q + z * z / 2000.0));
+    // four standard deviations of a Gaussian's
+    assert!((square / expected - 1.0).abs() < 4.0 * (2.0 / 2000.0_f64).sqrt(), "{square} {expected}");
+    assert!(mean.abs() < 4.0 * (expected / 2000.0).sqrt(), "{mean}");
+}
+
+#[test]
+fn friction_is_the_mean_over_the_contact() {
+    let p = RoadParameters { friction: "2 0.5; 2.03 0.8;\n 10 1.2;".into(), ..parameters(1) };
+    let road = road(&p);
+    let mu = |s: f64| road.at(s, 3.0).friction;
+    assert_eq!([mu(-4.0), mu(1.96), mu(3.0), mu(9.9), mu(11.0)], [1.0, 1.0, 0.8, 0.8, 1.2]);
+    for (s, expected) in [
+        (1.98, (0.06 * 1.0 + 0.02 * 0.5) / 0.08),
+        (2.01, (0.03 * 1.0 + 0.03 * 0.5 + 0.02 * 0.8) / 0.08),
+        (10.0, 1.0),
+    ] {
+        assert!((mu(s) - expected).abs() < 1e-12, "{s}: {}", mu(s));
+    }
+}
+
+/// Height of a polyline at s, by its definition.
+fn polyline(points: &[(f64, f64)], s: f64) -> f64 {
+    let behind = points.partition_point(|p| p.0 <= s);
+    match (behind.checked_sub(1).map(|i| points[i]), points.get(behind)) {
+        (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (s - a.0) / (b.0 - a.0),
+        (Some(end), None) => end.1,
+        (None, first) => first.map_or(0.0, |p| p.1),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+    #[test]
+    fn any_profile_is_the_filters_integral(
+        pieces in prop::collection::vec((0.0..0.2f64, -0.05..0.05f64, any::<bool>()), 1..20),
+        first in -1.0..1.0f64,
+        gap in 0.0..0.1f64,
+    ) {
+        let mut points = vec![(5.0 + first, 0.02)];
+        for (width, z, edge) in pieces {
+            let last = points[points.len() - 1].0;
+            let twice = points.len() > 1 && points[points.len() - 2].0 == last;
+            points.push((if edge && !twice { last } else { last + 1e-3 + width }, z));
+        }
+        let last = points[points.len() - 1].0 + 0.01;
+        points.push((last, 0.02));
+        let text: Vec<_> = points.iter().map(|(s, z)| format!("{:?} {z:?}", s - 5.0)).collect();
+        // as the road reads them
+        for point in &mut points {
+            point.0 = 5.0 + (point.0 - 5.0);
+        }
+        let extent = last - points[0].0;
+        let once = RoadParameters { profile: text.join("; "), ..parameters(8) };
+        let again = RoadParameters { spacing: extent + gap + 1e-9, ..once.clone() };
+        let (start, least, most) = points.iter().fold((points[0].0, 0.0f64, 0.0f64), |(s, a, b), p| (s, a.min(p.1), b.max(p.1)));
+        for p in [once, again] {
+            let road = road(&p);
+            let copies = if p.spacing > 0.0 { 40 } else { 1 };
+            let breaks: Vec<_> = (0..copies)
+                .flat_map(|n| points.iter().map(move |q| (q.0, n)))
+                .map(|(s, n)| s + f64::from(n) * p.spacing)
+                .collect();
+            let z = |s: f64| {
+                let n = if p.spacing > 0.0 { ((s - start) / p.spacing).floor().max(0.0) } else { 0.0 };
+                polyline(&points, s - n * p.spacing)
+            };
+            for i in 0..100 {
+                let s = start - 0.1 + f64::from(i) / 100.0 * (2.0 * extent + 0.3);
+                let height = road.at(s, 0.0).height;
+                prop_assert!((height - filtered(z, &breaks, s)).abs() < 1e-9, "{s}: {height}");
+                prop_assert!(height > least - 1e-12 && height < most + 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let refuse = |p: RoadParameters, words: &[&str]| {
+        let message = Road::new(&p).unwrap_err().to_string();
+        for word in words {
+            assert!(message.contains(word), "{word:?} is not in {message:?}");
+        }
+    };
+    let profile = |text: &str| RoadParameters { profile: text.into(), ..parameters(8) };
+    refuse(profile(" "), &["road_profile", "needs points"]);
+    refuse(profile("0 0; 1 0,5; 2 0"), &["road_profile", "pair 2", "\"1 0,5\"", "\"0,5\" is not a number"]);
+    refuse(profile("0 0; 1; 2 0"), &["pair 2", "two numbers"]);
+    refuse(profile("0 0; 1 2 3"), &["pair 2", "two numbers"]);
+    refuse(profile("0 0;; 1 2"), &["pair 2", "two numbers"]);
+    refuse(profile("0 NaN"), &["pair 1", "finite"]);
+    refuse(profile("0 0; 1 0; 0.5 0"), &["pair 3", "0.5 m comes after 1 m"]);
+    refuse(profile("0 0; 0 1; 0 2"), &["pair 3", "third"]);
+    refuse(profile("0 0; 1e-7 1"), &["pair 2", "same x"]);
+    refuse(profile(&"0 0;".repeat(20_001)), &["20001 points"]);
+    let friction = |text: &str| RoadParameters { friction: text.into(), ..parameters(1) };
+    refuse(friction("0 1; 5 -0.1"), &["road_friction", "pair 2", "negative"]);
+    refuse(friction("0 1; 0 0.1"), &["pair 2", "increase"]);
+    refuse(parameters(0), &["road_kind = 0", "1 flat", "8 profile"]);
+    refuse(RoadParameters { filter_length: 0.0, ..parameters(1) }, &["road_filter_length = 0 m", "0.001"]);
+    refuse(RoadParameters { height: f64::NAN, ..parameters(2) }, &["road_height = NaN"]);
+    refuse(RoadParameters { length: 0.0, ..parameters(5) }, &["road_length = 0 m"]);
+    refuse(RoadParameters { roughness: -1.0, ..parameters(6) }, &["road_roughness"]);
+    refuse(RoadParameters { bevel: 0.02, ..parameters(4) }, &["road_bevel = 0.02 m", "0.01 m"]);
+    refuse(RoadParameters { bevel: 0.01, length: 0.015, ..parameters(4) }, &["do not fit", "0.015 m"]);
+    refuse(RoadParameters { spacing: 0.05, ..parameters(4) }, &["road_spacing = 0.05 m", "0.1 m"]);
+    refuse(RoadParameters { spacing: 1.0, ..parameters(3) }, &["road_spacing", "0.01 m above", "to 0"]);
+    refuse(RoadParameters { spacing: 1e-4, ..profile("0 1") }, &["road_spacing", "at least"]);
+}
+
+#[test]
+fn saved_roads_are_the_same_and_damage_is_found() {
+    for kind in 1..=8 {
+        let p =
+            RoadParameters { profile: "0 0; 0 1; 2 1".into(), friction: "1 0.5".into(), ..parameters(kind) };
+        let road = road(&p);
+        let bytes = postcard::to_stdvec(&road).unwrap();
+        assert_eq!(postcard::from_bytes::<Road>(&bytes).unwrap(), road);
+        let mut allocated = road.clone();
+        let counts = allocation_counter::measure(|| {
+            allocated.clone_from(&road);
+            std::hint::black_box(allocated.at(5.0, 1.0));
+        });
+        assert_eq!(counts.count_total, 0);
+        // a number that is none, wherever it is in the state
+        let mut value = serde_json::to_value(&road).unwrap();
+        let mut paths = Vec::new();
+        numbers(&value, String::new(), &mut paths);
+        for path in paths {
+            let number = value.pointer_mut(&path).unwrap();
+            let before = std::mem::replace(number, 1e300.into());
+            let damaged: Road = serde_json::from_value(value.clone()).unwrap();
+            assert!(damaged.check().is_err() || !damaged.at(5.01, 0.0).height.is_nan(), "{path}");
+            *value.pointer_mut(&path).unwrap() = before;
+        }
+    }
+}
+
+/// The places of all numbers in a JSON value.
+fn numbers(value: &serde_json::Value, path: String, found: &mut Vec<String>) {
+    match value {
+        serde_json::Value::Array(items) => {
+            items.iter().enumerate().for_each(|(i, item)| numbers(item, format!("{path}/{i}"), found));
+        }
+        serde_json::Value::Object(items) => {
+            items.iter().for_each(|(key, item)| numbers(item, format!("{path}/{key}"), found));
+        }
+        serde_json::Value::Number(_) => found.push(path),
+        _ => {}
+    }
+}
