@@ -1,7 +1,12 @@
 //! The models that are shipped.
 
 use crate::fmi::Entry;
-use crate::rig::RingBrushFlatTrack;
+use crate::rig::{RingBrushCorner, RingBrushFlatTrack, RingBrushTire, RingBrushWheel};
 
 /// Every shipped model.
-pub const MODELS: &[Entry] = &[Entry::of::<RingBrushFlatTrack>()];
+pub const MODELS: &[Entry] = &[
+    Entry::of::<RingBrushFlatTrack>(),
+    Entry::of::<RingBrushTire>(),
+    Entry::of::<RingBrushWheel>(),
+    Entry::of::<RingBrushCorner>(),
+];

@@ -7,11 +7,11 @@ mod common;
 use common::rolling::Point;
 use common::{assert_close, example, flat_track, get, set};
 use latsch::model::Slave;
-use latsch::tire::Motion;
 use latsch::tire::ring_brush::{
     Bristles, Contact, Limits, Loads, Parameters, PressureState, State, Tire, Tops, Vertical, acceleration,
     advance, coupling, patch_on_belt, stationary, stationary_coupling,
 };
+use latsch::tire::{Flat, Motion};
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
@@ -116,7 +116,7 @@ fn evaluate(tire: &Tire, belt: &Motion<f64>, lagged: &Loads<f64>) -> State {
         bristles: Bristles::new(tire.parameters()),
         ..State::default()
     };
-    tire.step(&mut state, belt, belt, 0.0).unwrap();
+    tire.step(&mut state, belt, belt, &Flat, 0.0).unwrap();
     state
 }
 

@@ -52,6 +52,7 @@ pub struct Variable<M: 'static> {
     nominal: Option<f64>,
     items: &'static [(&'static str, &'static str)],
     tunable: bool,
+    natural_rate: Option<fn(&M) -> f64>,
 }
 
 /// Access to a real field: `real!(tire.belt.mass)`, inside `impl Model`.
@@ -98,6 +99,7 @@ const fn row<M>(
         nominal: None,
         items: &[],
         tunable: false,
+        natural_rate: None,
     }
 }
 
@@ -203,6 +205,15 @@ impl<M: 'static> Variable<M> {
         self
     }
 
+    /// Lets a real input that comes without a derivative run on between communication points, with a
+    /// rate that follows from the other inputs there: a position with the velocity that comes beside
+    /// it.
+    #[must_use]
+    pub const fn runs_on(mut self, rate: fn(&M) -> f64) -> Self {
+        self.natural_rate = Some(rate);
+        self
+    }
+
     /// Makes an enumeration of an integer variable: (name, description) of the values 1, 2, ...
     #[must_use]
     pub const fn items(mut self, items: &'static [(&'static str, &'static str)]) -> Self {
@@ -213,6 +224,11 @@ impl<M: 'static> Variable<M> {
     /// The name.
     pub const fn name(&self) -> &'static str {
         self.name
+    }
+
+    /// Its rate between communication points where the master gives none.
+    pub const fn natural_rate(&self) -> Option<fn(&M) -> f64> {
+        self.natural_rate
     }
 
     /// How to reach it.

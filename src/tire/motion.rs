@@ -56,6 +56,25 @@ impl Motion<f64> {
     }
 }
 
+impl Motion<f64> {
+    /// The same motion in other axes: `axes` turns components of the present ones into the new ones.
+    /// The spin angle changes by less than half a turn.
+    pub fn turned(&self, axes: &Matrix3<f64>) -> Self {
+        let attitude = axes * rotation_z(self.angles.z) * rotation_x(self.angles.x);
+        let camber = libm::asin(attitude[(2, 1)].clamp(-1.0, 1.0));
+        let spin = self.angles.y + libm::atan2(-attitude[(2, 0)], attitude[(2, 2)]);
+        let yaw = libm::atan2(-attitude[(0, 1)], attitude[(1, 1)]);
+        let mut motion = Self {
+            position: axes * self.position,
+            velocity: axes * self.velocity,
+            angles: Vector3::new(camber, spin, yaw),
+            rates: Vector3::zeros(),
+        };
+        motion.rates = motion.rate_map_inverse() * (axes * self.angular_velocity());
+        motion
+    }
+}
+
 impl<T: Real> Motion<T> {
     /// A: body components to frame 0.
     pub fn rotation(&self) -> Matrix3<T> {

@@ -61,6 +61,8 @@ pub(super) struct Signal {
     pub(super) rate: Option<f64>,
     /// The communication step before which the rate was set.
     pub(super) rate_set_in: u64,
+    /// The rate was not set by the master but follows from other inputs.
+    pub(super) natural: bool,
 }
 
 impl Signal {
@@ -88,6 +90,7 @@ impl<M: Model> Data<M> {
                     since: 0.0,
                     rate: None,
                     rate_set_in: u64::MAX,
+                    natural: false,
                 });
             }
         }
@@ -139,6 +142,26 @@ impl<M: Model> Data<M> {
         let stale = self.clock.stale && phase != Phase::Running;
         let models = stale || self.models().into_iter().all(|model| model.check().is_ok());
         times && clock && models && signals && variables.eq(inputs) && parameters
+    }
+
+    /// Sets the rates of inputs that have none from the master, from the inputs at the communication
+    /// point.
+    pub(super) fn find_natural_rates(&mut self) {
+        let time = self.clock.time;
+        if self.signals.iter().all(|s| M::VARIABLES[s.variable].natural_rate().is_none()) {
+            return;
+        }
+        feed(&mut self.grid, &self.signals, time);
+        for signal in &mut self.signals {
+            if let Some(rate) = M::VARIABLES[signal.variable].natural_rate()
+                && (signal.natural || signal.rate.is_none())
+            {
+                signal.value = signal.at(time);
+                signal.since = time;
+                signal.rate = Some(rate(&self.grid));
+                signal.natural = true;
+            }
+        }
     }
 
     fn models(&self) -> [&M; 3] {

@@ -24,7 +24,9 @@ const MAX_TICKS_PER_STEP: f64 = 1e9;
 /// is stepped the remaining fraction of h; the state on the grid is not touched by that.
 ///
 /// An input is held from the point where it was set, or, once [`Slave::set_rate`] gave it a
-/// derivative, runs on linearly until the next value or derivative is set.
+/// derivative, runs on linearly until the next value or derivative is set. An input with a natural
+/// rate ([`Variable::runs_on`](super::Variable::runs_on)) runs on from communication point to
+/// communication point with that.
 pub struct Native<M: Model> {
     interface: Interface,
     settings: Vec<(usize, Value)>,
@@ -235,6 +237,7 @@ impl<M: Model> Slave for Native<M> {
         signal.since = clock.time;
         signal.rate = Some(rate);
         signal.rate_set_in = clock.steps;
+        signal.natural = false;
         Ok(())
     }
 
@@ -358,6 +361,7 @@ impl<M: Model> Slave for Native<M> {
                 clock.step_size
             )));
         }
+        self.data.find_natural_rates();
         // a course that leaves its variable's range is refused before anything moves
         for signal in self.data.signals.iter().filter(|s| s.rate.is_some()) {
             let info = &self.interface.variables[signal.variable];

@@ -1,9 +1,11 @@
 //! Exact derivatives of the flat track's outputs, with dual numbers through rig, tire and side wall.
 
-use super::{RingBrushFlatTrack, to_heading};
+use super::RingBrushFlatTrack;
+use crate::rig::OnRoad;
+use crate::rig::mounted::to_heading;
 use crate::solver::Dual;
-use crate::tire::Motion;
-use crate::tire::ring_brush::{Contact, Vertical, coupling, stationary};
+use crate::tire::ring_brush::{Contact, coupling};
+use crate::tire::{Ground, Motion};
 use crate::{Error, Result};
 use nalgebra::Vector3;
 
@@ -25,29 +27,37 @@ struct Inside {
 impl Changes {
     /// Between steps: the belt stays, and the side wall answers at once.
     pub(super) fn side_wall(rig: &RingBrushFlatTrack, rim: &Motion<Dual<1>>) -> Self {
-        Self::measured(rig, rim, &rig.state.belt.constant(), None)
+        Self::measured(rig, rim, &rig.tire.state.belt.constant(), None)
     }
 
     /// Before the first step: the whole stationary state moves along.
     pub(super) fn stationary(rig: &RingBrushFlatTrack, rim: &Motion<Dual<1>>) -> Result<Self> {
-        let stationary = stationary(&rig.tire, &rig.rim, Vertical::Height(rig.rim.position.z))?;
-        let moved = stationary.along(&rig.tire, rim).ok_or_else(|| {
+        let ground = OnRoad::at(&rig.road, rig.place, rig.friction_factor);
+        let plane = ground.under(&rig.tire.rim, 0.0);
+        if plane.slope != [0.0; 2] {
+            return Err(Error::call("the start is on a slope: there are derivatives on level road only"));
+        }
+        // the tire sees its height over the road
+        let mut rim = *rim;
+        rim.position.z -= Dual::from(rig.tire.rim.position.z - plane.clearance);
+        let (tire, stationary) = rig.tire.stationary(&ground)?;
+        let moved = stationary.along(&tire, &rim).ok_or_else(|| {
             Error::numeric("the stationary state has no derivative: its equations are singular here")
         })?;
         let mut belt = moved.belt;
         belt.angles.y = rim.angles.y - moved.windup;
-        let contact = Contact::new(&rig.parameters, &belt);
+        let contact = Contact::new(&rig.tire.parameters, &belt);
         let lengths = [0.0, 0.5, 1.0].map(|share| {
-            let i = rig.stripe(share);
-            let (y, radius) = (rig.tire.stripe_places()[i], rig.tire.stripe_radii()[i]);
-            contact.stripe_length(&rig.parameters, y, radius).gradient[0]
+            let i = rig.tire.stripe(share);
+            let (y, radius) = (rig.tire.tire.stripe_places()[i], rig.tire.tire.stripe_radii()[i]);
+            contact.stripe_length(&rig.tire.parameters, y, radius).gradient[0]
         });
         let inside = Inside {
             penetration: contact.penetration.gradient[0],
             lengths,
             patch_force: moved.patch.force.map(|f| f.gradient[0]),
         };
-        Ok(Self::measured(rig, rim, &belt, Some(inside)))
+        Ok(Self::measured(rig, &rim, &belt, Some(inside)))
     }
 
     fn measured(
@@ -56,7 +66,7 @@ impl Changes {
         belt: &Motion<Dual<1>>,
         inside: Option<Inside>,
     ) -> Self {
-        let on_rim = coupling(&rig.parameters, rim, belt).on_rim;
+        let on_rim = coupling(&rig.tire.parameters, rim, belt).on_rim;
         let change = |v| to_heading(rim.angles.z, v).map(|x| x.gradient[0]);
         Self { force: change(&on_rim.force), moment: change(&on_rim.moment), inside }
     }

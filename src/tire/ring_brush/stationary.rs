@@ -12,6 +12,7 @@ use super::{
     patch_on_belt, stationary_coupling,
 };
 use crate::solver::{Convergence, Dual, Real, newton};
+use crate::tire::ground::Flat;
 use crate::tire::motion::{Motion, Wrench};
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -549,7 +550,7 @@ impl Stationary {
         let mut state = State { belt, bristles, lagged: self.loads, loads: self.loads, ..State::default() };
         let mut rim = *rim;
         rim.position = Vector3::new(0.0, 0.0, self.rim_height);
-        tire.step(&mut state, &rim, &rim, 0.0)?;
+        tire.step(&mut state, &rim, &rim, &Flat, 0.0)?;
         // in balance by construction; the ripple of the bristles is no reason to start with a jerk
         state.acceleration = [Vector3::zeros(); 2];
         state.lag_rates = Loads::default();

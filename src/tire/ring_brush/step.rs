@@ -6,6 +6,7 @@ use super::{
     Bristles, Contact, Deformation, Limits, Loads, Parameters, State, Tops, acceleration, advance, moment_y,
     patch_on_belt,
 };
+use crate::tire::ground::Ground;
 use crate::tire::motion::{Motion, Wrench};
 use crate::{Error, Result, clone_in_place};
 use nalgebra::Vector3;
@@ -93,7 +94,7 @@ impl Tire {
         &self.radii
     }
 
-    /// Advances the tire by `dt` seconds while the rim moves from `before` to `after`.
+    /// Advances the tire by `dt` seconds while the rim moves from `before` to `after` over `ground`.
     ///
     /// Velocity Verlet: half a kick, drift, forces at the new place, half a kick. The patch is
     /// evaluated once: bristles move with the velocity at mid-step and carry their force at the end.
@@ -105,7 +106,14 @@ impl Tire {
     /// # Errors
     /// A state outside the model's validity: the belt falls over, the patch gets longer than the ring
     /// of bristles, or numbers are not finite.
-    pub fn step(&self, state: &mut State, before: &Motion<f64>, after: &Motion<f64>, dt: f64) -> Result<()> {
+    pub fn step(
+        &self,
+        state: &mut State,
+        before: &Motion<f64>,
+        after: &Motion<f64>,
+        ground: &impl Ground,
+        dt: f64,
+    ) -> Result<()> {
         let p = &self.parameters;
         let half = 0.5 * dt;
 
@@ -130,22 +138,29 @@ impl Tire {
             angles: start.angles + turn,
             rates: rates + angular * half,
         };
+        let plane = ground.under(&end, 1.0);
+        let on_plane = plane.relative(&end);
         check_belt(&end)?;
+        check_belt(&on_plane)?;
 
-        // patch: contact, pressure, bristles
-        let contact = Contact::new(p, &end);
+        // patch: contact, pressure, bristles; seen from the plane under the belt the road is flat
+        let contact = Contact::new(p, &on_plane);
+        let old_spin = ground.under(&start, 0.0).relative(&start).angles.y;
+        let on_middle_plane = ground.under(&middle, 0.5).relative(&middle);
         let lag_rates = ahead(&state.lag_rates, &state.lag_accelerations, half);
         let lagged_middle = ahead(&state.lagged, &lag_rates, half);
         let lagged_end = ahead(&state.lagged, &lag_rates, dt);
-        let tops = Tops::new(p, &Contact::new(p, &middle), middle.rates.y, &lagged_middle, &lag_rates);
+        let middle_contact = Contact::new(p, &on_middle_plane);
+        let tops = Tops::new(p, &middle_contact, on_middle_plane.rates.y, &lagged_middle, &lag_rates);
         let old_loads = state.loads;
         self.advance_patch(
             state,
             &contact,
             &tops,
             &lagged_end,
-            (start.angles.y, end.angles.y),
-            end.rates.y,
+            (old_spin, on_plane.angles.y),
+            on_plane.rates.y,
+            plane.friction,
             dt,
         )?;
 
@@ -168,10 +183,13 @@ impl Tire {
         }
 
         // side wall and belt: the second half of the kick
-        let (patch, side): (Wrench<f64>, Coupling<f64>) =
-            (patch_on_belt(&contact, &state.patch.force, &state.patch.moment), coupling(p, after, &end));
-        let sum =
-            Wrench { force: side.on_belt.force + patch.force, moment: side.on_belt.moment + patch.moment };
+        let patch: Wrench<f64> = patch_on_belt(&contact, &state.patch.force, &state.patch.moment);
+        let side: Coupling<f64> = coupling(p, after, &end);
+        let to_road = plane.rotation();
+        let sum = Wrench {
+            force: side.on_belt.force + to_road * patch.force,
+            moment: side.on_belt.moment + to_road * patch.moment,
+        };
         let (linear, angular) = acceleration(p, &end, &sum);
         end.velocity = velocity + linear * half;
         end.rates = rates + angular * half;
@@ -198,6 +216,7 @@ impl Tire {
         lagged: &Loads<f64>,
         (old_spin, new_spin): (f64, f64),
         spin_rate: f64,
+        friction: f64,
         dt: f64,
     ) -> Result<()> {
         let p = &self.parameters;
@@ -267,7 +286,7 @@ impl Tire {
                     continue;
                 }
                 let normal = area * cell_pressure;
-                let limits = Limits::new(p, cell_pressure, normal);
+                let limits = Limits::new(p, cell_pressure, friction * normal);
                 let old = [bristles.deflection_x[k], bristles.deflection_y[k]];
 
                 // a bristle that came into contact within the step is loaded for the rest of it only

@@ -1,0 +1,208 @@
+//! A tire on a rim whose motion somebody else decides: a rig's imposed motion, a hub, a master.
+
+use crate::tire::ring_brush::{Parameters, State, Stationary, Tire, Vertical, stationary};
+use crate::tire::{Ground, Motion, Plane};
+use crate::{Result, clone_in_place};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// The ring-and-brush tire with its rim and what is measured between them.
+#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct MountedTire {
+    /// Name of the tire, for reports.
+    pub name: String,
+    /// Its parameters as set; the tire takes them over at the start and when they are tuned.
+    pub parameters: Parameters,
+    /// The tire.
+    pub tire: Tire,
+    /// The rim. Seen from the point below its centre: x and y of its position are 0.
+    pub rim: Motion<f64>,
+    /// The tire's state.
+    pub state: State,
+    /// Force of the tire on the rim in H axes \[N\].
+    pub force: Vector3<f64>,
+    /// Moment of the tire on the rim in H axes, about the wheel's centre \[N.m\].
+    pub moment: Vector3<f64>,
+    /// The start is a stationary state.
+    pub stationary_start: bool,
+}
+
+clone_in_place!(MountedTire { name, parameters, tire, rim, state, force, moment, stationary_start });
+
+impl MountedTire {
+    /// Makes the tire from its parameters; the first thing in a model's `initialize`.
+    ///
+    /// # Errors
+    /// Parameters that contradict each other.
+    pub fn mount(&mut self) -> Result<()> {
+        self.tire = Tire::new(&self.parameters)?;
+        Ok(())
+    }
+
+    /// Takes over tuned parameters.
+    ///
+    /// # Errors
+    /// Parameters that contradict each other.
+    pub fn tune(&mut self) -> Result<()> {
+        self.tire.tune(&self.parameters)
+    }
+
+    /// Checks a value that was read from bytes.
+    ///
+    /// # Errors
+    /// Its parts do not fit each other.
+    pub fn check(&self) -> Result<()> {
+        self.tire.check(&self.state)
+    }
+
+    /// What the user should know about the start.
+    pub fn warning(&self) -> Option<String> {
+        (!self.stationary_start).then(|| {
+            "no stationary state was found for the start; the tire starts rolling straight and free".into()
+        })
+    }
+
+    /// Puts the tire into the stationary state of a rim that keeps moving as `rim` does on the plane
+    /// below it; where there is none, into straight free rolling.
+    ///
+    /// # Errors
+    /// Not even free rolling is possible there.
+    pub fn start(&mut self, rim: &Motion<f64>, ground: &impl Ground) -> Result<()> {
+        self.rim = *rim;
+        let (plane, on_plane) = self.on_plane(ground);
+        let (tire, stationary) = match self.stationary(ground) {
+            Ok(found) => {
+                self.stationary_start = true;
+                found
+            }
+            Err(_) => {
+                self.stationary_start = false;
+                let tire = self.with_friction(plane.friction)?;
+                let free = free_rolling(&on_plane, &self.parameters);
+                let rolling = stationary(&tire, &free, Vertical::Height(plane.clearance))?;
+                (tire, rolling)
+            }
+        };
+        self.state = stationary.state(&tire, &on_plane)?;
+
+        // from the plane's frame, where the road is flat, to frame 0
+        let from_rim = self.state.belt.position - Vector3::new(0.0, 0.0, plane.clearance);
+        if plane.slope != [0.0; 2] {
+            self.state.belt = self.state.belt.turned(&plane.rotation());
+        }
+        self.state.belt.position = Vector3::new(0.0, 0.0, rim.position.z) + plane.rotation() * from_rim;
+        let balanced = self.state.acceleration;
+        self.tire.step(&mut self.state, rim, rim, ground, 0.0)?;
+        self.state.acceleration = balanced;
+        // what the bristles' sums ripple around, and what has derivatives
+        self.state.patch.force = stationary.patch.force;
+        self.state.patch.moment = stationary.patch.moment;
+        self.measure();
+        Ok(())
+    }
+
+    /// [`start`](Self::start) at the height at which the tire carries `load` \[N\], the force on the rim
+    /// along the road's normal, when it rolls straight; `rim.position.z` does not matter.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn start_at_load(&mut self, rim: &Motion<f64>, ground: &impl Ground, load: f64) -> Result<()> {
+        self.rim = *rim;
+        let (plane, on_plane) = self.on_plane(ground);
+        let carried = stationary(&self.with_friction(plane.friction)?, &on_plane, Vertical::Load(load))?;
+        let mut rim = *rim;
+        rim.position.z += carried.rim_height - plane.clearance;
+        self.start(&rim, ground)
+    }
+
+    /// The plane under the rim, taken to stand still, and the rim's motion against it.
+    fn on_plane(&self, ground: &impl Ground) -> (Plane, Motion<f64>) {
+        let plane = Plane { slope_rate: [0.0; 2], ..ground.under(&self.rim, 0.0) };
+        let on_plane = plane.relative(&self.rim);
+        (plane, on_plane)
+    }
+
+    /// The stationary state of the rim's present motion on the plane below it, seen from that plane,
+    /// and the tire with that road's friction.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn stationary(&self, ground: &impl Ground) -> Result<(Tire, Stationary)> {
+        let (plane, on_plane) = self.on_plane(ground);
+        let tire = self.with_friction(plane.friction)?;
+        let found = stationary(&tire, &on_plane, Vertical::Height(plane.clearance))?;
+        Ok((tire, found))
+    }
+
+    /// The stationary state on a level plane for the rim's present motion with, instead of its height, a
+    /// vertical force \[N\] on the rim.
+    ///
+    /// # Errors
+    /// None was found.
+    pub fn stationary_at_load(&self, rim: &Motion<f64>, load: f64, friction: f64) -> Result<Stationary> {
+        stationary(&self.with_friction(friction)?, rim, Vertical::Load(load))
+    }
+
+    /// The tire as it is on a road with this factor on its friction.
+    fn with_friction(&self, factor: f64) -> Result<Tire> {
+        let mut parameters = self.parameters.clone();
+        for coefficient in parameters.friction_static.iter_mut().chain(&mut parameters.friction_sliding) {
+            *coefficient *= factor;
+        }
+        Tire::new(&parameters)
+    }
+
+    /// Advances the tire while the rim moves to `rim`, over `ground`.
+    ///
+    /// # Errors
+    /// As [`Tire::step`].
+    pub fn step(&mut self, rim: &Motion<f64>, ground: &impl Ground, dt: f64) -> Result<()> {
+        let before = std::mem::replace(&mut self.rim, *rim);
+        self.tire.step(&mut self.state, &before, rim, ground, dt)?;
+        self.measure();
+        Ok(())
+    }
+
+    fn measure(&mut self) {
+        self.force = to_heading(self.rim.angles.z, &self.state.on_rim.force);
+        self.moment = to_heading(self.rim.angles.z, &self.state.on_rim.moment);
+    }
+
+    /// Moment of the tire on the rim about the wheel's own axis \[N.m\].
+    pub fn spin_moment(&self) -> f64 {
+        let (sin, cos) = libm::sincos(self.rim.angles.x);
+        self.moment.y * cos + self.moment.z * sin
+    }
+
+    /// Belt centre from wheel centre in H axes \[m\].
+    pub fn belt_offset(&self) -> Vector3<f64> {
+        to_heading(self.rim.angles.z, &(self.state.belt.position - self.rim.position))
+    }
+
+    /// Length of the stripe at a share of the way from left to right \[m\].
+    pub fn contact_length(&self, share: f64) -> f64 {
+        self.state.bristles.lengths.get(self.stripe(share)).copied().unwrap_or(0.0)
+    }
+
+    /// Number of the stripe at a share of the way from left to right.
+    pub fn stripe(&self, share: f64) -> usize {
+        (share * (f64::from(self.parameters.stripes) - 1.0)).max(0.0) as usize
+    }
+}
+
+/// Turns frame 0 into H axes of a steer angle: x horizontal in the wheel's heading, z up (4.37).
+pub fn to_heading<T: crate::solver::Real>(steer: T, v: &Vector3<T>) -> Vector3<T> {
+    let (sin, cos) = steer.sin_cos();
+    Vector3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z)
+}
+
+/// The rim rolling straight and without slip at the speed that it has in its heading.
+fn free_rolling(rim: &Motion<f64>, p: &Parameters) -> Motion<f64> {
+    let (sin, cos) = libm::sincos(rim.angles.z);
+    let speed = rim.velocity.x * cos + rim.velocity.y * sin;
+    let mut free = *rim;
+    free.velocity = Vector3::new(speed * cos, speed * sin, 0.0);
+    free.angles.x = 0.0;
+    free.rates = Vector3::new(0.0, speed / p.rolling_radius, 0.0);
+    free
+}

@@ -1,0 +1,101 @@
+//! What a tire stands on: at each instant a plane under the belt, which may tilt and move.
+
+use super::motion::{Motion, cross, rotation_x, rotation_y, rotation_z};
+use nalgebra::{Matrix3, Vector3};
+
+/// The road under a belt at an instant. The road itself does not move; that the plane does comes
+/// from the belt's travel over an uneven road.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    /// Distance of the belt's centre from the plane \[m\].
+    pub clearance: f64,
+    /// Its rate \[m/s\].
+    pub clearance_rate: f64,
+    /// Slopes dz/dx and dz/dy in frame 0.
+    pub slope: [f64; 2],
+    /// Their rates along the belt's travel \[1/s\].
+    pub slope_rate: [f64; 2],
+    /// Factor on both friction coefficients.
+    pub friction: f64,
+}
+
+/// Whatever knows the road under a belt.
+pub trait Ground {
+    /// The plane under `belt` at a share of the step from 0 to 1. The belt's position is seen from
+    /// the point below the rim's centre at that instant.
+    fn under(&self, belt: &Motion<f64>, share: f64) -> Plane;
+}
+
+/// The unbounded plane z = 0.
+#[derive(Debug, Clone, Copy)]
+pub struct Flat;
+
+impl Ground for Flat {
+    fn under(&self, belt: &Motion<f64>, _share: f64) -> Plane {
+        Plane {
+            clearance: belt.position.z,
+            clearance_rate: belt.velocity.z,
+            slope: [0.0; 2],
+            slope_rate: [0.0; 2],
+            friction: 1.0,
+        }
+    }
+}
+
+impl Plane {
+    /// The road's plane as a rim at height `height` sees it that stands still at its place.
+    pub fn level(height: f64, slope: [f64; 2], friction: f64) -> Self {
+        Self { clearance: height, clearance_rate: 0.0, slope, slope_rate: [0.0; 2], friction }
+    }
+
+    fn is_level(&self) -> bool {
+        self.slope == [0.0; 2] && self.slope_rate == [0.0; 2]
+    }
+
+    /// Tilt about y, then about the new x, that turns frame 0 into the plane's.
+    fn tilt(&self) -> (f64, f64) {
+        let [slope_x, slope_y] = self.slope;
+        let about_y = libm::atan(-slope_x);
+        (about_y, libm::atan(slope_y * libm::cos(about_y)))
+    }
+
+    /// Components in the plane's frame to frame 0. Its z is the plane's normal, its x lies above the
+    /// x of frame 0.
+    pub fn rotation(&self) -> Matrix3<f64> {
+        if self.is_level() {
+            return Matrix3::identity();
+        }
+        let (about_y, about_x) = self.tilt();
+        rotation_y(about_y) * rotation_x(about_x)
+    }
+
+    /// The belt's motion against the plane: on the plane, a belt that moves so is a belt on a flat
+    /// road. Its height is the clearance, its angles are those in the plane's frame, and its horizontal
+    /// velocity is such that the contact point moves over the road as it does.
+    ///
+    /// Where the plane pitches because the road is curved, the contact point travels around the tire;
+    /// this is the angular velocity of the plane times the arm from the belt's centre. The plane's
+    /// turning about its own normal is no motion of the road and does not count.
+    pub fn relative(&self, belt: &Motion<f64>) -> Motion<f64> {
+        if self.is_level() {
+            let mut motion = *belt;
+            motion.position.z = self.clearance;
+            motion.velocity.z = self.clearance_rate;
+            return motion;
+        }
+        let mut motion = belt.turned(&self.rotation().transpose());
+        let (about_y, about_x) = self.tilt();
+        let ((sin_y, cos_y), cos_x) = (libm::sincos(about_y), libm::cos(about_x));
+        let rate_y = -self.slope_rate[0] * cos_y * cos_y;
+        let rate_x = (self.slope_rate[1] * cos_y - self.slope[1] * sin_y * rate_y) * cos_x * cos_x;
+        let turning = Vector3::new(rate_x, rate_y * cos_x, 0.0);
+        motion.rates -= motion.rate_map_inverse() * turning;
+
+        let beside = self.clearance * libm::tan(motion.angles.x);
+        let arm = rotation_z(motion.angles.z) * Vector3::new(0.0, beside, -self.clearance);
+        motion.velocity += cross(&turning, &arm);
+        motion.velocity.z = self.clearance_rate;
+        motion.position.z = self.clearance;
+        motion
+    }
+}
