@@ -101,7 +101,7 @@ impl Model for RingBrushCorner {
             output("friction_energy", "J", real!(body.friction_energy), "Energy that sliding on the road turned into heat since the start").nominal(1e4),
             output("damper_energy", "J", real!(body.damper_energy), "Energy that the suspension's dampers turned into heat since the start").nominal(100.0),
             output("wheel_angle", "rad", real!(hub.angle), "Spin angle of the wheel, unbounded"),
-            output("road_height", "m", computed!(m: m.road.at(m.hub.position.x, 0.0).height), "Height of the filtered road below the wheel centre"),
+            output("road_elevation", "m", computed!(m: m.road.at(m.hub.position.x, 0.0).height), "Height of the filtered road below the wheel centre"),
         ],
         locals: [
             local("wheel_velocity_x", "m/s", real!(hub.velocity.x), "Velocity of the wheel centre along x"),

@@ -94,7 +94,7 @@ impl Model for RingBrushWheel {
             output("bearing_moment_z", "N.m", computed!(m: m.bearing_moment().z), "The same about z").nominal(100.0),
             output("brake_torque_actual", "N.m", real!(hub.brake_torque), "Torque with which the brake resisted the forward spin in the last step; on a wheel that stands, what it takes to hold it").nominal(100.0),
             output("brake_energy", "J", real!(hub.brake_energy), "Energy that the brake turned into heat since the start").nominal(1e4),
-            output("road_height", "m", computed!(m: m.road.at(m.hub.position.x, m.hub.position.y).height), "Height of the filtered road below the wheel centre"),
+            output("road_elevation", "m", computed!(m: m.road.at(m.hub.position.x, m.hub.position.y).height), "Height of the filtered road below the wheel centre"),
         ],
         locals: [],
         parameters: [
