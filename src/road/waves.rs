@@ -222,3 +222,18 @@ impl SplitMix64 {
         (z >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::SplitMix64;
+
+    #[test]
+    fn the_generator_is_the_published_one() {
+        let mut random = SplitMix64(1_234_567);
+        // the first numbers of the authors' generator
+        for published in [6_457_827_717_110_365_317_u64, 3_203_168_211_198_807_973, 9_817_491_932_198_370_423]
+        {
+            assert_eq!(random.uniform(), (published >> 11) as f64 / (1_u64 << 53) as f64);
+        }
+    }
+}
