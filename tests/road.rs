@@ -352,6 +352,6 @@ fn saved_roads_are_the_same_and_damage_is_found() {
         assert!(damaged.check().is_err(), "{path}");
     }
     let mut value = serde_json::to_value(road(&parameters(6))).unwrap();
-    value.pointer_mut("/irregular/lines").unwrap().as_array_mut().unwrap().pop();
+    value.pointer_mut("/irregular/octaves").unwrap().as_array_mut().unwrap().pop();
     assert!(serde_json::from_value::<Road>(value).unwrap().check().is_err());
 }
