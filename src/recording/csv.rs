@@ -20,6 +20,28 @@ const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 /// length, a time that does not increase, fewer than two rows. The message begins with
 /// `file:line:column`.
 pub fn read_csv(path: &Path) -> Result<Recording> {
+    read_csv_over(&TIME, path)
+}
+
+/// What the first column of a file is.
+pub(super) struct Axis {
+    /// Its name.
+    pub name: &'static str,
+    /// The unit that it is converted to.
+    pub unit: &'static str,
+    /// What that unit is one of.
+    pub quantity: &'static str,
+    /// Whether a row may have the value of the row before.
+    pub repeats: bool,
+}
+
+const TIME: Axis = Axis { name: "time", unit: "s", quantity: "time", repeats: false };
+
+/// Reads a CSV file whose first column is not the time. It still is `time` of the recording.
+///
+/// # Errors
+/// As [`read_csv`].
+pub(super) fn read_csv_over(axis: &Axis, path: &Path) -> Result<Recording> {
     let source = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|e| Error::file(format!("{source} cannot be read: {e}")))?;
     let text = String::from_utf8(bytes).map_err(|e| {
@@ -27,7 +49,7 @@ pub fn read_csv(path: &Path) -> Result<Recording> {
         let line = 1 + valid.iter().filter(|b| **b == b'\n').count();
         Error::file(format!("{source}:{line}: not UTF-8 text; save the file as UTF-8"))
     })?;
-    parse_csv(&text, &source)
+    parse_csv_over(axis, &text, &source)
 }
 
 /// Reads CSV text, see [`read_csv`]; `source` stands for the file's name in messages.
@@ -35,6 +57,10 @@ pub fn read_csv(path: &Path) -> Result<Recording> {
 /// # Errors
 /// As [`read_csv`].
 pub fn parse_csv(text: &str, source: &str) -> Result<Recording> {
+    parse_csv_over(&TIME, text, source)
+}
+
+fn parse_csv_over(axis: &Axis, text: &str, source: &str) -> Result<Recording> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = Lines { text: text.as_bytes(), byte: 0, line: 1 };
     let separator = separator(text.as_bytes());
@@ -53,10 +79,11 @@ pub fn parse_csv(text: &str, source: &str) -> Result<Recording> {
 
     let Some(line) = next(&mut row)? else {
         return Err(Error::file(format!(
-            "{source}: the file is empty; a header line of `name [unit]` cells that begins with `time [s]` is needed"
+            "{source}: the file is empty; a header line of `name [unit]` cells that begins with `{} [{}]` is needed",
+            axis.name, axis.unit
         )));
     };
-    let Header { mut recording, columns, factor } = Header::parse(&row, source, line)?;
+    let Header { mut recording, columns, factor } = Header::parse(axis, &row, source, line)?;
 
     // the decimal mark is the first that is seen; a comma between commas could be anything
     let mut mark = (separator == b',').then_some('.');
@@ -74,9 +101,15 @@ pub fn parse_csv(text: &str, source: &str) -> Result<Recording> {
         });
         if let Some(time) = numbers.next() {
             let time = time? * factor;
-            if let Some(before) = recording.time.last().filter(|before| time <= **before) {
+            if let Some(before) = recording
+                .time
+                .last()
+                .filter(|before| if axis.repeats { time < **before } else { time <= **before })
+            {
+                let Axis { name, unit, repeats, .. } = axis;
+                let rule = if *repeats { "must not decrease" } else { "has to increase" };
                 return Err(Error::file(format!(
-                    "{source}:{line}:{}: {time} s comes after {before} s; time has to increase from row to row",
+                    "{source}:{line}:{}: {time} {unit} comes after {before} {unit}; {name} {rule} from row to row",
                     columns[0]
                 )));
             }
@@ -101,16 +134,17 @@ struct Header {
     recording: Recording,
     /// How messages call the columns: name and number.
     columns: Vec<String>,
-    /// From the file's unit of time to seconds.
+    /// From the first column's unit to that of the axis.
     factor: f64,
 }
 
 impl Header {
-    fn parse(row: &csv::StringRecord, source: &str, line: u64) -> Result<Self> {
+    fn parse(axis: &Axis, row: &csv::StringRecord, source: &str, line: u64) -> Result<Self> {
         let mut recording = Recording { source: source.into(), ..Recording::default() };
         let mut columns = Vec::new();
         let mut seen = HashMap::new();
         let mut factor = 1.0;
+        let Axis { name: axis_name, unit: axis_unit, quantity, .. } = axis;
         for (i, cell) in row.iter().enumerate() {
             let number = i + 1;
             let fail = |column: &str, what: String| {
@@ -121,7 +155,10 @@ impl Header {
                     return fail("", "the header cell is empty; write `name [unit]`".into());
                 }
                 if i == 0 {
-                    return fail(cell, "the first column has to be the time, `time [s]`".into());
+                    return fail(
+                        cell,
+                        format!("the first column has to be the {quantity}, `{axis_name} [{axis_unit}]`"),
+                    );
                 }
                 return fail(
                     cell,
@@ -142,15 +179,22 @@ impl Header {
                 recording.channels.push(Channel { name: name.into(), unit: unit.into(), values: Vec::new() });
                 continue;
             }
-            if name != "time" {
+            if name != *axis_name {
                 return fail(
                     name,
-                    "the first column has to be the time, written `time [s]` in small letters".into(),
+                    format!(
+                        "the first column has to be the {quantity}, written `{axis_name} [{axis_unit}]` in small letters"
+                    ),
                 );
             }
-            match Unit::parse("s").ok().and_then(|second| parsed.to(second)) {
-                Some((to_seconds, _)) => factor = to_seconds,
-                None => return fail(name, format!("{unit:?} is no unit of time; write `time [s]`")),
+            match Unit::parse(axis_unit).ok().and_then(|si| parsed.to(si)) {
+                Some((to_si, _)) => factor = to_si,
+                None => {
+                    return fail(
+                        name,
+                        format!("{unit:?} is no unit of {quantity}; write `{axis_name} [{axis_unit}]`"),
+                    );
+                }
             }
         }
         Ok(Self { recording, columns, factor })
@@ -283,7 +327,7 @@ fn write(file: &mut dyn Write, recording: &Recording) -> std::io::Result<()> {
 }
 
 /// The shortest text that reads back as the same number.
-fn shortest(number: f64) -> String {
+pub(super) fn shortest(number: f64) -> String {
     let mut text = format!("{number:?}");
     if text.ends_with(".0") {
         text.truncate(text.len() - 2);

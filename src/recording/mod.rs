@@ -1,8 +1,10 @@
 //! Recordings: measured or simulated channels over time, with units, and the CSV files that hold them.
 
 mod csv;
+mod profile;
 
 pub use csv::{parse_csv, read_csv, to_csv, write_csv};
+pub use profile::profile_from_csv;
 
 use crate::model::unit::Unit;
 use crate::{Error, Result};

@@ -22,14 +22,14 @@
 //!
 //!   | lambda / L | 20 | 10 | 4 | 2 | 1.5 | 1 | below 1 |
 //!   |---|---|---|---|---|---|---|---|
-//!   | gain | 0.994 | 0.975 | 0.849 | 0.5 | 0.266 | 0 | -0.027 to 0.009 |
+//!   | gain | 0.994 | 0.974 | 0.849 | 0.5 | 0.266 | 0 | -0.027 to 0.008 |
 //!
 //! * A rigid tire of radius R touches an edge of height h already sqrt(2 R h - h²) ahead of it: 82 mm for
-//!   R = 0.338 m and h = 10 mm, and so farther ahead the higher the edge. This envelopment by shape
-//!   is no linear filter. Results are qualitative for obstacles higher than 10 to 15 mm or shorter
-//!   than the contact, and where an edge lifts the tire off.
-//! * w is a surface, without the hole that a filtered edge hides: the tire that rolls on it makes one
-//!   contact, never two.
+//!   R = 0.338 m and h = 10 mm, more for higher edges. This envelopment by shape is no linear filter.
+//!   Results are qualitative for obstacles higher than 10 to 15 mm or shorter than the contact, and
+//!   where an edge lifts the tire off.
+//! * w is one smooth surface: a tire that bridges a groove and stands on both of its edges, or on an edge and
+//!   the road before it, is not represented.
 
 mod friction;
 mod parameters;

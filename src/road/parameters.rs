@@ -2,7 +2,7 @@
 
 use super::polyline::shortest_period;
 use super::text::pairs;
-use crate::{Error, Result};
+use crate::{Error, Result, clone_in_place};
 use serde::{Deserialize, Serialize};
 
 /// The kinds of road, as items of an enumeration: name and description.
@@ -32,7 +32,7 @@ const LEAST_DISTANCE: f64 = 1e-5;
 const LARGEST_PLACE: f64 = 1e6;
 
 /// What a road is made from. Parameters that a kind does not mention are not used by it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct RoadParameters {
     /// `road_kind`: the kind, from 1 = flat in the order of [`KINDS`].
     pub kind: i32,
@@ -68,6 +68,21 @@ pub struct RoadParameters {
     /// friction coefficients is mu; 1 before the first.
     pub friction: String,
 }
+
+clone_in_place!(RoadParameters {
+    kind,
+    start,
+    height,
+    length,
+    bevel,
+    spacing,
+    roughness,
+    seed,
+    direction,
+    filter_length,
+    profile,
+    friction,
+});
 
 impl Default for RoadParameters {
     /// A flat road.

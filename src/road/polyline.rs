@@ -2,7 +2,7 @@
 
 use crate::clone_in_place;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Straight pieces between kinks; level before the first kink and behind the last. Repeated or not.
 #[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -67,19 +67,22 @@ impl Polyline {
         let begin = s - self.origin - length;
         let first = self.copy(begin);
         let (passed, height, slope) = self.piece(first, begin);
-        let (mut w, mut slope, mut curvature) = (height + slope * length, slope, 0.0);
+        // in units of L along the road, which leaves no division to the kinks
+        let scale = 1.0 / length;
+        let (mut w, mut by_v, mut by_vv) = (height + slope * length, slope * length, 0.0);
         for n in first..=self.copy(begin + 2.0 * length) {
             let u = begin - self.shift(n) + length;
             let phase = libm::sincos(PI * u / length);
             let kinks = if n == first { &self.kinks[passed..] } else { &self.kinks };
             for kink in kinks.iter().take_while(|k| k.at < u + length) {
-                let response = Response::new(kink, u, phase, length);
-                w += kink.jump * response.step + kink.bend * response.ramp;
-                slope += kink.jump * response.kernel + kink.bend * response.step;
-                curvature += kink.jump * response.kernel_slope + kink.bend * response.kernel;
+                let response = Response::new(kink, (u - kink.at) * scale, phase);
+                let bend = kink.bend * length;
+                w += kink.jump * response.step + bend * response.ramp;
+                by_v += kink.jump * response.kernel + bend * response.step;
+                by_vv += kink.jump * response.kernel_slope + bend * response.kernel;
             }
         }
-        [w, slope, curvature]
+        [w, by_v * scale, by_vv * scale * scale]
     }
 
     /// Height at `s`, not filtered.
@@ -130,29 +133,30 @@ pub(super) fn shortest_period(length: f64) -> f64 {
     length / 100.0
 }
 
-/// What the filter makes of a unit step and a unit change of slope, u - kink.at behind them.
+/// What the filter makes of a unit step and a unit change of slope, v behind them, all in units of L.
 struct Response {
-    /// Integral of `step` \[m\].
+    /// Integral of `step`.
     ramp: f64,
     /// Integral of `kernel`.
     step: f64,
-    /// K \[1/m\].
+    /// K.
     kernel: f64,
-    /// dK/du \[1/m²\].
+    /// dK/dv.
     kernel_slope: f64,
 }
 
 impl Response {
+    /// From v and the sine and cosine of the phase pi s / L.
     #[inline]
-    fn new(kink: &Kink, u: f64, (sin_u, cos_u): (f64, f64), length: f64) -> Self {
-        let v = (u - kink.at) / length;
-        let sin = sin_u * kink.cos - cos_u * kink.sin;
-        let cos = cos_u * kink.cos + sin_u * kink.sin;
+    fn new(kink: &Kink, v: f64, (sin_s, cos_s): (f64, f64)) -> Self {
+        let sin = sin_s * kink.cos - cos_s * kink.sin;
+        let cos = cos_s * kink.cos + sin_s * kink.sin;
+        let kernel = 0.5 * (1.0 + cos);
         Self {
-            ramp: length * (0.25 * (1.0 + v) * (1.0 + v) - 0.5 * (1.0 + cos) / (PI * PI)),
-            step: 0.5 * (1.0 + v + sin / PI),
-            kernel: 0.5 * (1.0 + cos) / length,
-            kernel_slope: -0.5 * PI * sin / (length * length),
+            ramp: 0.25 * (1.0 + v) * (1.0 + v) - kernel * (FRAC_1_PI * FRAC_1_PI),
+            step: 0.5 * (1.0 + v + sin * FRAC_1_PI),
+            kernel,
+            kernel_slope: -0.5 * PI * sin,
         }
     }
 }

@@ -101,63 +101,65 @@ const FADE_IN: f64 = 10.0;
 #[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Irregular {
     start: f64,
-    /// 16 chains of octaves, one behind the other; or nothing.
-    lines: Vec<Line>,
+    /// Ten, or none.
+    octaves: Vec<Octave>,
 }
 
-/// z = cos_part cos(k x) + sin_part sin(k x), times `gain` when filtered.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Line {
+/// The lines of an octave: the sum of cos_part cos(k x) + sin_part sin(k x), times `gain` when filtered.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+struct Octave {
     /// k = 2 pi n \[rad/m\].
-    wavenumber: f64,
-    cos_part: f64,
-    sin_part: f64,
-    gain: f64,
+    wavenumber: [f64; PER_OCTAVE],
+    cos_part: [f64; PER_OCTAVE],
+    sin_part: [f64; PER_OCTAVE],
+    gain: [f64; PER_OCTAVE],
 }
 
-clone_in_place!(Irregular { start, lines });
+clone_in_place!(Irregular { start, octaves });
 
 impl Irregular {
     /// The road of roughness Gd(n0) \[m³\]; every `seed` gives another one.
     pub(super) fn new(start: f64, roughness: f64, seed: i32, length: f64) -> Self {
         let mut random = SplitMix64(i64::from(seed).cast_unsigned());
-        let mut lines = Vec::with_capacity(OCTAVES * PER_OCTAVE);
+        let mut octaves = vec![Octave::default(); OCTAVES];
         let edge = |i: usize| libm::exp2(i as f64 / PER_OCTAVE as f64) * LOWEST;
         for i in 0..PER_OCTAVE {
             let (from, to) = (edge(i), edge(i + 1));
             let (mut n, mut width) = ((from * to).sqrt(), to - from);
-            for _ in 0..OCTAVES {
+            for octave in &mut octaves {
                 let density = roughness * (REFERENCE / n) * (REFERENCE / n);
                 let amplitude = (2.0 * density * width).sqrt();
                 let (sin, cos) = libm::sincos(TAU * random.uniform());
-                lines.push(Line {
-                    wavenumber: TAU * n,
-                    cos_part: amplitude * cos,
-                    sin_part: amplitude * sin,
-                    gain: gain(TAU * n * length),
-                });
+                octave.wavenumber[i] = TAU * n;
+                octave.cos_part[i] = amplitude * cos;
+                octave.sin_part[i] = amplitude * sin;
+                octave.gain[i] = gain(TAU * n * length);
                 n *= 2.0;
                 width *= 2.0;
             }
         }
-        Self { start, lines }
+        Self { start, octaves }
     }
 
     /// Filtered height, slope and curvature at `s`.
     pub(super) fn at(&self, s: f64) -> [f64; 3] {
         let x = s - self.start;
-        if self.lines.is_empty() || x <= 0.0 {
+        if self.octaves.is_empty() || x <= 0.0 {
             return [0.0; 3];
         }
-        let (mut w, mut slope, mut curvature) = (0.0, 0.0, 0.0);
-        self.for_lines(x, |line, sin, cos| {
-            let k = line.wavenumber;
-            let (a, b) = (line.gain * line.cos_part, line.gain * line.sin_part);
-            let value = a * cos + b * sin;
-            w += value;
-            slope += k * (b * cos - a * sin);
-            curvature -= k * k * value;
+        // one sum for each line of an octave: independent sums are quick
+        let mut sums = [[0.0; PER_OCTAVE]; 3];
+        self.for_octaves(x, |octave, sin, cos| {
+            for i in 0..PER_OCTAVE {
+                let k = octave.wavenumber[i];
+                let (a, b) = (octave.gain[i] * octave.cos_part[i], octave.gain[i] * octave.sin_part[i]);
+                let value = a * cos[i] + b * sin[i];
+                sums[0][i] += value;
+                sums[1][i] += k * (b * cos[i] - a * sin[i]);
+                sums[2][i] -= k * k * value;
+            }
         });
+        let [w, slope, curvature] = sums.map(|sum| sum.iter().sum::<f64>());
         let (fade, by_x, by_xx) = fade_in(x);
         [fade * w, fade * slope + by_x * w, fade * curvature + 2.0 * by_x * slope + by_xx * w]
     }
@@ -167,30 +169,39 @@ impl Irregular {
         let x = s - self.start;
         let mut z = 0.0;
         if x > 0.0 {
-            self.for_lines(x, |line, sin, cos| z += line.cos_part * cos + line.sin_part * sin);
+            self.for_octaves(x, |octave, sin, cos| {
+                for i in 0..PER_OCTAVE {
+                    z += octave.cos_part[i] * cos[i] + octave.sin_part[i] * sin[i];
+                }
+            });
         }
         fade_in(x).0 * z
     }
 
-    /// Calls `f` with every line and the sine and cosine of its phase at `x`.
+    /// Calls `f` with every octave and the sines and cosines of its phases at `x`.
     #[inline]
-    fn for_lines(&self, x: f64, mut f: impl FnMut(&Line, f64, f64)) {
-        for chain in self.lines.chunks(OCTAVES) {
-            let (mut sin, mut cos) = libm::sincos(chain[0].wavenumber * x);
-            for line in chain {
-                f(line, sin, cos);
-                (sin, cos) = (2.0 * sin * cos, 1.0 - 2.0 * sin * sin);
+    fn for_octaves(&self, x: f64, mut f: impl FnMut(&Octave, &[f64; PER_OCTAVE], &[f64; PER_OCTAVE])) {
+        let Some(first) = self.octaves.first() else { return };
+        let (mut sin, mut cos) = ([0.0; PER_OCTAVE], [0.0; PER_OCTAVE]);
+        for i in 0..PER_OCTAVE {
+            (sin[i], cos[i]) = libm::sincos(first.wavenumber[i] * x);
+        }
+        for octave in &self.octaves {
+            f(octave, &sin, &cos);
+            for i in 0..PER_OCTAVE {
+                (sin[i], cos[i]) = (2.0 * sin[i] * cos[i], 1.0 - 2.0 * sin[i] * sin[i]);
             }
         }
     }
 
     /// True if [`new`](Self::new) can have made it.
     pub(super) fn is_whole(&self) -> bool {
-        let finite =
-            |l: &Line| [l.wavenumber, l.cos_part, l.sin_part, l.gain].iter().all(|value| value.is_finite());
+        let finite = |o: &Octave| {
+            [o.wavenumber, o.cos_part, o.sin_part, o.gain].iter().flatten().all(|value| value.is_finite())
+        };
         self.start.is_finite()
-            && (self.lines.is_empty() || self.lines.len() == OCTAVES * PER_OCTAVE)
-            && self.lines.iter().all(finite)
+            && (self.octaves.is_empty() || self.octaves.len() == OCTAVES)
+            && self.octaves.iter().all(finite)
     }
 }
 
@@ -220,5 +231,20 @@ impl SplitMix64 {
         z ^= z >> 31;
         // 53 bits are what a number holds
         (z >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SplitMix64;
+
+    #[test]
+    fn the_generator_is_the_published_one() {
+        let mut random = SplitMix64(1_234_567);
+        // the first numbers of the authors' generator
+        for published in [6_457_827_717_110_365_317_u64, 3_203_168_211_198_807_973, 9_817_491_932_198_370_423]
+        {
+            assert_eq!(random.uniform(), (published >> 11) as f64 / (1_u64 << 53) as f64);
+        }
     }
 }

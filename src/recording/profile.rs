@@ -1,0 +1,74 @@
+//! Road profiles from CSV files.
+
+use super::csv::{Axis, read_csv_over, shortest};
+use crate::road::MAX_POINTS;
+use crate::{Error, Result};
+use std::path::Path;
+
+const PLACE: Axis = Axis { name: "x", unit: "m", quantity: "place", repeats: true };
+
+/// Reads a CSV file of two columns, `x [m]` and `z [m]` or in other units of length, as the text of the
+/// parameter `road_profile`: "x z; x z; ..." in m, with the same bits. Rows are as
+/// [`read_csv`](super::read_csv) reads them; x must not decrease, and two rows with the same x are a
+/// vertical edge.
+///
+/// # Errors
+/// A file that cannot be read, content that is not as above, more than [`MAX_POINTS`] points; the
+/// message begins with the file's name.
+pub fn profile_from_csv(path: &Path) -> Result<String> {
+    let recording = read_csv_over(&PLACE, path)?;
+    let fail = |what: String| Err(Error::file(format!("{}: {what}", recording.source)));
+    if recording.channels.len() != 1 {
+        let columns = 1 + recording.channels.len();
+        return fail(format!("a profile has two columns, `x [m]` and `z [m]`; this file has {columns}"));
+    }
+    let heights = recording.channel_in("z", "m")?;
+    if heights.len() > MAX_POINTS {
+        return fail(format!("{} points are more than {MAX_POINTS}", heights.len()));
+    }
+    let points: Vec<_> = recording
+        .time
+        .iter()
+        .zip(&heights)
+        .map(|(x, z)| format!("{} {}", shortest(*x), shortest(*z)))
+        .collect();
+    Ok(points.join("; "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::road::{Road, RoadParameters};
+
+    fn read(content: &str) -> Result<String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bump.csv");
+        std::fs::write(&path, content).unwrap();
+        profile_from_csv(&path)
+    }
+
+    #[test]
+    fn files_become_the_text_of_a_profile() {
+        let profile = read("x [m];z [mm]\n-0,5;0\n0;0\n0;12,5\n1e-1;-20\n").unwrap();
+        assert_eq!(profile, "-0.5 0; 0 0; 0 0.0125; 0.1 -0.02");
+        let road = Road::new(&RoadParameters { kind: 8, start: 2.0, profile, ..RoadParameters::default() });
+        assert_eq!(road.unwrap().raw_height(2.0), 0.0125);
+    }
+
+    #[test]
+    fn errors_name_file_and_line() {
+        let many = format!("x [m],z [m]\n{}", "1,2\n".repeat(MAX_POINTS + 1));
+        for (content, words) in [
+            ("time [s],z [m]\n0,0\n1,0\n", ["bump.csv:1", "`x [m]`"]),
+            ("x [s],z [m]\n0,0\n1,0\n", ["bump.csv:1", "no unit of place"]),
+            ("x [m],z [kg]\n0,0\n1,0\n", ["bump.csv", "cannot be converted"]),
+            ("x [m],y [m]\n0,0\n1,0\n", ["bump.csv", "no channel \"z\""]),
+            ("x [m],z [m],mu [1]\n0,0,1\n1,0,1\n", ["bump.csv", "has 3"]),
+            ("x [m],z [m]\n0,0\n1,0\n0.5,0\n", ["bump.csv:4", "must not decrease"]),
+            (&many, ["bump.csv", "20001 points"]),
+        ] {
+            let message = read(content).unwrap_err().to_string();
+            assert!(words.iter().all(|word| message.contains(word)), "{message}");
+        }
+    }
+}
