@@ -1,3 +1,7 @@
 //! The binary inside the FMUs. To make FMUs of own models, copy this crate and name them here.
 
-latsch::export_fmus!(latsch::rig::RingBrushFlatTrack);
+latsch::export_fmus!(
+    latsch::rig::RingBrushFlatTrack,
+    latsch::control::BrakeHydraulics,
+    latsch::control::AbsController
+);
