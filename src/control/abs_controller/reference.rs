@@ -70,9 +70,8 @@ impl Reference {
         if let Some(anchor) = &mut self.anchor {
             anchor.age += dt;
         }
-        self.speed = fastest
-            .max(0.0)
-            .clamp((self.speed - self.descent * dt).max(0.0), self.speed + limits.ascent * dt);
+        let (least, most) = (self.speed - self.descent * dt, self.speed + limits.ascent * dt);
+        self.speed = fastest.max(least).min(most).max(0.0);
     }
 
     /// False for a state that no run leads to.

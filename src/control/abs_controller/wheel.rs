@@ -16,6 +16,9 @@ pub struct Thresholds {
     pub deceleration_dump: f64,
     pub slip_build: f64,
     pub acceleration_recovered: f64,
+    pub acceleration_strong: f64,
+    pub lead_time: f64,
+    pub rebuild: f64,
     pub recovery_time: f64,
     pub hold_time: f64,
     pub coast_time: f64,
@@ -68,8 +71,18 @@ pub struct Wheel {
     pub slip: f64,
     /// What is being done.
     pub phase: Phase,
+    /// Change of the acceleration over the last sample, per second \[m/s3\].
+    jerk: f64,
     /// Time in the present recovery or build \[s\].
     since: f64,
+    /// Greatest acceleration in the present recovery \[m/s2\].
+    strongest: f64,
+    /// Time for which the inlet is still to be fully open \[s\].
+    rebuild: f64,
+    /// Opening of the inlet valve until the next sample.
+    pub inlet: f64,
+    /// False from the begin of a slip until the wheel is seen back at the vehicle's speed.
+    settled: bool,
     /// Time for which pressure was dumped without an answer of the wheel \[s\].
     coasting: f64,
 }
@@ -77,14 +90,16 @@ pub struct Wheel {
 impl Wheel {
     /// A wheel that runs evenly.
     pub fn new(speed: f64) -> Self {
-        Self { speed, ..Self::default() }
+        Self { speed, inlet: 1.0, settled: true, ..Self::default() }
     }
 
     /// Takes over the speed after `dt`; a first-order filter takes oscillations out of the acceleration.
     pub fn measure(&mut self, speed: f64, filter: f64, dt: f64) {
         let decay = if filter > 0.0 { Real::exp(-dt / filter) } else { 0.0 };
         let slope = (speed - self.speed) / dt;
-        self.acceleration = slope + (self.acceleration - slope) * decay;
+        let acceleration = slope + (self.acceleration - slope) * decay;
+        self.jerk = (acceleration - self.acceleration) / dt;
+        self.acceleration = acceleration;
         self.speed = speed;
     }
 
@@ -95,7 +110,7 @@ impl Wheel {
 
     /// False for a state that no run leads to.
     pub fn is_finite(&self) -> bool {
-        [self.speed, self.acceleration, self.slip, self.since, self.coasting].iter().all(|x| x.is_finite())
+        [self.speed, self.acceleration, self.jerk, self.slip, self.since, self.strongest, self.rebuild, self.inlet, self.coasting].iter().all(|x| x.is_finite())
     }
 
     /// True while slip is being brought down.
@@ -105,34 +120,51 @@ impl Wheel {
 
     /// Leaves the brake to the driver.
     pub fn release(&mut self) {
-        *self = Self { phase: Phase::Off, since: 0.0, coasting: 0.0, ..*self };
+        self.enter(Phase::Off);
+        self.inlet = 1.0;
+        self.settled = true;
     }
 
     /// Decides for the next `dt`. `descent` is the fastest deceleration \[m/s2\] that the vehicle may have.
     pub fn decide(&mut self, reference: f64, descent: f64, t: &Thresholds, dt: f64) -> Option<Event> {
         self.since += dt;
-        match self.phase {
-            Phase::Off | Phase::Build => {
-                let falls = self.acceleration < -t.deceleration_dump;
-                if self.slip > t.slip_dump_always || (self.slip > t.slip_dump && falls) {
-                    self.enter(Phase::Dump);
-                    return Some(Event::Slips);
-                }
-                if self.phase == Phase::Build && self.since >= t.build_time {
-                    self.enter(Phase::Off);
-                }
-                None
-            }
+        let event = match self.phase {
+            Phase::Off | Phase::Build => self.watch(t),
             Phase::Hold | Phase::Dump => self.recover(reference, descent, t, dt),
+        };
+        self.inlet = match self.phase {
+            Phase::Off => 1.0,
+            Phase::Build => (self.rebuild / dt).clamp(t.build_opening, 1.0),
+            Phase::Hold | Phase::Dump => 0.0,
+        };
+        self.rebuild = (self.rebuild - dt).max(0.0);
+        event
+    }
+
+    fn watch(&mut self, t: &Thresholds) -> Option<Event> {
+        let falls = self.acceleration < -t.deceleration_dump;
+        if self.slip > t.slip_dump_always || (self.slip > t.slip_dump && falls) {
+            self.enter(Phase::Dump);
+            self.settled = false;
+            return Some(Event::Slips);
         }
+        if self.phase == Phase::Build && self.since >= t.build_time {
+            self.enter(Phase::Off);
+        }
+        let back = !self.settled && self.acceleration < t.acceleration_recovered;
+        self.settled |= back;
+        back.then_some(Event::Recovered)
     }
 
     fn recover(&mut self, reference: f64, descent: f64, t: &Thresholds, dt: f64) -> Option<Event> {
-        let slips = self.slip > t.slip_build;
+        self.strongest = self.strongest.max(self.acceleration);
         let settled = self.acceleration < t.acceleration_recovered;
-        if !slips && settled && self.since >= t.hold_time {
+        let expected = self.slip - t.lead_time * self.acceleration / reference;
+        let strong = self.acceleration > t.acceleration_strong && expected < t.slip_build;
+        if strong || (self.slip < t.slip_build && settled && self.since >= t.hold_time) {
+            self.rebuild = t.rebuild * self.strongest;
             self.enter(Phase::Build);
-            return Some(Event::Recovered);
+            return None;
         }
         let unanswered = self.phase == Phase::Dump && settled && self.acceleration > -descent;
         self.coasting = if unanswered { self.coasting + dt } else { 0.0 };
@@ -140,25 +172,18 @@ impl Wheel {
         let patience = if locked { LOCKED_PATIENCE * t.coast_time } else { t.coast_time };
         if self.coasting >= patience {
             self.enter(Phase::Build);
+            self.settled = true;
             return Some(Event::Coasts);
         }
         // fast enough to have recovered after recovery_time
         let wanted = (self.slip - t.slip_build) * reference / t.recovery_time;
-        self.phase = if slips && self.acceleration < wanted { Phase::Dump } else { Phase::Hold };
+        let slow = self.acceleration + t.lead_time * self.jerk < wanted;
+        self.phase = if self.slip > t.slip_build && slow { Phase::Dump } else { Phase::Hold };
         None
     }
 
     fn enter(&mut self, phase: Phase) {
-        *self = Self { phase, since: 0.0, coasting: 0.0, ..*self };
-    }
-
-    /// Opening of the inlet valve.
-    pub fn inlet(&self, t: &Thresholds) -> f64 {
-        match self.phase {
-            Phase::Off => 1.0,
-            Phase::Build => t.build_opening,
-            Phase::Hold | Phase::Dump => 0.0,
-        }
+        *self = Self { phase, since: 0.0, coasting: 0.0, strongest: 0.0, ..*self };
     }
 
     /// Opening of the outlet valve.
