@@ -1,5 +1,6 @@
 //! The models that are shipped.
 
+use crate::control::{AbsController, BrakeHydraulics};
 use crate::fmi::Entry;
 use crate::rig::{RingBrushCorner, RingBrushFlatTrack, RingBrushTire, RingBrushWheel};
 
@@ -9,4 +10,6 @@ pub const MODELS: &[Entry] = &[
     Entry::of::<RingBrushTire>(),
     Entry::of::<RingBrushWheel>(),
     Entry::of::<RingBrushCorner>(),
+    Entry::of::<BrakeHydraulics>(),
+    Entry::of::<AbsController>(),
 ];

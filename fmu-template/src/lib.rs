@@ -5,4 +5,6 @@ latsch::export_fmus!(
     latsch::rig::RingBrushTire,
     latsch::rig::RingBrushWheel,
     latsch::rig::RingBrushCorner,
+    latsch::control::BrakeHydraulics,
+    latsch::control::AbsController
 );

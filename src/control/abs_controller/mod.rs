@@ -1,0 +1,203 @@
+//! `abs-controller`: a rule-based anti-lock controller for one to four wheels, the stand-in of Mack
+//! (2009) section 19.2 with a reference speed of its own.
+//!
+//! The source used a manufacturer's controller and gives no thresholds: all here are placeholders and
+//! parameters. The vehicle's true speed is no input.
+
+mod reference;
+mod wheel;
+
+use self::reference::{Limits, Reference, Wheels};
+use self::wheel::{Event, PHASES, Phase, Thresholds, Wheel};
+use crate::model::{Access, Model, Variable, input, integer_parameter, local, output, parameter};
+use crate::{Error, Result, integer, real};
+use serde::{Deserialize, Serialize};
+
+/// A communication point this close before a sample, in samples, is the sample.
+const SAMPLE_TOLERANCE: f64 = 1e-6;
+
+/// The model: inputs, parameters, wheels and reference speed.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct AbsController {
+    count: i32,
+    radii: [f64; 4],
+    wheel_speeds: [f64; 4],
+    driver_pressure: f64,
+    thresholds: Thresholds,
+    limits: Limits,
+    activation_pressure: f64,
+    switch_off_speed: f64,
+    sample_time: f64,
+    wheels: [Wheel; 4],
+    reference: Reference,
+}
+
+impl Model for AbsController {
+    const NAME: &'static str = "abs-controller";
+    const DESCRIPTION: &'static str = "Rule-based anti-lock brake controller for one to four wheels: wheel speeds and the driver's pressure in, openings of the valves out";
+    const STOP_TIME: f64 = 5.0;
+    const DOCUMENTATION: &'static str = include_str!("documentation.html");
+    const VARIABLES: &'static [Variable<Self>] = &[
+        input("wheel_speed_1", "rad/s", real!(wheel_speeds[0]), 0.0, "Spin speed of wheel 1, positive forward; not used where wheels is less").range(-1e4, 1e4),
+        input("wheel_speed_2", "rad/s", real!(wheel_speeds[1]), 0.0, "Spin speed of wheel 2, positive forward; not used where wheels is less").range(-1e4, 1e4),
+        input("wheel_speed_3", "rad/s", real!(wheel_speeds[2]), 0.0, "Spin speed of wheel 3, positive forward; not used where wheels is less").range(-1e4, 1e4),
+        input("wheel_speed_4", "rad/s", real!(wheel_speeds[3]), 0.0, "Spin speed of wheel 4, positive forward; not used where wheels is less").range(-1e4, 1e4),
+        input("driver_pressure", "Pa", real!(driver_pressure), 0.0, "Pressure in the master cylinder, over ambient").range(-1e7, 1e8),
+        output("inlet_valve_1", "1", real!(wheels[0].inlet), "Opening of the inlet valve of wheel 1"),
+        output("outlet_valve_1", "1", Access::Real(|m: &Self| m.wheels[0].outlet(), |_: &mut Self, _| {}), "Opening of the outlet valve of wheel 1"),
+        output("inlet_valve_2", "1", real!(wheels[1].inlet), "Opening of the inlet valve of wheel 2"),
+        output("outlet_valve_2", "1", Access::Real(|m: &Self| m.wheels[1].outlet(), |_: &mut Self, _| {}), "Opening of the outlet valve of wheel 2"),
+        output("inlet_valve_3", "1", real!(wheels[2].inlet), "Opening of the inlet valve of wheel 3"),
+        output("outlet_valve_3", "1", Access::Real(|m: &Self| m.wheels[2].outlet(), |_: &mut Self, _| {}), "Opening of the outlet valve of wheel 3"),
+        output("inlet_valve_4", "1", real!(wheels[3].inlet), "Opening of the inlet valve of wheel 4"),
+        output("outlet_valve_4", "1", Access::Real(|m: &Self| m.wheels[3].outlet(), |_: &mut Self, _| {}), "Opening of the outlet valve of wheel 4"),
+        output("reference_speed", "m/s", real!(reference.speed), "The controller's own estimate of the vehicle's speed"),
+        output("active", "", Access::Boolean(|m: &Self| m.in_use().iter().any(|w| w.phase != Phase::Off), |_: &mut Self, _| {}), "True while the brake of at least one wheel is not left to the driver"),
+        output("phase_1", "", Access::Integer(|m: &Self| m.wheels[0].phase as i32 + 1, |_: &mut Self, _| {}), "What is being done with wheel 1").items(PHASES),
+        output("phase_2", "", Access::Integer(|m: &Self| m.wheels[1].phase as i32 + 1, |_: &mut Self, _| {}), "What is being done with wheel 2").items(PHASES),
+        output("phase_3", "", Access::Integer(|m: &Self| m.wheels[2].phase as i32 + 1, |_: &mut Self, _| {}), "What is being done with wheel 3").items(PHASES),
+        output("phase_4", "", Access::Integer(|m: &Self| m.wheels[3].phase as i32 + 1, |_: &mut Self, _| {}), "What is being done with wheel 4").items(PHASES),
+        output("slip_1", "1", real!(wheels[0].slip), "Brake slip of wheel 1 against the reference speed: 0 rolls, 1 is locked"),
+        output("slip_2", "1", real!(wheels[1].slip), "Brake slip of wheel 2 against the reference speed: 0 rolls, 1 is locked"),
+        output("slip_3", "1", real!(wheels[2].slip), "Brake slip of wheel 3 against the reference speed: 0 rolls, 1 is locked"),
+        output("slip_4", "1", real!(wheels[3].slip), "Brake slip of wheel 4 against the reference speed: 0 rolls, 1 is locked"),
+        output("wheel_acceleration_1", "m/s2", real!(wheels[0].acceleration), "Acceleration of wheel 1 at its circumference, filtered").nominal(10.0),
+        output("wheel_acceleration_2", "m/s2", real!(wheels[1].acceleration), "Acceleration of wheel 2 at its circumference, filtered").nominal(10.0),
+        output("wheel_acceleration_3", "m/s2", real!(wheels[2].acceleration), "Acceleration of wheel 3 at its circumference, filtered").nominal(10.0),
+        output("wheel_acceleration_4", "m/s2", real!(wheels[3].acceleration), "Acceleration of wheel 4 at its circumference, filtered").nominal(10.0),
+        local("descent_limit", "m/s2", real!(reference.descent), "How fast the reference speed may fall now"),
+        integer_parameter("wheels", integer!(count), 4, "Number of wheels").range(1.0, 4.0),
+        parameter("rolling_radius_1", "m", real!(radii[0]), 0.325, "Rolling radius of wheel 1 that the controller assumes (r_dyn; placeholder)").range(0.05, 2.0).tunable(),
+        parameter("rolling_radius_2", "m", real!(radii[1]), 0.325, "Rolling radius of wheel 2 that the controller assumes (r_dyn; placeholder)").range(0.05, 2.0).tunable(),
+        parameter("rolling_radius_3", "m", real!(radii[2]), 0.325, "Rolling radius of wheel 3 that the controller assumes (r_dyn; placeholder)").range(0.05, 2.0).tunable(),
+        parameter("rolling_radius_4", "m", real!(radii[3]), 0.325, "Rolling radius of wheel 4 that the controller assumes (r_dyn; placeholder)").range(0.05, 2.0).tunable(),
+        parameter("slip_dump", "1", real!(thresholds.slip_dump), 0.13, "Slip above which pressure is dumped if the wheel slows down by more than deceleration_dump (placeholder)").range(0.0, 1.0).tunable(),
+        parameter("slip_dump_always", "1", real!(thresholds.slip_dump_always), 0.22, "Slip above which pressure is dumped in any case (placeholder)").range(0.0, 1.0).tunable(),
+        parameter("deceleration_dump", "m/s2", real!(thresholds.deceleration_dump), 8.0, "See slip_dump (placeholder)").range(0.0, 1000.0).tunable(),
+        parameter("slip_build", "1", real!(thresholds.slip_build), 0.07, "Slip below which a wheel has recovered, if it no longer accelerates (placeholder)").range(0.0, 1.0).tunable(),
+        parameter("acceleration_recovered", "m/s2", real!(thresholds.acceleration_recovered), 2.0, "Acceleration of a wheel below which it no longer recovers: it runs at the vehicle's speed, or does not answer to the pressure (placeholder)").range(0.0, 1000.0).tunable(),
+        parameter("acceleration_strong", "m/s2", real!(thresholds.acceleration_strong), 50.0, "Acceleration of a wheel above which pressure is built again before the wheel has recovered, if it will have within lead_time (placeholder)").range(0.0, 1e4).tunable(),
+        parameter("lead_time", "s", real!(thresholds.lead_time), 0.015, "How far ahead slip and acceleration of a recovering wheel are extrapolated, against the delays of filter, valves and caliper (placeholder)").range(0.0, 1.0).tunable(),
+        parameter("rebuild_per_acceleration", "s3/m", real!(thresholds.rebuild), 1.2e-4, "Time for which the inlet is fully open after a recovery, over the greatest acceleration of the wheel in it, which tells how far the pressure fell (placeholder)").range(0.0, 1.0).tunable(),
+        parameter("recovery_time", "s", real!(thresholds.recovery_time), 0.15, "Pressure is dumped until the wheel accelerates so that its slip is below slip_build after this time (placeholder)").range(1e-3, 10.0).tunable(),
+        parameter("hold_time", "s", real!(thresholds.hold_time), 0.02, "Shortest recovery (placeholder)").range(0.0, 10.0).tunable(),
+        parameter("coast_time", "s", real!(thresholds.coast_time), 0.06, "Dumping without an answer of the wheel for this long means that it runs at the vehicle's speed and the reference speed is too high; five times as long where the wheel may be locked (placeholder)").range(1e-3, 10.0).tunable(),
+        parameter("build_opening", "1", real!(thresholds.build_opening), 0.25, "Opening of the inlet valve while pressure is built after a recovery (placeholder)").range(0.0, 1.0).tunable(),
+        parameter("build_time", "s", real!(thresholds.build_time), 1.0, "Building for this long without new slip ends the intervention at the wheel (placeholder)").range(1e-2, 100.0).tunable(),
+        parameter("acceleration_filter", "s", real!(thresholds.acceleration_filter), 0.015, "Time constant of the filter on the acceleration of wheels (placeholder)").range(0.0, 1.0).tunable(),
+        parameter("reference_ascent", "m/s2", real!(limits.ascent), 50.0, "Fastest rise of the reference speed (placeholder)").range(1.0, 1e4).tunable(),
+        parameter("descent_max", "m/s2", real!(limits.descent_max), 13.0, "Fastest fall of the reference speed: more than any vehicle's deceleration (placeholder)").range(0.1, 1000.0).tunable(),
+        parameter("descent_min", "m/s2", real!(limits.descent_min), 2.0, "Least value of the limit on the fall of the reference speed (placeholder)").range(0.1, 1000.0).tunable(),
+        parameter("descent_growth", "m/s3", real!(limits.descent_growth), 25.0, "Growth of that limit while a wheel is trusted (placeholder)").range(0.0, 1e5).tunable(),
+        parameter("descent_margin", "1", real!(limits.descent_margin), 1.2, "That limit over the deceleration between the speeds to which wheels recovered (placeholder)").range(1.0, 10.0).tunable(),
+        parameter("descent_per_pressure", "m/(s2.Pa)", real!(limits.descent_per_pressure), 3.3e-6, "Most that the driver's pressure adds to descent_min: more than the vehicle's deceleration over pressure (placeholder)").range(0.0, 1.0).tunable(),
+        parameter("activation_pressure", "Pa", real!(activation_pressure), 2e5, "Driver's pressure below which there is no intervention (placeholder)").range(0.0, 1e8).tunable(),
+        parameter("switch_off_speed", "m/s", real!(switch_off_speed), 1.5, "Reference speed below which there is no intervention (placeholder)").range(0.0, 100.0).tunable(),
+        parameter("sample_time", "s", real!(sample_time), 5e-3, "Time between two decisions: the step of the model's own time grid (placeholder)").range(1e-4, 0.1),
+    ];
+
+    fn step_size(&self) -> f64 {
+        self.sample_time
+    }
+
+    fn initialize(&mut self) -> Result<()> {
+        self.check_order()?;
+        self.wheels = [Wheel::default(); 4];
+        for index in 0..self.used() {
+            self.wheels[index] = Wheel::new(self.speed(index));
+        }
+        self.reference = Reference::new(self.fastest());
+        for index in 0..self.used() {
+            self.wheels[index].slip_against(self.reference.speed);
+        }
+        Ok(())
+    }
+
+    fn tune(&mut self) -> Result<()> {
+        self.check_order()
+    }
+
+    fn check(&self) -> Result<()> {
+        self.check_order()?;
+        let speeds = self.wheels.iter().all(|w| w.is_finite()) && self.reference.is_finite();
+        if speeds { Ok(()) } else { Err(Error::numeric("speeds and times have to be finite")) }
+    }
+
+    fn step(&mut self, length: f64) -> Result<()> {
+        // between two samples the valves stay as they are
+        if length < (1.0 - SAMPLE_TOLERANCE) * self.sample_time {
+            return Ok(());
+        }
+        for index in 0..self.used() {
+            let speed = self.speed(index);
+            self.wheels[index].measure(speed, self.thresholds.acceleration_filter, self.sample_time);
+        }
+        let braked = self.driver_pressure >= self.activation_pressure;
+        let doing = if !braked {
+            Wheels::Free
+        } else if self.in_use().iter().all(Wheel::recovers) {
+            Wheels::Recovering
+        } else {
+            Wheels::Trusted
+        };
+        self.reference.update(self.fastest(), doing, self.driver_pressure, &self.limits, self.sample_time);
+        let intervene = braked && self.reference.speed >= self.switch_off_speed;
+        for index in 0..self.used() {
+            self.decide(index, intervene);
+        }
+        Ok(())
+    }
+}
+
+impl AbsController {
+    /// Fails unless thresholds are in the order that the rules need.
+    fn check_order(&self) -> Result<()> {
+        let Thresholds { slip_build, slip_dump, slip_dump_always, .. } = self.thresholds;
+        if slip_build > slip_dump || slip_dump > slip_dump_always {
+            return Err(Error::variable(format!(
+                "slip_build = {slip_build}, slip_dump = {slip_dump}, slip_dump_always = {slip_dump_always}: they have to be in this order"
+            )));
+        }
+        let Limits { descent_min, descent_max, .. } = self.limits;
+        if descent_min > descent_max {
+            return Err(Error::variable(format!(
+                "descent_min = {descent_min} m/s2 is above descent_max = {descent_max} m/s2"
+            )));
+        }
+        Ok(())
+    }
+
+    fn used(&self) -> usize {
+        self.count.clamp(1, 4) as usize
+    }
+
+    fn in_use(&self) -> &[Wheel] {
+        &self.wheels[..self.used()]
+    }
+
+    fn speed(&self, index: usize) -> f64 {
+        self.wheel_speeds[index] * self.radii[index]
+    }
+
+    fn fastest(&self) -> f64 {
+        self.in_use().iter().fold(0.0, |fastest, wheel| wheel.speed.max(fastest))
+    }
+
+    /// Lets a wheel decide, and the reference hear of it.
+    fn decide(&mut self, index: usize, intervene: bool) {
+        let fastest = self.fastest();
+        let descent = self.limits.descent_cap(self.driver_pressure);
+        let wheel = &mut self.wheels[index];
+        wheel.slip_against(self.reference.speed);
+        if !intervene {
+            wheel.release();
+            return;
+        }
+        match wheel.decide(self.reference.speed, descent, &self.thresholds, self.sample_time) {
+            Some(Event::Slips) => self.reference.slip_begins(),
+            Some(Event::Recovered) => self.reference.wheel_recovered(&self.limits),
+            Some(Event::Coasts) if wheel.speed >= fastest => self.reference.correct(fastest, &self.limits),
+            Some(Event::Coasts) | None => {}
+        }
+    }
+}

@@ -1,0 +1,345 @@
+//! `brake-hydraulics`: valves, line, caliper and pads of one wheel brake, Mack (2009) section 8.6.
+//!
+//! The source gives equations (6.32) to (6.34) and the shape of the pads' friction over time; rates
+//! of valves, lags and sizes are placeholders of sports-car size, and all are parameters. Between
+//! changes of the inputs the pressures are known in closed form, so a step of any length is exact.
+
+use crate::model::{Access, Model, Variable, input, output, parameter};
+use crate::solver::Real;
+use crate::{Error, Result, real};
+use serde::{Deserialize, Serialize};
+
+/// Halvings of an interval to the last bit of a double.
+const HALVINGS: usize = 60;
+
+/// The model: inputs, parameters, pressures and how long the pads have been in contact.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct BrakeHydraulics {
+    driver_pressure: f64,
+    inlet_valve: f64,
+    outlet_valve: f64,
+    parameters: Parameters,
+    step_size: f64,
+    line: f64,
+    caliper: f64,
+    /// Time since the caliper pressure exceeded the contact pressure; 0 below it.
+    contact_time: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+struct Parameters {
+    piston_area: f64,
+    friction_radius: f64,
+    friction: f64,
+    onset_share: f64,
+    onset_time: f64,
+    contact_pressure: f64,
+    caliper_lag: f64,
+    build_rate: f64,
+    dump_rate: f64,
+    release_rate: f64,
+}
+
+impl Model for BrakeHydraulics {
+    const NAME: &'static str = "brake-hydraulics";
+    const DESCRIPTION: &'static str = "Hydraulics and pads of one wheel brake: the driver's pressure and two valve openings in, pressures and brake torque out";
+    const DOCUMENTATION: &'static str = include_str!("brake_hydraulics.html");
+    const VARIABLES: &'static [Variable<Self>] = &[
+        input("driver_pressure", "Pa", real!(driver_pressure), 0.0, "Pressure in the master cylinder, over ambient; below 0 counts as 0").range(-1e7, 1e8),
+        input("inlet_valve", "1", real!(inlet_valve), 1.0, "Opening of the inlet valve, or the share of time for which it is open: 1 builds pressure, 0 closes").range(0.0, 1.0),
+        input("outlet_valve", "1", real!(outlet_valve), 0.0, "Opening of the outlet valve, or the share of time for which it is open: 1 dumps pressure, 0 closes").range(0.0, 1.0),
+        output("brake_torque", "N.m", Access::Real(|m: &Self| m.torque(), |_: &mut Self, _| {}), "Torque that the sliding pads put on the wheel against its rotation, never negative; on a wheel that stands it is the most that the brake can hold (6.33)").nominal(1000.0),
+        output("pressure", "Pa", real!(line), "Pressure in the wheel's line").nominal(1e6),
+        output("caliper_pressure", "Pa", real!(caliper), "Pressure in the caliper, behind its lag").nominal(1e6),
+        output("pad_friction", "1", Access::Real(|m: &Self| m.parameters.friction_after(m.contact_time), |_: &mut Self, _| {}), "Friction coefficient of the pads (mu_Br)"),
+        parameter("piston_area", "m2", real!(parameters.piston_area), 43e-4, "Piston area, sum over both pads (A_piston; placeholder)").range(1e-6, 1.0).tunable(),
+        parameter("friction_radius", "m", real!(parameters.friction_radius), 0.14, "Radius at which the pads' friction acts (r_Reib; placeholder)").range(1e-3, 2.0).tunable(),
+        parameter("friction", "1", real!(parameters.friction), 0.4, "Friction coefficient of pads in full contact (mu_0; placeholder)").range(0.0, 2.0).tunable(),
+        parameter("onset_friction_share", "1", real!(parameters.onset_share), 0.25, "Friction at first contact over that of full contact (c_0; placeholder); 1 makes it constant").range(0.0, 1.0).tunable(),
+        parameter("onset_time", "s", real!(parameters.onset_time), 0.22, "Time from first to full contact (T_on; placeholder); 0 makes the friction constant").range(0.0, 10.0).tunable(),
+        parameter("contact_pressure", "Pa", real!(parameters.contact_pressure), 5e4, "Caliper pressure above which the pads touch the disc: the onset starts here, and anew after a fall below it (placeholder)").range(0.0, 1e7).tunable(),
+        parameter("caliper_lag", "s", real!(parameters.caliper_lag), 6e-3, "First-order lag of the caliper pressure behind the line (placeholder); 0 makes them equal").range(0.0, 1.0).tunable(),
+        parameter("build_rate", "Pa/s", real!(parameters.build_rate), 1.2e8, "Rise of the line pressure through the open inlet valve (placeholder)").range(1e5, 1e11).tunable(),
+        parameter("dump_rate", "Pa/s", real!(parameters.dump_rate), 9e7, "Fall of the line pressure through the open outlet valve (placeholder)").range(0.0, 1e11).tunable(),
+        parameter("release_rate", "Pa/s", real!(parameters.release_rate), 3e8, "Fall of the line pressure through the check valve beside the inlet valve, while it is above the driver's (placeholder)").range(1e5, 1e11).tunable(),
+        parameter("step_size", "s", real!(step_size), 1e-3, "Step of the model's own time grid; the inputs are held over it, and that is its only error").range(1e-6, 0.1),
+    ];
+
+    fn step_size(&self) -> f64 {
+        self.step_size
+    }
+
+    fn initialize(&mut self) -> Result<()> {
+        let source = self.source();
+        self.line = if self.net_rate() < 0.0 { 0.0 } else { source };
+        self.caliper = self.line;
+        let contact = self.caliper > self.parameters.contact_pressure;
+        self.contact_time = if contact { self.parameters.onset_time } else { 0.0 };
+        Ok(())
+    }
+
+    fn check(&self) -> Result<()> {
+        let states = [self.line, self.caliper, self.contact_time];
+        if states.iter().all(|state| (0.0..1e300).contains(state)) {
+            return Ok(());
+        }
+        Err(Error::numeric("pressures and contact time have to be finite and not negative"))
+    }
+
+    fn step(&mut self, length: f64) -> Result<()> {
+        let mut rest = length;
+        while rest > 0.0 {
+            let (ramp, end) = self.next_ramp(rest);
+            self.follow(&ramp);
+            self.line = end;
+            rest -= ramp.duration;
+        }
+        Ok(())
+    }
+}
+
+/// The line pressure over a time in which it changes evenly.
+struct Ramp {
+    start: f64,
+    rate: f64,
+    duration: f64,
+}
+
+impl Ramp {
+    /// The caliper pressure `time` after the start of the ramp, from `caliper` at its start.
+    fn lagged(&self, caliper: f64, lag: f64, time: f64) -> f64 {
+        let behind = self.rate * lag;
+        let decay = if lag > 0.0 { Real::exp(-time / lag) } else { 0.0 };
+        self.start + self.rate * time - behind + (caliper - self.start + behind) * decay
+    }
+
+    /// When the caliper pressure turns, if it does so on the ramp.
+    fn turn(&self, caliper: f64, lag: f64) -> Option<f64> {
+        let ratio = 1.0 + (caliper - self.start) / (self.rate * lag);
+        let time = if ratio > 1.0 { lag * Real::ln(ratio) } else { 0.0 };
+        (time > 0.0 && time < self.duration).then_some(time)
+    }
+}
+
+impl Parameters {
+    /// Friction of the pads some time after first contact: the smooth rise of section 19.2.
+    fn friction_after(&self, time: f64) -> f64 {
+        let x = if self.onset_time > 0.0 { (time / self.onset_time).min(1.0) } else { 1.0 };
+        let rise = x * x * (3.0 - 2.0 * x);
+        self.friction * (self.onset_share + (1.0 - self.onset_share) * rise)
+    }
+}
+
+impl BrakeHydraulics {
+    /// Torque of the pads (6.33).
+    fn torque(&self) -> f64 {
+        let p = &self.parameters;
+        p.friction_after(self.contact_time) * self.caliper * p.piston_area * p.friction_radius
+    }
+
+    fn source(&self) -> f64 {
+        self.driver_pressure.max(0.0)
+    }
+
+    /// Rate of the line pressure below the driver's.
+    fn net_rate(&self) -> f64 {
+        // an input that came with its rate runs on past its range
+        let (inlet, outlet) = (self.inlet_valve.clamp(0.0, 1.0), self.outlet_valve.clamp(0.0, 1.0));
+        inlet * self.parameters.build_rate - outlet * self.parameters.dump_rate
+    }
+
+    /// How the line pressure goes on, for `rest` seconds or until it meets a limit, and where it ends.
+    fn next_ramp(&self, rest: f64) -> (Ramp, f64) {
+        let (start, source, net) = (self.line, self.source(), self.net_rate());
+        let outflow = self.outlet_valve.clamp(0.0, 1.0) * self.parameters.dump_rate;
+        let (rate, limit) = if start > source {
+            (-self.parameters.release_rate - outflow, source)
+        } else if net > 0.0 {
+            (net, source)
+        } else {
+            (net, 0.0)
+        };
+        if start == limit || rate == 0.0 {
+            return (Ramp { start, rate: 0.0, duration: rest }, start);
+        }
+        let to_limit = (limit - start) / rate;
+        if to_limit < rest {
+            (Ramp { start, rate, duration: to_limit }, limit)
+        } else {
+            (Ramp { start, rate, duration: rest }, start + rate * rest)
+        }
+    }
+
+    /// Takes the caliper and the pads along a ramp of the line pressure.
+    fn follow(&mut self, ramp: &Ramp) {
+        let lag = self.parameters.caliper_lag;
+        let from = self.caliper;
+        let pressure = |time: f64| ramp.lagged(from, lag, time);
+        let turn = ramp.turn(from, lag).unwrap_or(ramp.duration);
+        // the pressure is monotonic up to its turn and after it
+        self.keep_contact(&pressure, 0.0, turn);
+        self.keep_contact(&pressure, turn, ramp.duration);
+        self.caliper = pressure(ramp.duration).max(0.0);
+    }
+
+    /// Counts the time in contact over a time in which the caliper pressure is monotonic.
+    fn keep_contact(&mut self, pressure: &impl Fn(f64) -> f64, start: f64, end: f64) {
+        let contact = |time: f64| pressure(time) > self.parameters.contact_pressure;
+        match (contact(start), contact(end)) {
+            (_, false) => self.contact_time = 0.0,
+            (true, true) => self.contact_time += end - start,
+            (false, true) => {
+                let (mut before, mut after) = (start, end);
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (before + after);
+                    if contact(middle) { after = middle } else { before = middle }
+                }
+                self.contact_time = end - after;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Native, Settings, Slave};
+
+    type Brake = Native<BrakeHydraulics>;
+
+    fn brake(values: &[(&str, f64)]) -> Brake {
+        let mut brake = Brake::new(&Settings::default()).unwrap();
+        set(&mut brake, values);
+        brake.start(0.0, None).unwrap();
+        brake.finish_start().unwrap();
+        brake
+    }
+
+    fn set(brake: &mut Brake, values: &[(&str, f64)]) {
+        for (name, value) in values {
+            let index = brake.find(name).unwrap();
+            brake.set(index, *value).unwrap();
+        }
+    }
+
+    fn get(brake: &mut Brake, name: &str) -> f64 {
+        let index = brake.find(name).unwrap();
+        brake.get(index).unwrap()
+    }
+
+    #[track_caller]
+    fn close(value: f64, expected: f64) {
+        assert!((value - expected).abs() <= 1e-9 * expected.abs().max(1.0), "{value} instead of {expected}");
+    }
+
+    #[test]
+    fn follows_its_closed_form_however_time_is_cut() {
+        // 1200 bar/s for 50 ms up to the driver's 60 bar; contact at 0.5 bar
+        let (build, lag, top, end): (f64, f64, f64, f64) = (1.2e8, 6e-3, 6e6, 0.08);
+        let meet = top / build;
+        let on_ramp = |t: f64| build * (t - lag + lag * (-t / lag).exp());
+        let caliper = top + (on_ramp(meet) - top) * (-(end - meet) / lag).exp();
+        // first contact by Newton's method, which the model does not use
+        let mut first: f64 = 1e-3;
+        for _ in 0..50 {
+            first -= (on_ramp(first) - 5e4) / (build * (1.0 - (-first / lag).exp()));
+        }
+        let x = (end - first) / 0.22;
+        let friction = 0.4 * (0.25 + 0.75 * (3.0 * x * x - 2.0 * x * x * x));
+        for (step_size, steps) in [(0.08, 1), (1e-3, 80), (1e-3, 7), (0.013, 11), (1e-4, 50)] {
+            let mut brake = brake(&[("step_size", step_size)]);
+            set(&mut brake, &[("driver_pressure", top)]);
+            let length = end / f64::from(steps);
+            for k in 0..steps {
+                brake.step(f64::from(k) * length, length).unwrap();
+            }
+            close(get(&mut brake, "pressure"), top);
+            close(get(&mut brake, "caliper_pressure"), caliper);
+            close(get(&mut brake, "pad_friction"), friction);
+            close(get(&mut brake, "brake_torque"), friction * caliper * 43e-4 * 0.14);
+        }
+    }
+
+    #[test]
+    fn valves_and_driver_move_the_line_pressure_between_its_limits() {
+        let mut brake = brake(&[("driver_pressure", 1e7), ("caliper_lag", 0.0)]);
+        close(get(&mut brake, "pressure"), 1e7);
+        let mut time = 0.0;
+        let mut after = |values: &[(&str, f64)], length: f64| {
+            set(&mut brake, values);
+            brake.step(time, length).unwrap();
+            time += length;
+            assert_eq!(get(&mut brake, "pressure"), get(&mut brake, "caliper_pressure"));
+            get(&mut brake, "pressure")
+        };
+        // dump, hold, pulsed build
+        close(after(&[("inlet_valve", 0.0), ("outlet_valve", 1.0)], 0.02), 8.2e6);
+        close(after(&[("outlet_valve", 0.0)], 0.1), 8.2e6);
+        close(after(&[("inlet_valve", 0.25)], 0.01), 8.5e6);
+        // a closed inlet does not keep the pressure above the driver's, nor lets it below
+        close(after(&[("inlet_valve", 0.0), ("driver_pressure", 4e6)], 0.01), 5.5e6);
+        close(after(&[], 0.01), 4e6);
+        // nothing below 0, and nothing above the driver
+        close(after(&[("outlet_valve", 1.0)], 1.0), 0.0);
+        close(after(&[("outlet_valve", 0.0), ("inlet_valve", 1.0)], 1.0), 4e6);
+        // both valves open: what comes in and what goes out
+        close(after(&[("outlet_valve", 1.0), ("inlet_valve", 0.25)], 0.01), 3.4e6);
+    }
+
+    #[test]
+    fn friction_is_constant_without_an_onset_and_starts_anew_after_lifting_off() {
+        for constant in ["onset_time", "onset_friction_share"] {
+            let value = if constant == "onset_time" { 0.0 } else { 1.0 };
+            let mut brake = brake(&[(constant, value)]);
+            set(&mut brake, &[("driver_pressure", 3e6)]);
+            for k in 0..300 {
+                brake.step(f64::from(k) * 1e-3, 1e-3).unwrap();
+                assert_eq!(get(&mut brake, "pad_friction"), 0.4);
+            }
+        }
+        // pads that are in contact at the start have been so for long
+        let mut brake = brake(&[("driver_pressure", 3e6)]);
+        assert_eq!(get(&mut brake, "pad_friction"), 0.4);
+        set(&mut brake, &[("driver_pressure", 6e4)]);
+        brake.step(0.0, 0.5).unwrap();
+        assert_eq!(get(&mut brake, "pad_friction"), 0.4);
+        set(&mut brake, &[("driver_pressure", 4e4)]);
+        brake.step(0.5, 0.5).unwrap();
+        assert_eq!(get(&mut brake, "pad_friction"), 0.1);
+        // half of the onset from when it exceeds 0.5 bar
+        set(&mut brake, &[("driver_pressure", 3e6), ("caliper_lag", 0.0)]);
+        brake.step(1.0, 0.11 + 1e4 / 1.2e8).unwrap();
+        close(get(&mut brake, "pad_friction"), 0.4 * (0.25 + 0.75 * 0.5));
+    }
+
+    #[test]
+    fn a_brush_of_the_pads_within_a_step_is_seen() {
+        // line at 10 bar falls at once, the caliper rises past contact first: two crossings in one step
+        let mut model = BrakeHydraulics {
+            line: 1e6,
+            parameters: Parameters {
+                caliper_lag: 0.01,
+                contact_pressure: 2e5,
+                onset_time: 0.2,
+                dump_rate: 9e7,
+                build_rate: 1.2e8,
+                release_rate: 3e8,
+                ..Parameters::default()
+            },
+            driver_pressure: 5e6,
+            outlet_valve: 1.0,
+            ..BrakeHydraulics::default()
+        };
+        let mut fine = model.clone();
+        model.step(8e-3).unwrap();
+        let mut longest: f64 = 0.0;
+        for _ in 0..8000 {
+            fine.step(1e-6).unwrap();
+            longest = longest.max(fine.contact_time);
+        }
+        assert!(longest > 5e-3, "{longest}");
+        assert!((model.contact_time - fine.contact_time).abs() < 1e-9);
+        model.step(0.05).unwrap();
+        assert_eq!(model.contact_time, 0.0);
+    }
+}

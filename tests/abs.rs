@@ -1,0 +1,223 @@
+//! The anti-lock controller with its brakes on a vehicle that is written here: point mass, wheels and
+//! a friction curve that falls beyond its peak, with relaxation.
+#![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use latsch::control::{AbsController, BrakeHydraulics};
+use latsch::model::{Native, Settings, Slave};
+
+const GRAVITY: f64 = 9.81;
+const RADIUS: f64 = 0.325;
+const INERTIA: f64 = 1.6;
+const RELAXATION: f64 = 0.12;
+const STEP: f64 = 1e-4;
+const PER_EXCHANGE: usize = 10;
+
+/// A slave with what is set and read every step found beforehand.
+struct Part<S: Slave> {
+    slave: S,
+}
+
+impl<S: Slave> Part<S> {
+    fn new(mut slave: S, values: &[(String, f64)]) -> Self {
+        for (name, value) in values {
+            let index = slave.find(name).unwrap();
+            slave.set(index, *value).unwrap();
+        }
+        slave.start(0.0, None).unwrap();
+        slave.finish_start().unwrap();
+        Self { slave }
+    }
+
+    fn set(&mut self, name: &str, value: f64) {
+        let index = self.slave.find(name).unwrap();
+        self.slave.set(index, value).unwrap();
+    }
+
+    fn get(&mut self, name: &str) -> f64 {
+        let index = self.slave.find(name).unwrap();
+        self.slave.get(index).unwrap()
+    }
+}
+
+/// What is varied.
+#[derive(Clone)]
+struct Stop {
+    wheels: usize,
+    speed: f64,
+    /// Peak friction over time.
+    friction: fn(f64) -> f64,
+    /// Shape factor: 1.3 falls little beyond the peak, 1.62 falls steeply.
+    shape: f64,
+    driver: fn(f64) -> f64,
+    /// Relative error of the wheel speeds over time, per wheel.
+    disturbance: fn(f64, usize) -> f64,
+    onset: bool,
+}
+
+const FULL: fn(f64) -> f64 = |t| (t / 0.15).min(1.0) * 1.5e7;
+
+impl Stop {
+    fn on(wheels: usize, friction: fn(f64) -> f64) -> Self {
+        Self {
+            wheels,
+            speed: 25.0,
+            friction,
+            shape: 1.62,
+            driver: FULL,
+            disturbance: |_, _| 0.0,
+            onset: true,
+        }
+    }
+}
+
+#[derive(Debug, Default)]
+struct Outcome {
+    distance: f64,
+    /// Distance of the same vehicle with wheels that lock at once.
+    distance_locked: f64,
+    duration: f64,
+    /// Force over the peak's, mean over time after the brake is on.
+    use_of_friction: f64,
+    /// Longest time for which a wheel ran below a fifth of the vehicle's speed.
+    locked: f64,
+    /// Largest relative errors of the reference speed.
+    reference_low: f64,
+    reference_high: f64,
+    interventions: usize,
+}
+
+fn curve(slip: f64, shape: f64) -> f64 {
+    let stiffness = (std::f64::consts::PI / (2.0 * shape)).tan() / 0.09;
+    (shape * (stiffness * slip).atan()).sin()
+}
+
+fn run(stop: &Stop) -> Outcome {
+    let n = stop.wheels;
+    let loads: &[f64] = if n == 1 { &[400.0 * GRAVITY] } else { &[5100.0, 5100.0, 2750.0, 2750.0] };
+    let mass = loads.iter().sum::<f64>() / GRAVITY;
+    let mut controller = Part::new(
+        Native::<AbsController>::new(&Settings::default()).unwrap(),
+        &(1..=n)
+            .map(|k| (format!("wheel_speed_{k}"), stop.speed / RADIUS))
+            .chain([("wheels".into(), n as f64)])
+            .collect::<Vec<_>>(),
+    );
+    let mut brakes: Vec<_> = (0..n)
+        .map(|k| {
+            let area = if k < 2 { 43e-4 } else { 25e-4 };
+            let onset = if stop.onset { 0.22 } else { 0.0 };
+            let brake = Native::<BrakeHydraulics>::new(&Settings::default()).unwrap();
+            Part::new(brake, &[("piston_area".into(), area), ("onset_time".into(), onset)])
+        })
+        .collect();
+    let trace = std::env::var_os("TRACE").is_some();
+    let (mut speed, mut locked_speed) = (stop.speed, stop.speed);
+    let mut spins = vec![speed / RADIUS; n];
+    let mut slips = vec![0.0; n];
+    let mut locked_for = vec![0.0; n];
+    let mut out = Outcome::default();
+    let (mut used, mut available) = (0.0, 0.0);
+    let mut was_active = false;
+    let exchange = STEP * PER_EXCHANGE as f64;
+    for k in 0..30_000 {
+        let now = k as f64 * exchange;
+        let driver = (stop.driver)(now);
+        for (i, spin) in spins.iter().enumerate() {
+            controller.set(&format!("wheel_speed_{}", i + 1), spin * (1.0 + (stop.disturbance)(now, i)));
+        }
+        controller.set("driver_pressure", driver);
+        controller.slave.step(now, exchange).unwrap();
+        let mut torques = vec![0.0; n];
+        for (i, brake) in brakes.iter_mut().enumerate() {
+            brake.set("driver_pressure", driver);
+            brake.set("inlet_valve", controller.get(&format!("inlet_valve_{}", i + 1)));
+            brake.set("outlet_valve", controller.get(&format!("outlet_valve_{}", i + 1)));
+            brake.slave.step(now, exchange).unwrap();
+            torques[i] = brake.get("brake_torque");
+        }
+        let active = controller.get("active") > 0.5;
+        out.interventions += usize::from(active && !was_active);
+        was_active = active;
+        let reference = controller.get("reference_speed");
+        if speed > 3.0 {
+            let error = reference / speed - 1.0;
+            out.reference_low = out.reference_low.max(-error);
+            out.reference_high = out.reference_high.max(error);
+        }
+        if trace && k % 5 == 0 {
+            eprintln!(
+                "{now:.3} v {speed:6.2} ref {reference:6.2} w {:6.2} p {:6.1} T {:6.0} phase {} a {:7.1} lim {:.1} mu {:.2}",
+                spins[0] * RADIUS,
+                brakes[0].get("pressure") / 1e5,
+                torques[0],
+                controller.get("phase_1"),
+                controller.get("wheel_acceleration_1"),
+                controller.get("descent_limit"),
+                curve(slips[0], stop.shape),
+            );
+        }
+        for sub in 0..PER_EXCHANGE {
+            let mu = (stop.friction)(now + sub as f64 * STEP);
+            let mut force = 0.0;
+            for i in 0..n {
+                slips[i] += STEP * (speed - spins[i] * RADIUS - speed * slips[i]) / RELAXATION;
+                let f = mu * loads[i] * curve(slips[i], stop.shape);
+                let free = spins[i] + STEP * f * RADIUS / INERTIA;
+                spins[i] = (free - STEP * torques[i] / INERTIA).max(0.0);
+                force += f;
+                locked_for[i] =
+                    if spins[i] * RADIUS < 0.2 * speed && speed > 2.0 { locked_for[i] + STEP } else { 0.0 };
+                out.locked = out.locked.max(locked_for[i]);
+            }
+            speed -= STEP * force / mass;
+            locked_speed = (locked_speed - STEP * mu * GRAVITY * curve(1.0, stop.shape)).max(0.0);
+            out.distance += STEP * speed;
+            out.distance_locked += STEP * locked_speed;
+            if speed > 2.0 && now > 0.3 {
+                used += force;
+                available += mu * mass * GRAVITY;
+            }
+        }
+        out.duration = now;
+        if speed < 0.5 {
+            break;
+        }
+    }
+    out.use_of_friction = used / available;
+    out
+}
+
+#[test]
+fn survey() {
+    let cases: [(&str, fn(f64) -> f64); 9] = [
+        ("1.2", |_| 1.2),
+        ("1.0", |_| 1.0),
+        ("0.5", |_| 0.5),
+        ("0.2", |_| 0.2),
+        ("0.1", |_| 0.1),
+        ("1.0>0.1", |t| if t < 1.0 { 1.0 } else { 0.1 }),
+        ("0.1>1.0", |t| if t < 2.0 { 0.1 } else { 1.0 }),
+        ("1.0>0.5", |t| if t < 0.8 { 1.0 } else { 0.5 }),
+        ("0.2>0.5", |t| if t < 2.0 { 0.2 } else { 0.5 }),
+    ];
+    for onset in [true, false] {
+        for wheels in [1, 4] {
+            for (name, friction) in cases {
+                for shape in [1.62, 1.3] {
+                    let o = run(&Stop { onset, shape, ..Stop::on(wheels, friction) });
+                    eprintln!(
+                        "{onset} {wheels} {name:8} C {shape} use {:.3} lock {:.3} ref -{:.3} +{:.3} dist {:.1}/{:.1} T {:.1} n {}",
+                        o.use_of_friction,
+                        o.locked,
+                        o.reference_low,
+                        o.reference_high,
+                        o.distance,
+                        o.distance_locked,
+                        o.duration,
+                        o.interventions
+                    );
+                }
+            }
+        }
+    }
+}
