@@ -5,6 +5,8 @@
 #![deny(unsafe_code)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+#[cfg(feature = "host")]
+pub mod cosimulate;
 mod error;
 #[cfg(feature = "host")]
 mod file;
