@@ -6,6 +6,8 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod control;
+#[cfg(feature = "host")]
+pub mod cosimulate;
 mod error;
 #[cfg(feature = "host")]
 mod file;

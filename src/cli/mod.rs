@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand.
 
 mod check;
+mod cosimulate;
 mod demo;
 mod describe;
 mod export;
@@ -28,6 +29,7 @@ enum Command {
     Describe(describe::Args),
     Export(export::Args),
     Simulate(simulate::Args),
+    Cosimulate(cosimulate::Args),
     Check(check::Args),
     Demo(demo::Args),
 }
@@ -49,6 +51,7 @@ pub fn run() -> ExitCode {
         Command::Describe(args) => describe::run(&args).map(done),
         Command::Export(args) => export::run(&args).map(done),
         Command::Simulate(args) => simulate::run(&args).map(done),
+        Command::Cosimulate(args) => cosimulate::run(&args).map(done),
         Command::Check(args) => check::run(&args),
         Command::Demo(args) => demo::run(&args).map(done),
     };

@@ -5,8 +5,7 @@ use super::{check_outputs, print};
 use indicatif::{ProgressBar, ProgressStyle};
 use latsch::fmi::import::ImportedFmu;
 use latsch::fmi::{Entry, guid};
-use latsch::model::unit::quantity;
-use latsch::model::{Causality, Interface, Kind, Model, Native, Settings, Slave, Value, VariableInfo};
+use latsch::model::{Causality, Interface, Kind, Model, Native, Settings, Slave, Value};
 use latsch::recording::{Recording, read_csv, write_csv};
 use latsch::report::{PatchFrame, patch_caption, simulation_report, write_html};
 use latsch::rig::RingBrushFlatTrack;
@@ -292,23 +291,6 @@ fn parse_assignment(interface: &Interface, text: &str) -> Result<(usize, Value)>
     if !matches!(variable.causality, Causality::Parameter | Causality::Input) {
         return Err(at(Error::variable("computed by the model; it cannot be set")));
     }
-    let value = parse_value(variable, value.trim()).and_then(|v| variable.accept(&v)).map_err(at)?;
+    let value = Value::from_text(variable, value.trim()).and_then(|v| variable.accept(&v)).map_err(at)?;
     Ok((index, value))
-}
-
-fn parse_value(variable: &VariableInfo, text: &str) -> Result<Value> {
-    let not = |what: &str| Err(Error::variable(format!("{text:?} is not {what}")));
-    match variable.kind {
-        Kind::Text => Ok(Value::Text(text.into())),
-        Kind::Boolean => match text {
-            "true" | "1" => Ok(Value::Boolean(true)),
-            "false" | "0" => Ok(Value::Boolean(false)),
-            _ => not("true or false"),
-        },
-        Kind::Integer => text.parse().map(Value::Integer).or_else(|_| not("a whole number")),
-        Kind::Enumeration(_) => {
-            Ok(text.parse().map(Value::Integer).unwrap_or_else(|_| Value::Text(text.into())))
-        }
-        Kind::Real => quantity(text, variable.unit.as_deref().unwrap_or("1")).map(Value::Real),
-    }
 }

@@ -1,5 +1,6 @@
 //! What the outside sees of a slave: its variables without their Rust types.
 
+use super::unit::quantity;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 
@@ -87,6 +88,30 @@ impl std::fmt::Display for Value {
     }
 }
 
+impl Value {
+    /// The value of a variable in words: a number, with a unit where the variable is real, `true` or
+    /// `false`, the name or number of an item.
+    ///
+    /// # Errors
+    /// A text that is none of these. Ranges are left to [`VariableInfo::accept`].
+    pub fn from_text(variable: &VariableInfo, text: &str) -> Result<Self> {
+        let not = |what: &str| Err(Error::variable(format!("{text:?} is not {what}")));
+        match variable.kind {
+            Kind::Text => Ok(Value::Text(text.into())),
+            Kind::Boolean => match text {
+                "true" | "1" => Ok(Value::Boolean(true)),
+                "false" | "0" => Ok(Value::Boolean(false)),
+                _ => not("true or false"),
+            },
+            Kind::Integer => text.parse().map(Value::Integer).or_else(|_| not("a whole number")),
+            Kind::Enumeration(_) => {
+                Ok(text.parse().map(Value::Integer).unwrap_or_else(|_| Value::Text(text.into())))
+            }
+            Kind::Real => quantity(text, variable.unit.as_deref().unwrap_or("1")).map(Value::Real),
+        }
+    }
+}
+
 /// One variable as the outside sees it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VariableInfo {
@@ -120,6 +145,20 @@ impl VariableInfo {
     /// True for real variables.
     pub fn is_real(&self) -> bool {
         self.kind == Kind::Real
+    }
+
+    /// As [`accept`](Self::accept), but a real variable also takes a text with a unit: `"170 N/mm"`.
+    ///
+    /// # Errors
+    /// As [`accept`](Self::accept); a text that is no quantity or in a unit that does not convert.
+    pub fn accept_quantity(&self, value: &Value) -> Result<Value> {
+        match value {
+            Value::Text(text) if self.is_real() => {
+                let unit = self.unit.as_deref().unwrap_or("1");
+                self.accept(&Value::Real(quantity(text, unit).map_err(|e| e.at(&self.name))?))
+            }
+            value => self.accept(value),
+        }
     }
 
     /// The value, if this variable takes it: right type, finite, within min and max.

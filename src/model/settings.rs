@@ -1,7 +1,6 @@
 //! Values for a model from a TOML file: a tire file, or the `resources/model.toml` of an FMU.
 
-use super::unit::quantity;
-use super::{Causality, Interface, Kind, Value};
+use super::{Causality, Interface, Value};
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -74,21 +73,8 @@ impl Settings {
             for (name, value) in section {
                 let place = format!("{place}:{}", line_of(text, name.span().start));
                 let name = name.into_inner();
-                let value = match value {
-                    toml::Value::Float(v) => Value::Real(v),
-                    toml::Value::Integer(v) => match i32::try_from(v) {
-                        Ok(v) => Value::Integer(v),
-                        Err(_) => Value::Real(v as f64),
-                    },
-                    toml::Value::Boolean(v) => Value::Boolean(v),
-                    toml::Value::String(v) => Value::Text(v),
-                    other => {
-                        return Err(Error::file(format!(
-                            "{place}: {name} is a {}; a number, true, false or a text is needed",
-                            other.type_str()
-                        )));
-                    }
-                };
+                let value =
+                    Value::from_toml(&value).map_err(|e| Error::file(format!("{place}: {name} {e}")))?;
                 values.push(Setting { name, value, causality, place });
             }
         }
@@ -126,14 +112,7 @@ impl Settings {
                         }
                     )));
                 }
-                let value = match (&setting.value, &variable.kind) {
-                    (Value::Text(text), Kind::Real) => {
-                        let unit = variable.unit.as_deref().unwrap_or("1");
-                        &Value::Real(quantity(text, unit).map_err(|e| at(e.at(&setting.name)))?)
-                    }
-                    (value, _) => value,
-                };
-                Ok((index, variable.accept(value).map_err(at)?))
+                Ok((index, variable.accept_quantity(&setting.value).map_err(at)?))
             })
             .collect()
     }
@@ -165,6 +144,28 @@ impl Settings {
     }
 }
 
-fn line_of(text: &str, offset: usize) -> usize {
+impl Value {
+    /// The value in a TOML file: a number, a switch or a text.
+    ///
+    /// # Errors
+    /// Anything else; the message says what it is.
+    pub(crate) fn from_toml(value: &toml::Value) -> std::result::Result<Self, String> {
+        Ok(match value {
+            toml::Value::Float(v) => Value::Real(*v),
+            toml::Value::Integer(v) => match i32::try_from(*v) {
+                Ok(v) => Value::Integer(v),
+                Err(_) => Value::Real(*v as f64),
+            },
+            toml::Value::Boolean(v) => Value::Boolean(*v),
+            toml::Value::String(v) => Value::Text(v.clone()),
+            other => {
+                return Err(format!("is a {}; a number, true, false or a text is needed", other.type_str()));
+            }
+        })
+    }
+}
+
+/// The line, from 1, that a byte is in.
+pub(crate) fn line_of(text: &str, offset: usize) -> usize {
     text.as_bytes().iter().take(offset).filter(|b| **b == b'\n').count() + 1
 }

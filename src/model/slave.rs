@@ -89,6 +89,11 @@ pub trait Slave {
         Err(Error::call(format!("{} does not offer directional derivatives", self.interface().name)))
     }
 
+    /// The step of its own time grid \[s\], if it has one and tells it.
+    fn own_step(&self) -> Option<f64> {
+        None
+    }
+
     /// What the user should know about the start, once that is finished.
     fn warning(&self) -> Option<String> {
         None

@@ -341,6 +341,10 @@ impl<M: Model> Slave for Native<M> {
         self.model().directional_derivatives(starting, &direction, unknowns)
     }
 
+    fn own_step(&self) -> Option<f64> {
+        Some(self.data.grid.step_size())
+    }
+
     fn warning(&self) -> Option<String> {
         self.model().warning()
     }

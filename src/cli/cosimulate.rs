@@ -1,0 +1,228 @@
+//! `latsch cosimulate`: a wired system of models and FMUs.
+
+use super::{check_outputs, print};
+use indicatif::{ProgressBar, ProgressStyle};
+use latsch::cosimulate::{
+    Experiment, Outcome, Plan, PortName, System, cosimulate, energy_warnings, parse_toml,
+};
+use latsch::model::Value;
+use latsch::recording::{Recording, read_csv, write_csv};
+use latsch::report::{simulation_report, write_html};
+use latsch::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// Run a system of models and FMUs that are wired to each other
+///
+/// Running an FMU runs its code: use only those that you trust.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The system: TOML, an SSP System Structure Description (.ssd) beside its FMUs, or an SSP archive (.ssp)
+    #[arg(value_name = "F.toml|F.ssd|F.ssp")]
+    system: PathBuf,
+    /// Results to write: CSV with the columns `component.variable [unit]`
+    #[arg(long, short, value_name = "F.csv")]
+    output: PathBuf,
+    /// Page with plots to write
+    #[arg(long, value_name = "F.html")]
+    report: Option<PathBuf>,
+    /// Also write internal quantities, and inputs that nothing is connected to
+    #[arg(long)]
+    all: bool,
+    /// Start time [s] [default: the file's, or 0]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    start: Option<f64>,
+    /// Stop time [s] [default: the file's]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    stop: Option<f64>,
+    /// Communication step [s] [default: the file's]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    step: Option<f64>,
+    /// Step the components one after the other in this order, later ones with the new outputs of earlier
+    /// ones; `none` for side by side [default: the file's, or none]
+    #[arg(long, value_name = "A,B,...", value_delimiter = ',')]
+    order: Option<Vec<String>>,
+    /// Repeat each interval from saved states, at most so often, until the exchanged values agree
+    #[arg(long, value_name = "N")]
+    iterate: Option<usize>,
+    /// Halve an interval from saved states, at most so often, when a component refuses it
+    #[arg(long, value_name = "N")]
+    halvings: Option<u32>,
+    /// Record every Nth communication point
+    #[arg(long, value_name = "N")]
+    record_every: Option<usize>,
+    /// Value of a parameter, or of an unconnected input for the whole run; with a unit it is converted
+    #[arg(long = "set", value_name = "COMPONENT.VARIABLE=VALUE")]
+    set: Vec<String>,
+    /// Open the loop: the connected inputs of this component follow the recording of --replay
+    #[arg(long, value_name = "COMPONENT", requires = "replay")]
+    open: Vec<String>,
+    /// Recording with the columns `component.variable [unit]`, such as the results of an earlier run; shown
+    /// and compared beside this one
+    #[arg(long, value_name = "F.csv")]
+    replay: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> Result<()> {
+    let mut plan = read(&args.system)?;
+    let mut files = plan.files();
+    files.push(&args.system);
+    files.extend(args.replay.as_deref());
+    let outputs: Vec<&Path> =
+        std::iter::once(&args.output).chain(&args.report).map(PathBuf::as_path).collect();
+    check_outputs(&outputs, &files)?;
+    if let Some(order) = &args.order {
+        plan.order = (order != &["none"]).then(|| order.clone());
+    }
+    plan.iterate = args.iterate.unwrap_or(plan.iterate);
+    plan.halvings = args.halvings.unwrap_or(plan.halvings);
+    let replay = args.replay.as_deref().map(read_csv).transpose()?;
+    let mut system = plan.load()?;
+    for assignment in &args.set {
+        set(&mut system, assignment).map_err(|e| e.at(format!("--set {assignment}")))?;
+    }
+    let mut opened = Vec::new();
+    if let Some(replay) = &replay {
+        for name in &args.open {
+            let component = system.component(name).map_err(|e| e.at("--open"))?;
+            opened.extend(system.open(component, replay)?);
+        }
+    }
+    let experiment = plan.experiment(&system, args.start, args.stop, args.step)?;
+    let experiment = Experiment {
+        record_every: args.record_every.unwrap_or(experiment.record_every),
+        all: args.all,
+        ..experiment
+    };
+    let outcome = run_with_progress(&mut system, &experiment, &args.system)?;
+    let mut warnings = system.warnings().to_vec();
+    warnings.extend(energy_warnings(&system, experiment.step));
+    for warning in &warnings {
+        eprintln!("warning: {warning}");
+    }
+    write_csv(&args.output, &outcome.recording)?;
+    if let Some(report) = &args.report {
+        let facts = facts(&system, &experiment, &outcome, &opened, &warnings);
+        let measured = replay.as_ref().map(|r| comparable(r, &outcome.recording, &opened));
+        let title = args.system.file_stem().unwrap_or_default().to_string_lossy();
+        let page = simulation_report(
+            &title,
+            "A co-simulated system. An output is that at the communication point, an input what is held from then on.",
+            &outcome.recording,
+            measured.as_ref(),
+            &[],
+            &facts,
+        );
+        write_html(report, &page)?;
+    }
+    for line in summary(&system, &outcome) {
+        print(&line)?;
+    }
+    let samples = outcome.recording.time.len();
+    match outcome.stopped {
+        None => print(&format!("{}: {samples} samples", args.output.display())),
+        Some(error) => Err(Error::numeric(format!(
+            "stopped at {error}\n{} has the {samples} samples before that",
+            args.output.display()
+        ))),
+    }
+}
+
+/// The system that a file describes.
+fn read(path: &Path) -> Result<Plan> {
+    let text = std::fs::read_to_string(path).map_err(|e| Error::file(format!("{}: {e}", path.display())))?;
+    parse_toml(&text, &path.display().to_string(), path.parent().unwrap_or(Path::new("")))
+}
+
+fn set(system: &mut System, assignment: &str) -> Result<()> {
+    let Some((name, value)) = assignment.split_once('=') else {
+        return Err(Error::variable("the form is COMPONENT.VARIABLE=VALUE"));
+    };
+    let PortName { component, variable } = name.trim().parse().map_err(Error::variable)?;
+    let port = system.port(&component, &variable)?;
+    let value = Value::from_text(system.info(port), value.trim())?;
+    system.set(port, &value)
+}
+
+fn run_with_progress(system: &mut System, experiment: &Experiment, path: &Path) -> Result<Outcome> {
+    // indicatif draws on a terminal's standard error and nowhere else
+    let steps = experiment.schedule()?.steps as u64;
+    let bar = ProgressBar::new(steps).with_message(path.display().to_string());
+    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} %  {eta} left") {
+        bar.set_style(style);
+    }
+    let outcome = cosimulate(system, experiment, |k| bar.set_position(k as u64));
+    bar.finish_and_clear();
+    outcome
+}
+
+/// What a recording and this run have in common, without the inputs that follow the recording.
+fn comparable(replay: &Recording, run: &Recording, opened: &[String]) -> Recording {
+    let mut common = replay.clone();
+    common.channels.retain(|c| run.has(&c.name) && !opened.contains(&c.name));
+    common
+}
+
+fn facts(
+    system: &System,
+    experiment: &Experiment,
+    outcome: &Outcome,
+    opened: &[String],
+    warnings: &[String],
+) -> Vec<(String, String)> {
+    let names = |order: &[usize]| -> String {
+        order.iter().map(|c| system.components()[*c].name.as_str()).collect::<Vec<_>>().join(", ")
+    };
+    let mut facts: Vec<(String, String)> =
+        system.components().iter().map(|c| (format!("Component {}", c.name), c.about.clone())).collect();
+    let mut fact = |name: &str, value: String| facts.push((name.into(), value));
+    fact("Time", format!("{} s to {} s", experiment.start, experiment.stop));
+    fact("Communication step", format!("{} ms", experiment.step * 1e3));
+    fact(
+        "Order",
+        match &system.coupling.order {
+            Some(order) => format!("one after the other: {}", names(order)),
+            None => "side by side, each with the others' outputs at the beginning of the interval".into(),
+        },
+    );
+    if system.coupling.iterate > 0 {
+        fact("Iteration", format!("each interval repeated at most {} times", system.coupling.iterate));
+    }
+    if !opened.is_empty() {
+        fact("Opened, from the recording", opened.join(", "));
+    }
+    for line in summary(system, outcome) {
+        fact("Coupling", line);
+    }
+    for warning in warnings {
+        fact("Warning", warning.clone());
+    }
+    facts
+}
+
+/// What the coupling did.
+fn summary(system: &System, outcome: &Outcome) -> Vec<String> {
+    let mut lines: Vec<String> = system
+        .bonds()
+        .iter()
+        .map(|bond| {
+            format!(
+                "{} and {}: the coupling made {:.3e} J of {:.3e} J passed on ({:.2} %)",
+                bond.name.0,
+                bond.name.1,
+                bond.generated,
+                bond.exchanged,
+                100.0 * bond.share()
+            )
+        })
+        .collect();
+    if outcome.halved > 0 {
+        lines.push(format!("{} intervals were halved because a component refused them", outcome.halved));
+    }
+    if outcome.unconverged > 0 {
+        lines.push(format!(
+            "{} intervals were repeated as often as allowed and did not converge",
+            outcome.unconverged
+        ));
+    }
+    lines
+}

@@ -1,0 +1,367 @@
+//! The master: starts the components, exchanges values, and takes them through one interval.
+
+use super::System;
+use crate::model::Snapshot;
+use crate::{Error, Result};
+
+/// Outputs that differ by less than this share between two exchanges have settled.
+const SETTLED: f64 = 1e-12;
+/// More exchanges than this, and one for each component, are not made during initialization.
+const MAX_EXCHANGES: usize = 50;
+/// An iterated interval has converged when no exchanged value changes by more than this share.
+const CONVERGED: f64 = 1e-10;
+
+/// How the components of a system are coupled.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Coupling {
+    /// Indices of all components in the order in which they are stepped: those that come later get the
+    /// outputs that the earlier ones have at the *end* of the interval (Gauss-Seidel; Mack 2009,
+    /// section 5.6: the controller first). `None`: all get the outputs at its beginning (Jacobi).
+    pub order: Option<Vec<usize>>,
+    /// How often an interval is repeated at most, from saved states and with the outputs at its end, until
+    /// the exchanged values agree. 0: each interval is run once.
+    pub iterate: usize,
+    /// How often an interval is halved at most, from saved states, when a component refuses a step.
+    pub halvings: u32,
+}
+
+/// One step of a component.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turn {
+    /// Index of the component.
+    pub component: usize,
+    /// Its time before the step \[s\].
+    pub from: f64,
+    /// Its time after it \[s\].
+    pub to: f64,
+}
+
+/// What a connection carries.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Flow {
+    /// The output at the beginning of the last interval but one.
+    before: f64,
+    /// The output at the beginning of the interval.
+    now: f64,
+    /// The output at its end, as far as known.
+    next: f64,
+    /// What the input got: at the beginning and at the end of the interval.
+    pub applied: (f64, f64),
+}
+
+impl Flow {
+    /// The output at the beginning and at the end of the interval.
+    pub fn sent(&self) -> (f64, f64) {
+        (self.now, self.next)
+    }
+}
+
+/// What the master remembers between intervals.
+#[derive(Default)]
+pub(super) struct Exchange {
+    /// One for each connection.
+    pub flows: Vec<Flow>,
+    /// When each component's turn is; the same for all where none waits for another.
+    rank: Vec<usize>,
+    /// What the recorded inputs got at the beginning of the interval.
+    pub fed: Vec<f64>,
+    /// Length of the last interval \[s\].
+    last_length: f64,
+    /// Whether all components save and restore their states.
+    can_roll_back: bool,
+    /// Saved states, by depth of halving and component.
+    saved: Vec<Vec<Snapshot>>,
+    /// Intervals that were repeated as often as allowed and did not converge.
+    pub unconverged: usize,
+    /// Intervals that were halved.
+    pub halved: usize,
+    /// The turns of all components, if somebody wants to know.
+    pub log: Option<Vec<Turn>>,
+}
+
+impl System {
+    /// Initializes all components, exchanging outputs until they settle, and checks that communication
+    /// every `interval` seconds suits them.
+    ///
+    /// # Errors
+    /// A component that does not start, or an interval that does not suit one. Outputs that do not
+    /// settle are a [warning](System::warnings).
+    pub fn start(&mut self, start: f64, stop: Option<f64>, interval: f64) -> Result<()> {
+        self.check_order()?;
+        for component in &mut self.components {
+            component.slave.start(start, stop).map_err(|e| e.at(&component.name))?;
+        }
+        for feed in &self.feeds {
+            let component = &mut self.components[feed.to.component];
+            component.slave.set(feed.to.variable, feed.at(start)).map_err(|e| e.at(&component.name))?;
+        }
+        let place =
+            |c: usize| self.coupling.order.iter().flatten().position(|other| *other == c).unwrap_or(0);
+        self.exchange = Exchange {
+            flows: vec![Flow::default(); self.wires.len()],
+            rank: (0..self.components.len()).map(place).collect(),
+            fed: self.feeds.iter().map(|f| f.at(start)).collect(),
+            log: self.exchange.log.take(),
+            ..Exchange::default()
+        };
+        self.settle()?;
+        for component in &mut self.components {
+            component.slave.finish_start().map_err(|e| e.at(&component.name))?;
+        }
+        for component in &self.components {
+            if let Some(warning) = component.slave.warning() {
+                self.warnings.push(format!("{}: {warning}", component.name));
+            }
+        }
+        self.check_interval(interval)?;
+        for i in 0..self.wires.len() {
+            let value = self.read(i)?;
+            let applied = self.wires[i].map(value);
+            self.exchange.flows[i] =
+                Flow { before: value, now: value, next: value, applied: (applied, applied) };
+        }
+        for bond in &mut self.bonds {
+            if let Some(i) = self.wires.iter().position(|w| w.to == bond.motion.to) {
+                bond.reset(self.exchange.flows[i].applied.0);
+            }
+        }
+        if self.coupling.iterate > 0 || self.coupling.halvings > 0 {
+            self.try_saving();
+        }
+        Ok(())
+    }
+
+    /// The order names every component once.
+    pub(super) fn check_order(&self) -> Result<()> {
+        let Some(order) = &self.coupling.order else { return Ok(()) };
+        for (i, component) in self.components.iter().enumerate() {
+            let times = order.iter().filter(|c| **c == i).count();
+            if times != 1 {
+                return Err(Error::file(format!(
+                    "the order has to name every component once; {:?} is named {times} times",
+                    component.name
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Exchanges outputs during initialization until they stop changing.
+    fn settle(&mut self) -> Result<()> {
+        let mut moving: Vec<usize> = Vec::new();
+        for exchange in 0..MAX_EXCHANGES + self.components.len() {
+            moving.clear();
+            let values = (0..self.wires.len()).map(|i| self.read(i)).collect::<Result<Vec<f64>>>()?;
+            for (i, value) in values.into_iter().enumerate() {
+                let last = std::mem::replace(&mut self.exchange.flows[i].now, value);
+                if exchange == 0 || (value - last).abs() > SETTLED * value.abs().max(last.abs()) {
+                    moving.push(i);
+                }
+            }
+            if moving.is_empty() {
+                return Ok(());
+            }
+            for (wire, flow) in self.wires.iter().zip(&self.exchange.flows) {
+                let component = &mut self.components[wire.to.component];
+                let value = wire.map(flow.now);
+                component.slave.set(wire.to.variable, value).map_err(|e| e.at(&component.name))?;
+            }
+        }
+        let names: Vec<String> = moving.iter().map(|i| self.name(self.wires[*i].from)).collect();
+        self.warnings.push(format!(
+            "the components do not agree on a start: after {} exchanges these outputs still change: {}; they depend on each other without delay (an algebraic loop), and the run begins with the values of the last exchange",
+            MAX_EXCHANGES + self.components.len(),
+            names.join(", ")
+        ));
+        Ok(())
+    }
+
+    /// Finds out whether all components can save their states.
+    fn try_saving(&mut self) {
+        let halving = self.coupling.halvings > 0;
+        if let Some(component) = self.components.iter().find(|c| halving && c.even_steps_only) {
+            self.warnings.push(format!("{} cannot vary its step: intervals are not halved", component.name));
+            self.coupling.halvings = 0;
+        }
+        let mut unable = Vec::new();
+        for component in &mut self.components {
+            if component.slave.save().is_err() {
+                unable.push(component.name.as_str());
+            }
+        }
+        self.exchange.can_roll_back = unable.is_empty();
+        if !unable.is_empty() {
+            self.warnings.push(format!(
+                "{} cannot save and restore {} state: intervals are neither repeated nor halved",
+                unable.join(", "),
+                if unable.len() == 1 { "its" } else { "their" }
+            ));
+        }
+    }
+
+    /// Takes all components from `time` by `length` seconds.
+    ///
+    /// # Errors
+    /// A component that refuses the step, also in the shortest interval that is allowed.
+    pub fn advance(&mut self, time: f64, length: f64) -> Result<()> {
+        self.interval(time, length, 0)
+    }
+
+    fn interval(&mut self, time: f64, length: f64, depth: u32) -> Result<()> {
+        let saving =
+            self.exchange.can_roll_back && (self.coupling.iterate > 0 || depth < self.coupling.halvings);
+        if saving {
+            self.save(depth as usize)?;
+        }
+        match self.passes(time, length, depth as usize) {
+            Err(_) if saving && depth < self.coupling.halvings => {
+                self.restore(depth as usize)?;
+                self.exchange.halved += 1;
+                let half = 0.5 * length;
+                self.interval(time, half, depth + 1)?;
+                return self.interval(time + half, length - half, depth + 1);
+            }
+            done => done?,
+        }
+        for bond in &mut self.bonds {
+            let flow = |to| self.wires.iter().position(|w| w.to == to).map(|i| self.exchange.flows[i]);
+            if let (Some(effort), Some(motion)) = (flow(bond.effort.to), flow(bond.motion.to)) {
+                bond.add(&effort, &motion, length);
+            }
+        }
+        for flow in &mut self.exchange.flows {
+            (flow.before, flow.now) = (flow.now, flow.next);
+        }
+        self.exchange.last_length = length;
+        Ok(())
+    }
+
+    /// One interval, repeated until the exchanged values agree.
+    fn passes(&mut self, time: f64, length: f64, depth: usize) -> Result<()> {
+        self.pass(time, length, false)?;
+        if self.coupling.iterate == 0 || !self.exchange.can_roll_back {
+            return Ok(());
+        }
+        for _ in 0..self.coupling.iterate {
+            let last: Vec<f64> = self.exchange.flows.iter().map(|f| f.next).collect();
+            self.restore(depth)?;
+            self.pass(time, length, true)?;
+            let agree = self.exchange.flows.iter().zip(last).all(|(flow, last)| {
+                let size = flow.next.abs().max(flow.now.abs());
+                (flow.next - last).abs() <= CONVERGED * size
+            });
+            if agree {
+                return Ok(());
+            }
+        }
+        self.exchange.unconverged += 1;
+        Ok(())
+    }
+
+    /// Steps every component once. `repeated`: the outputs at the end of the interval are known from the
+    /// last pass.
+    fn pass(&mut self, time: f64, length: f64, repeated: bool) -> Result<()> {
+        for position in 0..self.components.len() {
+            let index = self.coupling.order.as_ref().map_or(position, |order| order[position]);
+            self.set_inputs(index, time, length, repeated)
+                .and_then(|()| self.components[index].slave.step(time, length))
+                .map_err(|e| e.at(&self.components[index].name))?;
+            for i in 0..self.wires.len() {
+                if self.wires[i].from.component == index {
+                    self.exchange.flows[i].next = self.read(i)?;
+                }
+            }
+            if let Some(log) = &mut self.exchange.log {
+                log.push(Turn { component: index, from: time, to: time + length });
+            }
+        }
+        Ok(())
+    }
+
+    fn set_inputs(&mut self, index: usize, time: f64, length: f64, repeated: bool) -> Result<()> {
+        let slave = self.components[index].slave.as_mut();
+        let interpolates = slave.can_interpolate();
+        let rank = &self.exchange.rank;
+        for (wire, flow) in self.wires.iter().zip(&mut self.exchange.flows) {
+            if wire.to.component != index {
+                continue;
+            }
+            let earlier = rank[wire.from.component] < rank[index];
+            let (begin, end) = match (repeated, wire.real) {
+                (true, true) if interpolates => (flow.now, flow.next),
+                (true, true) => {
+                    let mean = 0.5 * (flow.now + flow.next);
+                    (mean, mean)
+                }
+                _ => match (wire.derivative, earlier) {
+                    (false, false) => (flow.now, flow.now),
+                    (false, true) => (flow.next, flow.next),
+                    (true, true) => (flow.now, flow.next),
+                    (true, false) if self.exchange.last_length > 0.0 => {
+                        let slope = (flow.now - flow.before) / self.exchange.last_length;
+                        (flow.now, flow.now + slope * length)
+                    }
+                    (true, false) => (flow.now, flow.now),
+                },
+            };
+            let applied = (wire.map(begin), wire.map(end));
+            flow.applied = applied;
+            slave.set(wire.to.variable, applied.0)?;
+            if applied.0 != applied.1 {
+                slave.set_rate(wire.to.variable, (applied.1 - applied.0) / length)?;
+            }
+        }
+        for (feed, fed) in self.feeds.iter().zip(&mut self.exchange.fed) {
+            if feed.to.component != index {
+                continue;
+            }
+            *fed = feed.at(time);
+            slave.set(feed.to.variable, *fed)?;
+            if feed.derivative {
+                slave.set_rate(feed.to.variable, (feed.at(time + length) - *fed) / length)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What the inputs would get in an interval that begins now: at the end of a run, the last sample.
+    pub(super) fn foresee(&mut self, time: f64) {
+        for (wire, flow) in self.wires.iter().zip(&mut self.exchange.flows) {
+            let value = wire.map(flow.now);
+            flow.applied = (value, value);
+        }
+        for (feed, fed) in self.feeds.iter().zip(&mut self.exchange.fed) {
+            *fed = feed.at(time);
+        }
+    }
+
+    /// The output of a connection, as its component has it now.
+    fn read(&mut self, wire: usize) -> Result<f64> {
+        let from = self.wires[wire].from;
+        let component = &mut self.components[from.component];
+        component.slave.get(from.variable).map_err(|e| e.at(&component.name))
+    }
+
+    fn save(&mut self, depth: usize) -> Result<()> {
+        let mut saved = std::mem::take(&mut self.exchange.saved);
+        if saved.len() <= depth {
+            saved.resize_with(depth + 1, Vec::new);
+        }
+        for (i, component) in self.components.iter_mut().enumerate() {
+            match saved[depth].get_mut(i) {
+                Some(snapshot) => component.slave.save_into(snapshot),
+                None => component.slave.save().map(|snapshot| saved[depth].push(snapshot)),
+            }
+            .map_err(|e| e.at(&component.name))?;
+        }
+        self.exchange.saved = saved;
+        Ok(())
+    }
+
+    fn restore(&mut self, depth: usize) -> Result<()> {
+        for (component, snapshot) in self.components.iter_mut().zip(&self.exchange.saved[depth]) {
+            component.slave.restore(snapshot).map_err(|e| e.at(&component.name))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,25 @@
+//! Co-simulation: models and FMUs wired to each other, stepped by one master.
+//!
+//! A [`System`] holds named [`Slave`](crate::model::Slave)s and what connects them. [`Plan`] is what a
+//! file says of a system, before its components are loaded: [`parse_toml`] reads the short form. [`cosimulate`] runs a system and records.
+//!
+//! Between two communication points each component integrates on its own. What it gets from the others
+//! is held during that time (zero-order hold), unless a connection or iteration asks for more. The
+//! order in which components are stepped ([`Coupling::order`]) decides about delay and energy; see
+//! docs/cosimulate.md.
+
+mod energy;
+mod master;
+mod plan;
+mod run;
+mod system;
+mod toml;
+
+pub use energy::{Bond, BondKind};
+pub use master::{Coupling, Turn};
+pub use plan::{
+    Assignment, Plan, PlannedBond, PlannedComponent, PlannedConnection, PlannedInputs, PortName, Source,
+};
+pub use run::{ENERGY_SHARE, Experiment, Outcome, cosimulate, energy_warnings};
+pub use system::{Component, Port, System, Transfer};
+pub use toml::parse_toml;

@@ -1,0 +1,292 @@
+//! [`Plan`]: what a file says of a system.
+
+use super::energy::BondKind;
+use super::master::Coupling;
+use super::run::Experiment;
+use super::system::{Port, System, Transfer};
+use crate::fmi::Entry;
+use crate::fmi::import::ImportedFmu;
+use crate::model::{Settings, Slave, Value};
+use crate::recording::read_csv;
+use crate::shipped::MODELS;
+use crate::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// A system as a file describes it: by names, with the places of everything for messages.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Plan {
+    /// The file.
+    pub source: String,
+    /// The components, in the order of the file.
+    pub components: Vec<PlannedComponent>,
+    /// Output to input.
+    pub connections: Vec<PlannedConnection>,
+    /// Pairs whose energy is watched; empty: those that the units show.
+    pub bonds: Vec<PlannedBond>,
+    /// Inputs that follow recordings.
+    pub inputs: Vec<PlannedInputs>,
+    /// Start \[s\].
+    pub start: Option<f64>,
+    /// Stop \[s\].
+    pub stop: Option<f64>,
+    /// Communication step \[s\].
+    pub step: Option<f64>,
+    /// Names of the components in the order in which they are stepped; `None`: side by side.
+    pub order: Option<Vec<String>>,
+    /// See [`Coupling::iterate`].
+    pub iterate: usize,
+    /// See [`Coupling::halvings`].
+    pub halvings: u32,
+    /// Every how many communication points are recorded; 0 is taken for 1.
+    pub record_every: usize,
+    /// What was read and is not used.
+    pub warnings: Vec<String>,
+}
+
+/// A component by its source.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedComponent {
+    /// Its name in the system.
+    pub name: String,
+    /// What it is made from.
+    pub source: Source,
+    /// Values of parameters, and constant ones of inputs.
+    pub set: Vec<Assignment>,
+    /// Where it stands in the file.
+    pub place: String,
+}
+
+/// What a component is made from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Source {
+    /// A shipped model by name, with a file of parameters.
+    Model(String, Option<PathBuf>),
+    /// An FMU file.
+    Fmu(PathBuf),
+}
+
+/// The value of one variable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Assignment {
+    /// Name of the variable.
+    pub variable: String,
+    /// Its value; for a real variable also a text with a unit.
+    pub value: Value,
+    /// Where it stands in the file.
+    pub place: String,
+}
+
+/// A variable of a component, by names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PortName {
+    /// Name of the component.
+    pub component: String,
+    /// Name of the variable.
+    pub variable: String,
+}
+
+/// A connection by names.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedConnection {
+    /// The output.
+    pub from: PortName,
+    /// The input.
+    pub to: PortName,
+    /// What happens on the way.
+    pub transfer: Transfer,
+    /// Where it stands in the file.
+    pub place: String,
+}
+
+/// A pair of outputs whose energy is watched.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedBond {
+    /// Force or moment.
+    pub effort: PortName,
+    /// What goes the other way.
+    pub motion: PortName,
+    /// What that is.
+    pub kind: BondKind,
+    /// Where it stands in the file.
+    pub place: String,
+}
+
+/// A recording and the inputs that follow it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedInputs {
+    /// The CSV file.
+    pub file: PathBuf,
+    /// Channel and input.
+    pub connect: Vec<(String, PortName)>,
+    /// The inputs get derivatives, too.
+    pub derivative: bool,
+    /// Where it stands in the file.
+    pub place: String,
+}
+
+impl std::str::FromStr for PortName {
+    type Err = String;
+
+    /// From `component.variable`; the variable may have dots.
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match text.split_once('.') {
+            Some((component, variable)) if !component.is_empty() && !variable.is_empty() => {
+                Ok(Self { component: component.into(), variable: variable.into() })
+            }
+            _ => Err(format!("{text:?} is no name of the form component.variable")),
+        }
+    }
+}
+
+impl Plan {
+    /// The files that the system is made from.
+    pub fn files(&self) -> Vec<&Path> {
+        let mut files: Vec<&Path> = self.inputs.iter().map(|i| i.file.as_path()).collect();
+        for component in &self.components {
+            match &component.source {
+                Source::Model(_, parameters) => files.extend(parameters.as_deref()),
+                Source::Fmu(path) => files.push(path),
+            }
+        }
+        files
+    }
+
+    /// What to run: the times given, else those of the file, else start at 0 s and stop where the first
+    /// recorded input ends.
+    ///
+    /// # Errors
+    /// No stop time or no communication step anywhere.
+    pub fn experiment(
+        &self,
+        system: &System,
+        start: Option<f64>,
+        stop: Option<f64>,
+        step: Option<f64>,
+    ) -> Result<Experiment> {
+        let ends = system.feeds.iter().filter_map(|f| f.time.last().copied()).reduce(f64::min);
+        let stop = stop.or(self.stop).or(ends).ok_or_else(|| {
+            Error::call(format!("{}: there is no stop time; give it in the file or with --stop", self.source))
+        })?;
+        let step = step.or(self.step).ok_or_else(|| {
+            let steps: Vec<String> = system
+                .components
+                .iter()
+                .map(|c| format!("{} {} s", c.name, c.interface().communication_step))
+                .collect();
+            Error::call(format!(
+                "{}: there is no communication step; give it in the file or with --step. What suits each component by itself: {}",
+                self.source,
+                steps.join(", ")
+            ))
+        })?;
+        Ok(Experiment {
+            start: start.or(self.start).unwrap_or(0.0),
+            stop,
+            step,
+            record_every: self.record_every.max(1),
+            all: false,
+            log: false,
+        })
+    }
+
+    /// Loads the components and wires them. This runs the FMUs' code.
+    ///
+    /// # Errors
+    /// Components that cannot be loaded, names that are not there, connections that do not fit; each with
+    /// its place in the file.
+    pub fn load(&self) -> Result<System> {
+        self.wire(|system, component| add(system, component))
+    }
+
+    /// As [`load`](Self::load), with components from elsewhere: `add` adds one to the system and gives its
+    /// index.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn wire(
+        &self,
+        mut add: impl FnMut(&mut System, &PlannedComponent) -> Result<usize>,
+    ) -> Result<System> {
+        let mut system =
+            System::new(Coupling { order: None, iterate: self.iterate, halvings: self.halvings });
+        for warning in &self.warnings {
+            system.warn(warning.clone());
+        }
+        for component in &self.components {
+            let index = add(&mut system, component).map_err(|e| placed(e, &component.place))?;
+            for assignment in &component.set {
+                let at = |e: Error| placed(e, &assignment.place);
+                let port = system.port(&component.name, &assignment.variable).map_err(at)?;
+                debug_assert_eq!(port.component, index);
+                let value = system.info(port).accept_quantity(&assignment.value).map_err(at)?;
+                system.set(port, &value).map_err(at)?;
+            }
+        }
+        let port = |system: &System, name: &PortName| system.port(&name.component, &name.variable);
+        for PlannedConnection { from, to, transfer, place } in &self.connections {
+            let at = |e: Error| placed(e, place);
+            let (from, to) = (port(&system, from).map_err(at)?, port(&system, to).map_err(at)?);
+            system.connect(from, to, *transfer).map_err(at)?;
+        }
+        for inputs in &self.inputs {
+            let at = |e: Error| placed(e, &inputs.place);
+            let recording = read_csv(&inputs.file).map_err(at)?;
+            for (channel, to) in &inputs.connect {
+                let to: Port = port(&system, to).map_err(at)?;
+                system.feed(to, &recording, channel, inputs.derivative).map_err(at)?;
+            }
+        }
+        for PlannedBond { effort, motion, kind, place } in &self.bonds {
+            let at = |e: Error| placed(e, place);
+            let (effort, motion) = (port(&system, effort).map_err(at)?, port(&system, motion).map_err(at)?);
+            system.bond(effort, motion, *kind).map_err(at)?;
+        }
+        if self.bonds.is_empty() {
+            system.find_bonds();
+        }
+        if let Some(order) = &self.order {
+            let order: Result<Vec<usize>> = order.iter().map(|name| system.component(name)).collect();
+            system.coupling.order = Some(order.map_err(|e| placed(e, &format!("{}: order", self.source)))?);
+            system.check_order().map_err(|e| placed(e, &self.source))?;
+        }
+        Ok(system)
+    }
+}
+
+/// Adds a shipped model or an FMU.
+fn add(system: &mut System, component: &PlannedComponent) -> Result<usize> {
+    match &component.source {
+        Source::Model(name, parameters) => {
+            let entry = Entry::find(MODELS, name)
+                .map_err(|e| Error::variable(format!("{e}; an FMU is given as fmu = \"F.fmu\"")))?;
+            let settings = match parameters {
+                Some(path) => {
+                    let text = std::fs::read_to_string(path)
+                        .map_err(|e| Error::file(format!("{}: {e}", path.display())))?;
+                    Settings::parse(&text, &path.display().to_string())?
+                }
+                None => Settings::default(),
+            };
+            let slave: Box<dyn Slave> = entry.slave(&settings)?;
+            system.add(&component.name, slave)
+        }
+        Source::Fmu(path) => {
+            let fmu = ImportedFmu::load(path)?;
+            let about = fmu.description();
+            let description = format!("{} ({})", path.display(), about.model_name);
+            let even_steps_only = !about.capabilities.can_handle_variable_step;
+            let preferred_step = about.experiment.step_size;
+            let index = system.add(&component.name, Box::new(fmu))?;
+            let component = system.component_mut(index);
+            component.about = description;
+            component.even_steps_only = even_steps_only;
+            component.preferred_step = preferred_step;
+            Ok(index)
+        }
+    }
+}
+
+/// The error with its place in a file in front, which makes it one of that file.
+fn placed(error: Error, place: &str) -> Error {
+    Error::new(error.kind(), error.to_string()).at(place)
+}

@@ -1,0 +1,256 @@
+//! [`cosimulate`]: runs a system and records.
+
+use super::master::Turn;
+use super::system::{Port, System};
+use crate::model::unit::Unit;
+use crate::model::{Causality, Kind};
+use crate::recording::{Channel, Recording};
+use crate::simulate::Schedule;
+use crate::{Error, Result};
+
+/// More values than this (4 GB) are not recorded.
+const MAX_VALUES: f64 = 5e8;
+/// How far a last step may be from a whole one, in steps, to count as whole.
+const STEP_TOLERANCE: f64 = 1e-6;
+/// A coupling that makes more than this share of the energy that it passes on is warned of.
+pub const ENERGY_SHARE: f64 = 0.01;
+
+/// What to run and what to keep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Experiment {
+    /// Start \[s\].
+    pub start: f64,
+    /// Stop \[s\].
+    pub stop: f64,
+    /// Communication step \[s\].
+    pub step: f64,
+    /// Every how many communication points are recorded.
+    pub record_every: usize,
+    /// Internal quantities and inputs that nothing is connected to are recorded, too.
+    pub all: bool,
+    /// Keep a [log](Outcome::log) of who stepped when.
+    pub log: bool,
+}
+
+/// What came out.
+#[derive(Debug)]
+pub struct Outcome {
+    /// Outputs, inputs and energies at the recorded communication points, as `component.variable`.
+    ///
+    /// An output is that at the sample's time, an input what is held from then on, so that a recording
+    /// of every point can be [replayed](System::open) with the same bits.
+    pub recording: Recording,
+    /// Why it ended before the stop time, if it did.
+    pub stopped: Option<Error>,
+    /// Who stepped from when to when, in order, if that was asked for.
+    pub log: Vec<Turn>,
+    /// Intervals that were repeated as often as allowed and whose exchanged values still changed.
+    pub unconverged: usize,
+    /// Intervals that were halved.
+    pub halved: usize,
+}
+
+impl Experiment {
+    /// The communication points.
+    ///
+    /// # Errors
+    /// Times that are not finite or reversed, a step that is not positive.
+    pub fn schedule(&self) -> Result<Schedule> {
+        let Self { start, stop, step, .. } = *self;
+        if !(start.is_finite() && stop.is_finite() && stop > start) {
+            return Err(Error::call(format!(
+                "the stop time {stop} s has to be after the start time {start} s"
+            )));
+        }
+        if !(step.is_finite() && step > 0.0) {
+            return Err(Error::call(format!("the step {step} s has to be a positive time")));
+        }
+        let steps = ((stop - start) / step - STEP_TOLERANCE).ceil().max(1.0);
+        if steps > MAX_VALUES {
+            return Err(Error::call(format!("{steps:.1e} steps of {step} s are too many; take longer ones")));
+        }
+        Ok(Schedule { start, stop, step, steps: steps as usize })
+    }
+}
+
+/// Runs a system that was not started yet. `observe` is called at every communication point with its
+/// number.
+///
+/// # Errors
+/// An experiment that does not fit the system, or a system that does not start. A component that stops on
+/// the way is no error of this function: see [`Outcome::stopped`].
+pub fn cosimulate(
+    system: &mut System,
+    experiment: &Experiment,
+    mut observe: impl FnMut(usize),
+) -> Result<Outcome> {
+    let schedule = experiment.schedule()?;
+    let every = experiment.record_every.max(1);
+    let samples = schedule.steps / every + 1;
+    let mut recorder = Recorder::new(system, experiment.all, samples)?;
+    for feed in &system.feeds {
+        let recording =
+            Recording { time: feed.time.to_vec(), source: system.name(feed.to), ..Recording::default() };
+        recording.covers(schedule.start, schedule.stop)?;
+    }
+    if !schedule.is_even()
+        && let Some(component) = system.components.iter().find(|c| c.even_steps_only)
+    {
+        return Err(Error::call(format!(
+            "{} cannot vary its step, and {} s to {} s is no whole number of steps of {} s",
+            component.name, schedule.start, schedule.stop, schedule.step
+        )));
+    }
+    system.exchange.log = experiment.log.then(Vec::new);
+    system.start(schedule.start, Some(schedule.stop), schedule.step)?;
+
+    let mut stopped = None;
+    observe(0);
+    for k in 0..=schedule.steps {
+        let now = schedule.point(k);
+        let recorded = k % every == 0;
+        // a sample's time is no sum, so that it does not drift
+        let time = schedule.start + (k / every) as f64 * (every as f64 * schedule.step);
+        let time = if k == schedule.steps && every == 1 { now } else { time };
+        if recorded {
+            recorder.outputs(system, time)?;
+        }
+        if k == schedule.steps {
+            system.foresee(now);
+        } else {
+            let next = schedule.point(k + 1);
+            if let Err(error) = system.advance(now, next - now) {
+                stopped = Some(error.at(format!("{now} s")));
+            }
+        }
+        if recorded {
+            recorder.inputs(system);
+        }
+        if stopped.is_some() {
+            break;
+        }
+        observe(k + 1);
+    }
+    Ok(Outcome {
+        recording: recorder.recording,
+        stopped,
+        log: system.exchange.log.take().unwrap_or_default(),
+        unconverged: system.exchange.unconverged,
+        halved: system.exchange.halved,
+    })
+}
+
+/// Warnings about the energies of the bonds after a run with this communication step.
+pub fn energy_warnings(system: &System, step: f64) -> Vec<String> {
+    system
+        .bonds()
+        .iter()
+        .filter(|bond| bond.share().abs() > ENERGY_SHARE)
+        .map(|bond| {
+            let parts = (bond.share().abs() / ENERGY_SHARE).ceil();
+            format!(
+                "the coupling of {} and {} {} {:.3e} J, {:.1} % of the {:.3e} J that it passed on: as a damper of {:.4e} {} between the two would; {} s as communication step would bring that below {} %, or iterate, or put the stiff part into one component",
+                bond.name.0,
+                bond.name.1,
+                if bond.generated > 0.0 { "made" } else { "took" },
+                bond.generated.abs(),
+                100.0 * bond.share().abs(),
+                bond.exchanged,
+                bond.equivalent_damping(),
+                if system.info(bond.effort.from).unit.as_deref().is_some_and(|u| u.contains('m')) { "N.m.s/rad" } else { "N.s/m" },
+                step / parts,
+                100.0 * ENERGY_SHARE
+            )
+        })
+        .collect()
+}
+
+/// Where a column comes from.
+enum Column {
+    Variable(Port),
+    Wire(usize),
+    Feed(usize),
+    Energy(usize),
+}
+
+struct Recorder {
+    columns: Vec<Column>,
+    recording: Recording,
+}
+
+impl Recorder {
+    fn new(system: &System, all: bool, samples: usize) -> Result<Self> {
+        let mut columns = Vec::new();
+        let mut channels = Vec::new();
+        let mut push = |column: Column, name: String, unit: Option<&str>| {
+            // a unit from outside that is not known here could not be written to a file that reads back
+            let unit = unit.filter(|u| Unit::parse(u).is_ok()).unwrap_or("1").to_string();
+            columns.push(column);
+            channels.push(Channel { name, unit, values: Vec::new() });
+        };
+        for (index, component) in system.components.iter().enumerate() {
+            for causality in [Causality::Input, Causality::Output, Causality::Local] {
+                for variable in component.interface().with(causality) {
+                    let port = Port { component: index, variable };
+                    let info = system.info(port);
+                    let column = if info.kind == Kind::Text {
+                        continue;
+                    } else if let Some(i) = system.wires.iter().position(|w| w.to == port) {
+                        Column::Wire(i)
+                    } else if let Some(i) = system.feeds.iter().position(|f| f.to == port) {
+                        Column::Feed(i)
+                    } else if all || causality == Causality::Output {
+                        Column::Variable(port)
+                    } else {
+                        continue;
+                    };
+                    push(column, system.name(port), info.unit.as_deref());
+                }
+            }
+        }
+        for (i, bond) in system.bonds.iter().enumerate() {
+            push(Column::Energy(i), format!("generated energy {} {}", bond.name.0, bond.name.1), Some("J"));
+        }
+        let values = samples as f64 * columns.len() as f64;
+        if values > MAX_VALUES {
+            return Err(Error::call(format!(
+                "{samples} samples of {} channels are more than the {MAX_VALUES:.0e} values that are kept in memory; record fewer points (record_every)",
+                columns.len()
+            )));
+        }
+        for channel in &mut channels {
+            channel.values.reserve_exact(samples);
+        }
+        let recording =
+            Recording { time: Vec::with_capacity(samples), channels, source: "co-simulation".into() };
+        Ok(Self { columns, recording })
+    }
+
+    /// What the components say at a communication point.
+    fn outputs(&mut self, system: &mut System, time: f64) -> Result<()> {
+        self.recording.time.push(time);
+        for (column, channel) in self.columns.iter().zip(&mut self.recording.channels) {
+            let value = match column {
+                Column::Variable(port) => {
+                    let component = &mut system.components[port.component];
+                    component.slave.get(port.variable).map_err(|e| e.at(&component.name))?
+                }
+                Column::Energy(i) => system.bonds[*i].generated,
+                Column::Wire(_) | Column::Feed(_) => continue,
+            };
+            channel.values.push(value);
+        }
+        Ok(())
+    }
+
+    /// What the connected inputs got for the interval that begins there.
+    fn inputs(&mut self, system: &System) {
+        for (column, channel) in self.columns.iter().zip(&mut self.recording.channels) {
+            match column {
+                Column::Wire(i) => channel.values.push(system.exchange.flows[*i].applied.0),
+                Column::Feed(i) => channel.values.push(system.exchange.fed[*i]),
+                Column::Variable(_) | Column::Energy(_) => {}
+            }
+        }
+    }
+}

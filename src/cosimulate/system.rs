@@ -1,0 +1,486 @@
+//! [`System`]: named slaves and what connects them.
+
+use super::energy::Bond;
+use super::master::{Coupling, Exchange};
+use crate::model::unit::Unit;
+use crate::model::{Causality, Interface, Kind, Slave, Value, VariableInfo};
+use crate::recording::{Recording, interpolate};
+use crate::{Error, Result};
+use std::rc::Rc;
+
+/// Parameters that say how often a component does something by itself, and what that is. An interval of
+/// communication has to be a whole multiple of the first; of the second it may also be a fraction,
+/// because a controller that is called more often than its task runs waits.
+const OWN_STEPS: [&str; 2] = ["step_size", "sample_time"];
+
+/// Slaves by name, the connections between them, and recorded inputs.
+pub struct System {
+    /// How the components are coupled.
+    pub coupling: Coupling,
+    pub(super) components: Vec<Component>,
+    pub(super) wires: Vec<Wire>,
+    pub(super) feeds: Vec<Feed>,
+    pub(super) bonds: Vec<Bond>,
+    pub(super) exchange: Exchange,
+    pub(super) warnings: Vec<String>,
+}
+
+/// A slave in a system.
+pub struct Component {
+    /// Its name in the system, without a dot.
+    pub name: String,
+    /// What it is, for reports.
+    pub about: String,
+    /// All its steps have to have the same length.
+    pub even_steps_only: bool,
+    /// The communication step that its maker names \[s\].
+    pub preferred_step: Option<f64>,
+    pub(super) slave: Box<dyn Slave>,
+    /// Inputs that have a constant value.
+    pub(super) set: Vec<usize>,
+}
+
+/// A variable of a component.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Port {
+    /// Index of the component.
+    pub component: usize,
+    /// Index of the variable in the component's interface.
+    pub variable: usize,
+}
+
+/// What happens to a value on its way from an output to an input.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Transfer {
+    /// Linear transformation, after the conversion of units: factor * value + offset.
+    pub linear: Option<(f64, f64)>,
+    /// The numbers are taken as they are, whatever the units.
+    pub keep_units: bool,
+    /// The input gets a derivative, too, instead of being held: interpolation where the source was
+    /// stepped before, otherwise extrapolation of its last interval.
+    pub derivative: bool,
+}
+
+/// A connection.
+pub(super) struct Wire {
+    pub from: Port,
+    pub to: Port,
+    pub derivative: bool,
+    /// A real number, which may be averaged and interpolated.
+    pub real: bool,
+    /// From the unit of the output to the input; `None` leaves the bits alone.
+    pub map: Option<(f64, f64)>,
+}
+
+/// An input that follows a recording.
+pub(super) struct Feed {
+    pub to: Port,
+    pub time: Rc<[f64]>,
+    pub values: Vec<f64>,
+    pub continuous: bool,
+    pub derivative: bool,
+}
+
+impl Wire {
+    /// The value at the input for one at the output.
+    pub fn map(&self, value: f64) -> f64 {
+        self.map.map_or(value, |(factor, offset)| factor * value + offset)
+    }
+}
+
+impl Feed {
+    /// The value at a time: between samples a line, for variables that are no real numbers the last
+    /// sample.
+    pub fn at(&self, time: f64) -> f64 {
+        if self.continuous {
+            return interpolate(&self.time, &self.values, time);
+        }
+        // a clock that adds up misses the samples by rounding
+        let slack = 1e-9 * time.abs().max(1e-6);
+        let next = self.time.partition_point(|sample| *sample <= time + slack);
+        self.values[next.saturating_sub(1)]
+    }
+}
+
+impl System {
+    /// A system without components.
+    pub fn new(coupling: Coupling) -> Self {
+        Self {
+            coupling,
+            components: Vec::new(),
+            wires: Vec::new(),
+            feeds: Vec::new(),
+            bonds: Vec::new(),
+            exchange: Exchange::default(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Adds a slave that has not been started; gives its index.
+    ///
+    /// # Errors
+    /// A name that is empty, has a dot (which ends a component's name in `component.variable`) or is
+    /// there already.
+    pub fn add(&mut self, name: &str, slave: Box<dyn Slave>) -> Result<usize> {
+        if name.is_empty() || name.contains('.') {
+            return Err(Error::file(format!("the component name {name:?} has to be a word without a dot")));
+        }
+        if self.components.iter().any(|c| c.name == name) {
+            return Err(Error::file(format!("there are two components {name:?}")));
+        }
+        self.components.push(Component {
+            name: name.into(),
+            about: slave.interface().name.clone(),
+            even_steps_only: false,
+            preferred_step: None,
+            slave,
+            set: Vec::new(),
+        });
+        Ok(self.components.len() - 1)
+    }
+
+    /// The components.
+    pub fn components(&self) -> &[Component] {
+        &self.components
+    }
+
+    /// A component, to say more about it.
+    pub fn component_mut(&mut self, index: usize) -> &mut Component {
+        &mut self.components[index]
+    }
+
+    /// What should be known before a run: what was not checked, what was left out.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Adds a warning.
+    pub fn warn(&mut self, warning: String) {
+        self.warnings.push(warning);
+    }
+
+    /// Index of the component called `name`.
+    ///
+    /// # Errors
+    /// None; the message lists those that are there.
+    pub fn component(&self, name: &str) -> Result<usize> {
+        self.components.iter().position(|c| c.name == name).ok_or_else(|| {
+            let names: Vec<&str> = self.components.iter().map(|c| c.name.as_str()).collect();
+            Error::variable(format!("there is no component {name:?}; there is {}", names.join(", ")))
+        })
+    }
+
+    /// A variable by the names of component and variable.
+    ///
+    /// # Errors
+    /// No such component or variable.
+    pub fn port(&self, component: &str, variable: &str) -> Result<Port> {
+        let index = self.component(component)?;
+        let variable = self.components[index].interface().find(variable).map_err(|e| e.at(component))?;
+        Ok(Port { component: index, variable })
+    }
+
+    /// `component.variable`.
+    pub fn name(&self, port: Port) -> String {
+        format!("{}.{}", self.components[port.component].name, self.info(port).name)
+    }
+
+    /// What the component says of the variable.
+    pub fn info(&self, port: Port) -> &VariableInfo {
+        &self.components[port.component].interface().variables[port.variable]
+    }
+
+    /// Gives a parameter its value, or an input a constant one, before the start.
+    ///
+    /// # Errors
+    /// A variable that is neither, an input that has a source already, or a value that is not accepted.
+    pub fn set(&mut self, port: Port, value: &Value) -> Result<()> {
+        let info = self.info(port);
+        let name = self.name(port);
+        match info.causality {
+            Causality::Parameter => {}
+            Causality::Input => self.check_free(port, "a constant value")?,
+            _ => {
+                return Err(Error::variable(format!(
+                    "{name} is computed by the component; it cannot be set"
+                )));
+            }
+        }
+        let value = self.info(port).accept(value).map_err(|e| e.at(&name))?;
+        let component = &mut self.components[port.component];
+        let slave = component.slave.as_mut();
+        let number = match &value {
+            Value::Text(text) => {
+                return slave.set_text(port.variable, text).map_err(|e| e.at(&component.name));
+            }
+            Value::Real(v) => *v,
+            Value::Integer(v) => f64::from(*v),
+            Value::Boolean(v) => f64::from(u8::from(*v)),
+        };
+        slave.set(port.variable, number).map_err(|e| e.at(&component.name))?;
+        if component.slave.interface().variables[port.variable].causality == Causality::Input {
+            component.set.push(port.variable);
+        }
+        Ok(())
+    }
+
+    /// Connects an output to an input.
+    ///
+    /// # Errors
+    /// Not from an output to an input, an input that has a source already, types that do not go
+    /// together, units that cannot be converted, a derivative for an input that takes none.
+    pub fn connect(&mut self, from: Port, to: Port, transfer: Transfer) -> Result<()> {
+        let (source, target) = (self.info(from), self.info(to));
+        let (source_name, target_name) = (self.name(from), self.name(to));
+        let place = format!("{source_name} -> {target_name}");
+        let wrong = |what: String| Err(Error::variable(format!("{place}: {what}")));
+        if source.causality != Causality::Output {
+            return wrong(format!("{source_name} is {}, not an output", word(source.causality)));
+        }
+        if target.causality != Causality::Input {
+            return wrong(format!("{target_name} is {}, not an input", word(target.causality)));
+        }
+        self.check_free(to, &format!("the connection from {source_name}"))?;
+        let real = source.kind == Kind::Real && target.kind == Kind::Real;
+        let widened = source.kind == Kind::Integer && target.kind == Kind::Real;
+        if source.kind == Kind::Text || !(source.kind == target.kind || widened) {
+            return wrong(format!(
+                "{source_name} is {}, {target_name} is {}; {}",
+                kind(&source.kind),
+                kind(&target.kind),
+                if source.kind == target.kind {
+                    "texts cannot be connected"
+                } else {
+                    "that does not go together"
+                }
+            ));
+        }
+        if transfer.linear.is_some() && !real {
+            return wrong("only a real number can be transformed linearly".into());
+        }
+        if let Some((factor, offset)) = transfer.linear
+            && !(factor.is_finite() && offset.is_finite())
+        {
+            return wrong(format!("factor {factor} and offset {offset} have to be finite"));
+        }
+        if transfer.derivative && !(real && self.components[to.component].slave.can_interpolate()) {
+            return wrong(format!("{target_name} takes no derivative (canInterpolateInputs is not true)"));
+        }
+        let units = match real && !transfer.keep_units {
+            true => conversion(source, target, transfer.linear.is_some()),
+            false => Ok(Conversion::None),
+        };
+        let units = match units.map_err(|what| Error::variable(format!("{place}: {what}")))? {
+            Conversion::None => None,
+            Conversion::Factor(factor, offset) => Some((factor, offset)),
+            Conversion::Unknown(what) => {
+                self.warnings.push(format!("{place}: {what}; the numbers are passed on as they are"));
+                None
+            }
+        };
+        let map = match (units, transfer.linear) {
+            (None, None) => None,
+            (Some(map), None) | (None, Some(map)) => Some(map),
+            (Some((f, o)), Some((factor, offset))) => Some((factor * f, factor * o + offset)),
+        };
+        // multiplied by one and with nothing added, all bits stay, but for the sign of zero
+        let map = map.filter(|map| *map != (1.0, 0.0));
+        self.wires.push(Wire { from, to, derivative: transfer.derivative, real, map });
+        Ok(())
+    }
+
+    /// Lets an input follow a channel of a recording.
+    ///
+    /// # Errors
+    /// Not an input, an input that has a source already, a channel that is not there or whose unit does
+    /// not fit, values outside the input's range, a derivative for an input that takes none.
+    pub fn feed(&mut self, to: Port, recording: &Recording, channel: &str, derivative: bool) -> Result<()> {
+        let info = self.info(to);
+        let name = self.name(to);
+        let place = format!("{}: channel {channel:?}", recording.source);
+        let wrong = |what: String| Err(Error::file(format!("{place}: {what}")));
+        if info.causality != Causality::Input {
+            return wrong(format!("{name} is {}, not an input", word(info.causality)));
+        }
+        if info.kind == Kind::Text {
+            return wrong(format!("{name} is a text"));
+        }
+        let continuous = info.kind == Kind::Real;
+        if derivative && !(continuous && self.components[to.component].slave.can_interpolate()) {
+            return wrong(format!("{name} takes no derivative (canInterpolateInputs is not true)"));
+        }
+        self.check_free(to, &place)?;
+        let values = recording.channel_in(channel, info.unit.as_deref().unwrap_or("1"))?;
+        for (time, value) in recording.time.iter().zip(&values) {
+            let value = match info.kind {
+                Kind::Real => Value::Real(*value),
+                Kind::Boolean if *value == 0.0 || *value == 1.0 => Value::Boolean(*value == 1.0),
+                Kind::Integer | Kind::Enumeration(_) if value.fract() == 0.0 => Value::Integer(*value as i32),
+                _ => return wrong(format!("at {time} s {name} = {value}: {} is needed", kind(&info.kind))),
+            };
+            info.accept(&value).map_err(|e| Error::file(format!("{place}: at {time} s {e}")))?;
+        }
+        self.feeds.push(Feed { to, time: recording.time.as_slice().into(), values, continuous, derivative });
+        Ok(())
+    }
+
+    /// Opens the loop at a component: its connected inputs no longer follow their sources but the
+    /// channels `component.input` of a recording. Gives the names of those inputs.
+    ///
+    /// # Errors
+    /// A component without connected inputs, or channels that are missing or do not fit.
+    pub fn open(&mut self, component: usize, recording: &Recording) -> Result<Vec<String>> {
+        let (cut, kept) =
+            std::mem::take(&mut self.wires).into_iter().partition(|w| w.to.component == component);
+        self.wires = kept;
+        let cut: Vec<Wire> = cut;
+        if cut.is_empty() {
+            let name = &self.components[component].name;
+            return Err(Error::call(format!("{name} has no connected input: there is nothing to cut")));
+        }
+        self.bonds.retain(|bond| {
+            self.wires.iter().any(|w| w.to == bond.effort.to)
+                && self.wires.iter().any(|w| w.to == bond.motion.to)
+        });
+        let mut names = Vec::new();
+        for wire in cut {
+            let name = self.name(wire.to);
+            self.feed(wire.to, recording, &name, false)?;
+            names.push(name);
+        }
+        Ok(names)
+    }
+
+    /// Fails if an input has a source already.
+    fn check_free(&self, to: Port, second: &str) -> Result<()> {
+        let name = self.name(to);
+        let first = if let Some(wire) = self.wires.iter().find(|w| w.to == to) {
+            format!("the connection from {}", self.name(wire.from))
+        } else if self.feeds.iter().any(|f| f.to == to) {
+            "a recording".into()
+        } else if self.components[to.component].set.contains(&to.variable) {
+            "a constant value".into()
+        } else {
+            return Ok(());
+        };
+        Err(Error::variable(format!("{name} has two sources: {first} and {second}")))
+    }
+
+    /// Checks that communication every `interval` seconds suits the components' own steps, once they are
+    /// initialized: a component that cannot publish at the communication points would drift away from
+    /// the others (Mack 2009, section 5.6).
+    pub(super) fn check_interval(&mut self, interval: f64) -> Result<()> {
+        for component in &mut self.components {
+            let name = &component.name;
+            for parameter in OWN_STEPS {
+                let Some(own) = component.slave.interface().index(parameter).filter(|i| {
+                    let info = &component.slave.interface().variables[*i];
+                    info.causality == Causality::Parameter && info.unit.as_deref() == Some("s")
+                }) else {
+                    continue;
+                };
+                let own = component.slave.get(own).map_err(|e| e.at(name))?;
+                let task = parameter == "sample_time";
+                // zero: it does so at every communication point
+                if (task && own == 0.0) || is_multiple(interval, own) || (task && is_multiple(own, interval))
+                {
+                    continue;
+                }
+                let offered = own * (interval / own).round().max(1.0);
+                return Err(Error::call(format!(
+                    "the communication step {interval} s is no whole multiple of {name}.{parameter} = {own} s{}, so the components' times would drift apart; take {offered} s, or change {parameter}",
+                    if task { ", nor a whole part of it" } else { "" }
+                )));
+            }
+            if let Some(own) = component.slave.own_step()
+                && !is_multiple(interval, own)
+            {
+                return Err(Error::call(format!(
+                    "the communication step {interval} s is no whole multiple of the step {own} s of {name}, so the components' times would drift apart; take {} s",
+                    own * (interval / own).round().max(1.0)
+                )));
+            }
+            if let Some(preferred) = component.preferred_step.filter(|_| component.even_steps_only)
+                && !is_multiple(interval, preferred)
+            {
+                self.warnings.push(format!(
+                    "the communication step {interval} s is no whole multiple of the step {preferred} s that the FMU of {name} names, and the FMU does not take any step (canHandleVariableCommunicationStepSize is not true)"
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Component {
+    /// What it is and which variables it has.
+    pub fn interface(&self) -> &Interface {
+        self.slave.interface()
+    }
+}
+
+/// True if `long` is a whole multiple of `short`, to a relative 1e-9 (Mack 2009, section 5.6).
+fn is_multiple(long: f64, short: f64) -> bool {
+    let ratio = long / short;
+    ratio.round() >= 1.0 && (ratio / ratio.round() - 1.0).abs() <= 1e-9
+}
+
+enum Conversion {
+    None,
+    Factor(f64, f64),
+    /// It cannot be said whether the units agree.
+    Unknown(String),
+}
+
+/// How to convert between two real variables. With a `transformed` value other dimensions are meant.
+fn conversion(
+    source: &VariableInfo,
+    target: &VariableInfo,
+    transformed: bool,
+) -> std::result::Result<Conversion, String> {
+    let (from, to) = match (source.unit.as_deref(), target.unit.as_deref()) {
+        (from, to) if from == to => return Ok(Conversion::None),
+        (Some(from), Some(to)) => (from, to),
+        (Some(unit), None) | (None, Some(unit)) => {
+            return Ok(match unit {
+                "1" | "-" => Conversion::None,
+                _ => Conversion::Unknown(format!("one side is in {unit}, the other names no unit")),
+            });
+        }
+        (None, None) => return Ok(Conversion::None),
+    };
+    let way_out = "give a factor, and the numbers are multiplied by that";
+    match (Unit::parse(from), Unit::parse(to)) {
+        (Ok(a), Ok(b)) => match a.to(b) {
+            Some(map) if map == (1.0, 0.0) => Ok(Conversion::None),
+            Some((factor, offset)) => Ok(Conversion::Factor(factor, offset)),
+            None if transformed => Ok(Conversion::None),
+            None => Err(format!(
+                "{from} cannot be converted to {to}: the dimensions differ; if it is meant, {way_out}"
+            )),
+        },
+        _ if transformed => Ok(Conversion::None),
+        (Err(e), _) | (_, Err(e)) => Err(format!("{from} to {to} cannot be converted: {e}; {way_out}")),
+    }
+}
+
+fn word(causality: Causality) -> &'static str {
+    match causality {
+        Causality::Parameter => "a parameter",
+        Causality::CalculatedParameter => "a calculated parameter",
+        Causality::Input => "an input",
+        Causality::Output => "an output",
+        Causality::Local => "an internal quantity",
+        Causality::Independent => "the time",
+    }
+}
+
+fn kind(kind: &Kind) -> &'static str {
+    match kind {
+        Kind::Real => "a real number",
+        Kind::Integer => "a whole number",
+        Kind::Boolean => "a switch (0 or 1)",
+        Kind::Text => "a text",
+        Kind::Enumeration(_) => "an item of an enumeration",
+    }
+}
