@@ -394,9 +394,10 @@ impl System {
             }
             if let Some(own) = component.slave.own_step()
                 && !is_multiple(interval, own)
+                && !is_multiple(own, interval)
             {
                 return Err(Error::call(format!(
-                    "the communication step {interval} s is no whole multiple of the step {own} s of {name}, so the components' times would drift apart; take {} s",
+                    "the communication step {interval} s is no whole multiple of the step {own} s of {name}, nor a whole part of it, so the components' times would drift apart; take {} s",
                     own * (interval / own).round().max(1.0)
                 )));
             }
