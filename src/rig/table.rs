@@ -116,6 +116,7 @@ macro_rules! tire_table {
                 ),
             $($parameter,)*
             $($road,)*
+            parameter("friction_speed_falloff", "s/m", real!(tire.parameters.friction_speed_falloff), 0.0, "Fall of the sliding friction with the sliding speed v: it is divided by 1 + falloff v. Not in the source (0)").range(0.0, 10.0).tunable(),
         ]
     }};
 }

@@ -1,5 +1,6 @@
 //! The numbers of a ring-and-brush tire.
 
+use crate::solver::Real;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +54,7 @@ pub struct Parameters {
     pub friction_sliding: [f64; 2],
     pub friction_pressure: f64,
     pub friction_pressure_scale: f64,
+    pub friction_speed_falloff: f64,
     // readings of ambiguous places
     pub even_stripes: bool,
     pub antisymmetric_coupling: bool,
@@ -91,6 +93,16 @@ impl Parameters {
     /// Bending compliance of the patch \[1/(N.m)\] (4.28).
     pub fn bend_compliance(&self) -> f64 {
         self.patch_compliance_y / (self.radius * self.radius)
+    }
+
+    /// Share of the sliding friction that is left at a sliding speed \[m/s\]. Not in the source, whose
+    /// sliding friction does not depend on the speed (a falloff of 0).
+    #[inline]
+    pub fn friction_left_at<T: Real>(&self, speed: T) -> T {
+        if self.friction_speed_falloff == 0.0 {
+            return T::one();
+        }
+        T::one() / (speed * self.friction_speed_falloff + 1.0)
     }
 
     /// Checks what the ranges of the single parameters cannot say.

@@ -420,7 +420,8 @@ fn continuum<T: Real>(
                     force: std::array::from_fn(|c| node.force[c] + (trial[c] - node.force[c]) * part),
                 };
                 let sliding = limits.sliding + (next_limits.sliding - limits.sliding) * part;
-                let cut = sliding / norm(held.force);
+                let speed = norm(velocity);
+                let cut = sliding * p.friction_left_at(speed) / norm(held.force);
                 let released = Node { x: held.x, force: held.force.map(|f| f * cut) };
                 add(node, held);
                 node = released;

@@ -310,7 +310,7 @@ impl Tire {
                 negative += (-normal).max(0.0);
                 if !step.stick {
                     sliding += 1;
-                    power += limits.sliding * step.slip_speed;
+                    power += libm::hypot(force_x, force_y) * step.slip_speed;
                     slip += normal.max(0.0) * step.slip_speed;
                 }
             }
