@@ -99,3 +99,66 @@ impl Plane {
         motion
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Over a large drum: the wheel's centre turns about the drum's axis, the contact point follows on
+    /// the drum's surface, and the plane turns with them.
+    #[test]
+    fn over_a_drum_the_contact_point_is_slower_than_the_centre_and_the_plane_turns() {
+        let (drum, clearance, turning) = (1000.0, 0.3, 0.02);
+        let centre_speed = turning * (drum + clearance);
+        let plane = Plane {
+            clearance,
+            clearance_rate: 0.0,
+            slope: [0.0; 2],
+            // d/dt of the slope of a circle at its top, under a centre that moves horizontally
+            slope_rate: [-centre_speed / drum, 0.0],
+            friction: 1.0,
+        };
+        let belt = Motion {
+            velocity: Vector3::new(centre_speed, 0.0, 0.0),
+            rates: Vector3::new(0.0, 60.0, 0.0),
+            ..Motion::default()
+        };
+        let relative = plane.relative(&belt);
+        // the slope belongs to the road below the centre, not to the foot of the perpendicular: a
+        // difference of second order
+        let second = (clearance / drum).powi(2);
+        assert!((relative.velocity.x / (turning * drum) - 1.0).abs() < 2.0 * second);
+        assert!(((60.0 - relative.rates.y) / turning - 1.0).abs() < 2.0 * clearance / drum);
+    }
+
+    /// Rates of the relative motion are the rates of its angles and of its clearance.
+    #[test]
+    fn relative_rates_are_derivatives() {
+        let at = |t: f64| {
+            let belt = Motion {
+                position: Vector3::new(0.0, 0.0, 0.3),
+                velocity: Vector3::new(3.0, 1.0, 0.2),
+                angles: Vector3::new(0.1 + 0.4 * t, 2.0 + 30.0 * t, -0.3 + 0.5 * t),
+                rates: Vector3::new(0.4, 30.0, 0.5),
+            };
+            let plane = Plane {
+                clearance: 0.3,
+                clearance_rate: 0.0,
+                slope: [0.1 + 0.7 * t, -0.2 + 0.3 * t],
+                slope_rate: [0.7, 0.3],
+                friction: 1.0,
+            };
+            (plane, plane.relative(&belt), plane.rotation())
+        };
+        let step = 1e-5;
+        let [(_, before, turned_before), (_, now, turned), (_, after, turned_after)] =
+            [-step, 0.0, step].map(at);
+        let rates = (after.angles - before.angles) / (2.0 * step);
+        assert!((rates.x - now.rates.x).abs() < 1e-8 && (rates.y - now.rates.y).abs() < 1e-8);
+        // the yaw rate is the one about the normal against the road: the frame's own turning about it is
+        // no part of it
+        let spinning = turned.transpose() * (turned_after - turned_before) / (2.0 * step);
+        assert!((rates.z + spinning[(1, 0)] - now.rates.z).abs() < 1e-8);
+        assert!(spinning[(1, 0)].abs() > 1e-3);
+    }
+}

@@ -1,7 +1,7 @@
 //! What several integration tests need.
 #![allow(dead_code, missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use latsch::model::{Native, Settings, Slave};
+use latsch::model::{Model, Native, Settings, Slave};
 use latsch::rig::RingBrushFlatTrack;
 use latsch::tire::ring_brush::{Parameters, Tire};
 use std::sync::OnceLock;
@@ -12,11 +12,24 @@ pub type FlatTrack = Native<RingBrushFlatTrack>;
 
 /// A flat track with these start values, ready to step.
 pub fn flat_track(values: &[(&str, f64)]) -> FlatTrack {
-    let mut rig = FlatTrack::new(&Settings::default()).unwrap();
-    set(&mut rig, values);
-    rig.start(0.0, None).unwrap();
-    rig.finish_start().unwrap();
-    rig
+    started(values)
+}
+
+/// A model with these start values, ready to step.
+pub fn started<M: Model>(values: &[(&str, f64)]) -> Native<M> {
+    let mut slave = Native::new(&Settings::default()).unwrap();
+    set(&mut slave, values);
+    slave.start(0.0, None).unwrap();
+    slave.finish_start().unwrap();
+    slave
+}
+
+/// Steps from communication point `from` to `to`, `interval` seconds apart.
+pub fn advance(slave: &mut dyn Slave, interval: f64, from: u32, to: u32) {
+    for k in from..to {
+        let t = f64::from(k) * interval;
+        slave.step(t, f64::from(k + 1) * interval - t).unwrap();
+    }
 }
 
 pub fn set(slave: &mut dyn Slave, values: &[(&str, f64)]) {
