@@ -19,6 +19,9 @@ pub struct Thresholds {
     pub acceleration_strong: f64,
     pub lead_time: f64,
     pub rebuild: f64,
+    pub dump: f64,
+    pub answer_time: f64,
+    pub turned: f64,
     pub recovery_time: f64,
     pub hold_time: f64,
     pub coast_time: f64,
@@ -71,8 +74,8 @@ pub struct Wheel {
     pub slip: f64,
     /// What is being done.
     pub phase: Phase,
-    /// Change of the acceleration over the last sample, per second \[m/s3\].
-    jerk: f64,
+    /// Time for which the outlet was open and which the acceleration does not show yet \[s\].
+    unseen: f64,
     /// Time in the present recovery or build \[s\].
     since: f64,
     /// Greatest acceleration in the present recovery \[m/s2\].
@@ -97,9 +100,7 @@ impl Wheel {
     pub fn measure(&mut self, speed: f64, filter: f64, dt: f64) {
         let decay = if filter > 0.0 { Real::exp(-dt / filter) } else { 0.0 };
         let slope = (speed - self.speed) / dt;
-        let acceleration = slope + (self.acceleration - slope) * decay;
-        self.jerk = (acceleration - self.acceleration) / dt;
-        self.acceleration = acceleration;
+        self.acceleration = slope + (self.acceleration - slope) * decay;
         self.speed = speed;
     }
 
@@ -110,7 +111,7 @@ impl Wheel {
 
     /// False for a state that no run leads to.
     pub fn is_finite(&self) -> bool {
-        [self.speed, self.acceleration, self.jerk, self.slip, self.since, self.strongest, self.rebuild, self.inlet, self.coasting].iter().all(|x| x.is_finite())
+        [self.speed, self.acceleration, self.unseen, self.slip, self.since, self.strongest, self.rebuild, self.inlet, self.coasting].iter().all(|x| x.is_finite())
     }
 
     /// True while slip is being brought down.
@@ -138,6 +139,7 @@ impl Wheel {
             Phase::Hold | Phase::Dump => 0.0,
         };
         self.rebuild = (self.rebuild - dt).max(0.0);
+        self.unseen = (self.unseen + dt * self.outlet()) * Real::exp(-dt / t.answer_time);
         event
     }
 
@@ -161,7 +163,8 @@ impl Wheel {
         let settled = self.acceleration < t.acceleration_recovered;
         let expected = self.slip - t.lead_time * self.acceleration / reference;
         let strong = self.acceleration > t.acceleration_strong && expected < t.slip_build;
-        if strong || (self.slip < t.slip_build && settled && self.since >= t.hold_time) {
+        let turned = settled || self.acceleration < t.turned * self.strongest;
+        if strong || (self.slip < t.slip_build && turned && self.since >= t.hold_time) {
             self.rebuild = t.rebuild * self.strongest;
             self.enter(Phase::Build);
             return None;
@@ -177,7 +180,7 @@ impl Wheel {
         }
         // fast enough to have recovered after recovery_time
         let wanted = (self.slip - t.slip_build) * reference / t.recovery_time;
-        let slow = self.acceleration + t.lead_time * self.jerk < wanted;
+        let slow = self.acceleration + self.unseen / t.dump < wanted;
         self.phase = if self.slip > t.slip_build && slow { Phase::Dump } else { Phase::Hold };
         None
     }
