@@ -75,6 +75,7 @@ impl Model for AbsController {
         parameter("slip_dump_always", "1", real!(thresholds.slip_dump_always), 0.22, "Slip above which pressure is dumped in any case (placeholder)").range(0.0, 1.0).tunable(),
         parameter("deceleration_dump", "m/s2", real!(thresholds.deceleration_dump), 8.0, "See slip_dump (placeholder)").range(0.0, 1000.0).tunable(),
         parameter("slip_build", "1", real!(thresholds.slip_build), 0.07, "Slip below which a wheel has recovered, if it no longer accelerates (placeholder)").range(0.0, 1.0).tunable(),
+        parameter("speed_tolerance", "m/s", real!(thresholds.speed_tolerance), 0.3, "Speed by which a wheel may fall behind in addition to these slips, which leaves room for oscillations at low speed (placeholder)").range(0.0, 10.0).tunable(),
         parameter("acceleration_recovered", "m/s2", real!(thresholds.acceleration_recovered), 2.0, "Acceleration of a wheel below which it no longer recovers: it runs at the vehicle's speed, or does not answer to the pressure (placeholder)").range(0.0, 1000.0).tunable(),
         parameter("acceleration_strong", "m/s2", real!(thresholds.acceleration_strong), 50.0, "Acceleration of a wheel above which pressure is built again before the wheel has recovered, if it will have within lead_time (placeholder)").range(0.0, 1e4).tunable(),
         parameter("lead_time", "s", real!(thresholds.lead_time), 0.015, "How far ahead slip and acceleration of a recovering wheel are extrapolated, against the delays of filter, valves and caliper (placeholder)").range(0.0, 1.0).tunable(),

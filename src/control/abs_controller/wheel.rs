@@ -15,6 +15,7 @@ pub struct Thresholds {
     pub slip_dump_always: f64,
     pub deceleration_dump: f64,
     pub slip_build: f64,
+    pub speed_tolerance: f64,
     pub acceleration_recovered: f64,
     pub acceleration_strong: f64,
     pub lead_time: f64,
@@ -130,7 +131,7 @@ impl Wheel {
     pub fn decide(&mut self, reference: f64, descent: f64, t: &Thresholds, dt: f64) -> Option<Event> {
         self.since += dt;
         let event = match self.phase {
-            Phase::Off | Phase::Build => self.watch(t),
+            Phase::Off | Phase::Build => self.watch(reference, t),
             Phase::Hold | Phase::Dump => self.recover(reference, descent, t, dt),
         };
         self.inlet = match self.phase {
@@ -143,9 +144,10 @@ impl Wheel {
         event
     }
 
-    fn watch(&mut self, t: &Thresholds) -> Option<Event> {
+    fn watch(&mut self, reference: f64, t: &Thresholds) -> Option<Event> {
         let falls = self.acceleration < -t.deceleration_dump;
-        if self.slip > t.slip_dump_always || (self.slip > t.slip_dump && falls) {
+        let slip = self.slip - t.speed_tolerance / reference;
+        if slip > t.slip_dump_always || (slip > t.slip_dump && falls) {
             self.enter(Phase::Dump);
             self.settled = false;
             return Some(Event::Slips);
@@ -161,10 +163,11 @@ impl Wheel {
     fn recover(&mut self, reference: f64, descent: f64, t: &Thresholds, dt: f64) -> Option<Event> {
         self.strongest = self.strongest.max(self.acceleration);
         let settled = self.acceleration < t.acceleration_recovered;
-        let expected = self.slip - t.lead_time * self.acceleration / reference;
+        let slip = self.slip - t.speed_tolerance / reference;
+        let expected = slip - t.lead_time * self.acceleration / reference;
         let strong = self.acceleration > t.acceleration_strong && expected < t.slip_build;
         let turned = settled || self.acceleration < t.turned * self.strongest;
-        if strong || (self.slip < t.slip_build && turned && self.since >= t.hold_time) {
+        if strong || (slip < t.slip_build && turned && self.since >= t.hold_time) {
             self.rebuild = t.rebuild * self.strongest;
             self.enter(Phase::Build);
             return None;
@@ -179,9 +182,9 @@ impl Wheel {
             return Some(Event::Coasts);
         }
         // fast enough to have recovered after recovery_time
-        let wanted = (self.slip - t.slip_build) * reference / t.recovery_time;
+        let wanted = (slip - t.slip_build) * reference / t.recovery_time;
         let slow = self.acceleration + self.unseen / t.dump < wanted;
-        self.phase = if self.slip > t.slip_build && slow { Phase::Dump } else { Phase::Hold };
+        self.phase = if slip > t.slip_build && slow { Phase::Dump } else { Phase::Hold };
         None
     }
 
