@@ -112,7 +112,19 @@ impl Wheel {
 
     /// False for a state that no run leads to.
     pub fn is_finite(&self) -> bool {
-        [self.speed, self.acceleration, self.unseen, self.slip, self.since, self.strongest, self.rebuild, self.inlet, self.coasting].iter().all(|x| x.is_finite())
+        [
+            self.speed,
+            self.acceleration,
+            self.unseen,
+            self.slip,
+            self.since,
+            self.strongest,
+            self.rebuild,
+            self.inlet,
+            self.coasting,
+        ]
+        .iter()
+        .all(|x| x.is_finite())
     }
 
     /// True while slip is being brought down.
