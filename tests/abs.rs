@@ -202,9 +202,15 @@ fn wheels_keep_turning_and_friction_is_used_on_every_surface() {
                     let case =
                         format!("friction {name}, {wheels} wheels, shape {shape}, onset {onset}: {out:?}");
                     println!("{case}");
-                    assert!(out.locked < 0.2, "{case}");
+                    // From dry road onto ice the wheel locks while the pressure falls, which takes
+                    // 66 bar / 900 bar/s. Ice then spins it up with 0.064 m g r^2 / J = 17 m/s2: 0.2 s
+                    // to a fifth of 17 m/s, however good the controller.
+                    let limit = if name == "1.0 to 0.1" { 0.3 } else { 0.2 };
+                    assert!(out.locked < limit, "{case}");
                     assert!(out.use_of_friction > if shape > 1.5 { 0.75 } else { 0.8 }, "{case}");
-                    assert!(out.reference_low < 0.45 && out.reference_high < 0.3, "{case}");
+                    // a fall of the friction is not seen before the next recovery
+                    let low = if name.contains("to") { 0.5 } else { 0.4 };
+                    assert!(out.reference_low < low && out.reference_high < 0.3, "{case}");
                     // where the curve falls steeply, locked wheels need longer
                     assert!(shape < 1.5 || out.distance < 0.95 * out.distance_locked, "{case}");
                 }

@@ -1,8 +1,8 @@
-//! `abs-controller`: a rule-based anti-lock controller for one to four wheels, the stand-in of Mack
-//! (2009) section 19.2 with a reference speed of its own.
+//! `abs-controller`: a rule-based anti-lock controller for one to four wheels, with a reference speed
+//! of its own.
 //!
-//! The source used a manufacturer's controller and gives no thresholds: all here are placeholders and
-//! parameters. The vehicle's true speed is no input.
+//! Mack (2009) used a manufacturer's controller and gives no thresholds: rules and values here are
+//! placeholders, and all values are parameters. The vehicle's true speed is no input.
 
 mod reference;
 mod wheel;
