@@ -47,19 +47,19 @@ struct Stop {
     wheels: usize,
     speed: f64,
     /// Peak friction over time.
-    friction: fn(f64) -> f64,
+    friction: Course,
     /// Shape factor: 1.3 falls little beyond the peak, 1.62 falls steeply.
     shape: f64,
-    driver: fn(f64) -> f64,
+    driver: Course,
     /// Relative error of the wheel speeds over time, per wheel.
     disturbance: fn(f64, usize) -> f64,
     onset: bool,
 }
 
-const FULL: fn(f64) -> f64 = |t| (t / 0.15).min(1.0) * 1.5e7;
+const FULL: Course = |t| (t / 0.15).min(1.0) * 1.5e7;
 
 impl Stop {
-    fn on(wheels: usize, friction: fn(f64) -> f64) -> Self {
+    fn on(wheels: usize, friction: Course) -> Self {
         Self {
             wheels,
             speed: 25.0,
@@ -179,8 +179,11 @@ fn run(stop: &Stop) -> Outcome {
     out
 }
 
+/// Something over time.
+type Course = fn(f64) -> f64;
+
 /// Constant and changing surfaces: name, peak friction over time.
-const SURFACES: [(&str, fn(f64) -> f64); 9] = [
+const SURFACES: [(&str, Course); 9] = [
     ("1.2", |_| 1.2),
     ("1.0", |_| 1.0),
     ("0.5", |_| 0.5),
@@ -221,7 +224,7 @@ fn wheels_keep_turning_and_friction_is_used_on_every_surface() {
 
 #[test]
 fn one_wheel_on_ice_does_not_take_the_reference_along_when_pressure_creeps_up() {
-    for driver in [|t| 1e5 * t, |t| 2e5 * t, |t| 5e5 * t, |t| 2e6 * t] as [fn(f64) -> f64; 4] {
+    for driver in [|t| 1e5 * t, |t| 2e5 * t, |t| 5e5 * t, |t| 2e6 * t] as [Course; 4] {
         let out = run(&Stop { driver, ..Stop::on(1, |_| 0.1) });
         println!("{out:?}");
         assert!(out.interventions > 0 && out.locked < 0.2, "{out:?}");
@@ -238,7 +241,7 @@ fn does_nothing_without_need() {
     let tire_modes = |t: f64, _: usize| 0.02 * (std::f64::consts::TAU * (10.0 + 5.0 * t) * t).sin();
     for wheels in [1, 4] {
         for disturbance in [noise, tire_modes] as [fn(f64, usize) -> f64; 2] {
-            for driver in [|_| 0.0, |t| (t / 0.5).min(1.0) * 3e6] as [fn(f64) -> f64; 2] {
+            for driver in [|_| 0.0, |t| (t / 0.5).min(1.0) * 3e6] as [Course; 2] {
                 let out = run(&Stop { driver, disturbance, ..Stop::on(wheels, |_| 1.0) });
                 assert_eq!(out.interventions, 0, "{out:?}");
             }

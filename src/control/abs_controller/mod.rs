@@ -96,7 +96,7 @@ impl Model for AbsController {
         parameter("descent_margin", "1", real!(limits.descent_margin), 1.2, "That limit over the deceleration between the speeds to which wheels recovered (placeholder)").range(1.0, 10.0).tunable(),
         parameter("descent_per_pressure", "m/(s2.Pa)", real!(limits.descent_per_pressure), 3.3e-6, "Most that the driver's pressure adds to descent_min: more than the vehicle's deceleration over pressure (placeholder)").range(0.0, 1.0).tunable(),
         parameter("activation_pressure", "Pa", real!(activation_pressure), 2e5, "Driver's pressure below which there is no intervention (placeholder)").range(0.0, 1e8).tunable(),
-        parameter("switch_off_speed", "m/s", real!(switch_off_speed), 2.5, "Reference speed below which there is no intervention (placeholder)").range(0.0, 100.0).tunable(),
+        parameter("switch_off_speed", "m/s", real!(switch_off_speed), 2.5, "Reference speed below which there is no intervention (placeholder)").range(0.1, 100.0).tunable(),
         parameter("sample_time", "s", real!(sample_time), 5e-3, "Time between two decisions: the step of the model's own time grid (placeholder)").range(1e-4, 0.1),
     ];
 
