@@ -11,6 +11,8 @@ const INERTIA: f64 = 1.6;
 const RELAXATION: f64 = 0.12;
 const STEP: f64 = 1e-4;
 const PER_EXCHANGE: usize = 10;
+/// Below this the controller may switch off; nothing is judged.
+const LOWEST: f64 = 4.0;
 
 /// A slave with what is set and read every step found beforehand.
 struct Part<S: Slave> {
@@ -45,19 +47,19 @@ struct Stop {
     wheels: usize,
     speed: f64,
     /// Peak friction over time.
-    friction: fn(f64) -> f64,
+    friction: Course,
     /// Shape factor: 1.3 falls little beyond the peak, 1.62 falls steeply.
     shape: f64,
-    driver: fn(f64) -> f64,
+    driver: Course,
     /// Relative error of the wheel speeds over time, per wheel.
     disturbance: fn(f64, usize) -> f64,
     onset: bool,
 }
 
-const FULL: fn(f64) -> f64 = |t| (t / 0.15).min(1.0) * 1.5e7;
+const FULL: Course = |t| (t / 0.15).min(1.0) * 1.5e7;
 
 impl Stop {
-    fn on(wheels: usize, friction: fn(f64) -> f64) -> Self {
+    fn on(wheels: usize, friction: Course) -> Self {
         Self {
             wheels,
             speed: 25.0,
@@ -110,7 +112,6 @@ fn run(stop: &Stop) -> Outcome {
             Part::new(brake, &[("piston_area".into(), area), ("onset_time".into(), onset)])
         })
         .collect();
-    let trace = std::env::var_os("TRACE").is_some();
     let (mut speed, mut locked_speed) = (stop.speed, stop.speed);
     let mut spins = vec![speed / RADIUS; n];
     let mut slips = vec![0.0; n];
@@ -139,22 +140,10 @@ fn run(stop: &Stop) -> Outcome {
         out.interventions += usize::from(active && !was_active);
         was_active = active;
         let reference = controller.get("reference_speed");
-        if speed > 3.0 {
+        if speed > LOWEST {
             let error = reference / speed - 1.0;
             out.reference_low = out.reference_low.max(-error);
             out.reference_high = out.reference_high.max(error);
-        }
-        if trace && k % 5 == 0 {
-            eprintln!(
-                "{now:.3} v {speed:6.2} ref {reference:6.2} w {:6.2} p {:6.1} T {:6.0} phase {} a {:7.1} lim {:.1} mu {:.2}",
-                spins[0] * RADIUS,
-                brakes[0].get("pressure") / 1e5,
-                torques[0],
-                controller.get("phase_1"),
-                controller.get("wheel_acceleration_1"),
-                controller.get("descent_limit"),
-                curve(slips[0], stop.shape),
-            );
         }
         for sub in 0..PER_EXCHANGE {
             let mu = (stop.friction)(now + sub as f64 * STEP);
@@ -165,15 +154,18 @@ fn run(stop: &Stop) -> Outcome {
                 let free = spins[i] + STEP * f * RADIUS / INERTIA;
                 spins[i] = (free - STEP * torques[i] / INERTIA).max(0.0);
                 force += f;
-                locked_for[i] =
-                    if spins[i] * RADIUS < 0.2 * speed && speed > 2.0 { locked_for[i] + STEP } else { 0.0 };
+                locked_for[i] = if spins[i] * RADIUS < 0.2 * speed && speed > LOWEST {
+                    locked_for[i] + STEP
+                } else {
+                    0.0
+                };
                 out.locked = out.locked.max(locked_for[i]);
             }
             speed -= STEP * force / mass;
             locked_speed = (locked_speed - STEP * mu * GRAVITY * curve(1.0, stop.shape)).max(0.0);
             out.distance += STEP * speed;
             out.distance_locked += STEP * locked_speed;
-            if speed > 2.0 && now > 0.3 {
+            if speed > LOWEST && now > 0.3 {
                 used += force;
                 available += mu * mass * GRAVITY;
             }
@@ -187,37 +179,88 @@ fn run(stop: &Stop) -> Outcome {
     out
 }
 
+/// Something over time.
+type Course = fn(f64) -> f64;
+
+/// Constant and changing surfaces: name, peak friction over time.
+const SURFACES: [(&str, Course); 9] = [
+    ("1.2", |_| 1.2),
+    ("1.0", |_| 1.0),
+    ("0.5", |_| 0.5),
+    ("0.2", |_| 0.2),
+    ("0.1", |_| 0.1),
+    ("1.0 to 0.1", |t| if t < 1.0 { 1.0 } else { 0.1 }),
+    ("0.1 to 1.0", |t| if t < 2.0 { 0.1 } else { 1.0 }),
+    ("1.0 to 0.5", |t| if t < 0.8 { 1.0 } else { 0.5 }),
+    ("0.2 to 0.5", |t| if t < 2.0 { 0.2 } else { 0.5 }),
+];
+
 #[test]
-fn survey() {
-    let cases: [(&str, fn(f64) -> f64); 9] = [
-        ("1.2", |_| 1.2),
-        ("1.0", |_| 1.0),
-        ("0.5", |_| 0.5),
-        ("0.2", |_| 0.2),
-        ("0.1", |_| 0.1),
-        ("1.0>0.1", |t| if t < 1.0 { 1.0 } else { 0.1 }),
-        ("0.1>1.0", |t| if t < 2.0 { 0.1 } else { 1.0 }),
-        ("1.0>0.5", |t| if t < 0.8 { 1.0 } else { 0.5 }),
-        ("0.2>0.5", |t| if t < 2.0 { 0.2 } else { 0.5 }),
-    ];
+fn wheels_keep_turning_and_friction_is_used_on_every_surface() {
     for onset in [true, false] {
         for wheels in [1, 4] {
-            for (name, friction) in cases {
+            for (name, friction) in SURFACES {
                 for shape in [1.62, 1.3] {
-                    let o = run(&Stop { onset, shape, ..Stop::on(wheels, friction) });
-                    eprintln!(
-                        "{onset} {wheels} {name:8} C {shape} use {:.3} lock {:.3} ref -{:.3} +{:.3} dist {:.1}/{:.1} T {:.1} n {}",
-                        o.use_of_friction,
-                        o.locked,
-                        o.reference_low,
-                        o.reference_high,
-                        o.distance,
-                        o.distance_locked,
-                        o.duration,
-                        o.interventions
-                    );
+                    let out = run(&Stop { onset, shape, ..Stop::on(wheels, friction) });
+                    let case =
+                        format!("friction {name}, {wheels} wheels, shape {shape}, onset {onset}: {out:?}");
+                    println!("{case}");
+                    // From dry road onto ice the wheel locks while the pressure falls, which takes
+                    // 66 bar / 900 bar/s. Ice then spins it up with 0.064 m g r^2 / J = 17 m/s2: 0.2 s
+                    // to a fifth of 17 m/s, however good the controller.
+                    let limit = if name == "1.0 to 0.1" { 0.3 } else { 0.2 };
+                    assert!(out.locked < limit, "{case}");
+                    assert!(out.use_of_friction > if shape > 1.5 { 0.75 } else { 0.8 }, "{case}");
+                    // a fall of the friction is not seen before the next recovery
+                    let low = if name.contains("to") { 0.5 } else { 0.4 };
+                    assert!(out.reference_low < low && out.reference_high < 0.3, "{case}");
+                    // where the curve falls steeply, locked wheels need longer
+                    assert!(shape < 1.5 || out.distance < 0.95 * out.distance_locked, "{case}");
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn one_wheel_on_ice_does_not_take_the_reference_along_when_pressure_creeps_up() {
+    for driver in [|t| 1e5 * t, |t| 2e5 * t, |t| 5e5 * t, |t| 2e6 * t] as [Course; 4] {
+        let out = run(&Stop { driver, ..Stop::on(1, |_| 0.1) });
+        println!("{out:?}");
+        assert!(out.interventions > 0 && out.locked < 0.2, "{out:?}");
+    }
+}
+
+#[test]
+fn does_nothing_without_need() {
+    let noise = |t: f64, wheel: usize| {
+        // the sum of incommensurable tones, 2 % at most
+        let phase = wheel as f64;
+        0.005 * [61.0, 97.3, 211.7, 333.1].iter().map(|w| (w * t + phase).sin()).sum::<f64>()
+    };
+    let tire_modes = |t: f64, _: usize| 0.02 * (std::f64::consts::TAU * (10.0 + 5.0 * t) * t).sin();
+    for wheels in [1, 4] {
+        for disturbance in [noise, tire_modes] as [fn(f64, usize) -> f64; 2] {
+            for driver in [|_| 0.0, |t| (t / 0.5).min(1.0) * 3e6] as [Course; 2] {
+                let out = run(&Stop { driver, disturbance, ..Stop::on(wheels, |_| 1.0) });
+                assert_eq!(out.interventions, 0, "{out:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn oscillating_wheel_speeds_cost_little() {
+    let tones: [fn(f64, usize) -> f64; 3] = [
+        |t, _| 0.03 * (std::f64::consts::TAU * 10.0 * t).sin(),
+        |t, _| 0.03 * (std::f64::consts::TAU * 20.0 * t).sin(),
+        |t, _| 0.03 * (std::f64::consts::TAU * 30.0 * t).sin(),
+    ];
+    for disturbance in tones {
+        for wheels in [1, 4] {
+            let out = run(&Stop { disturbance, ..Stop::on(wheels, |_| 1.0) });
+            println!("{out:?}");
+            assert!(out.locked < 0.2 && out.use_of_friction > 0.7, "{out:?}");
         }
     }
 }

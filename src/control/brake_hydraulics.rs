@@ -1,6 +1,6 @@
-//! `brake-hydraulics`: valves, line, caliper and pads of one wheel brake, Mack (2009) section 8.6.
+//! `brake-hydraulics`: valves, line, caliper and pads of one wheel brake.
 //!
-//! The source gives equations (6.32) to (6.34) and the shape of the pads' friction over time; rates
+//! Mack (2009) gives equations (6.32) to (6.34) and the shape of the pads' friction over time; rates
 //! of valves, lags and sizes are placeholders of sports-car size, and all are parameters. Between
 //! changes of the inputs the pressures are known in closed form, so a step of any length is exact.
 
@@ -122,7 +122,7 @@ impl Ramp {
 }
 
 impl Parameters {
-    /// Friction of the pads some time after first contact: the smooth rise of section 19.2.
+    /// Friction of the pads some time after first contact: a smooth rise (placeholder).
     fn friction_after(&self, time: f64) -> f64 {
         let x = if self.onset_time > 0.0 { (time / self.onset_time).min(1.0) } else { 1.0 };
         let rise = x * x * (3.0 - 2.0 * x);

@@ -14,7 +14,11 @@ from conftest import INPUTS, MODEL, PROGRAM, latsch, read_results
 def test_models_and_describe():
     done = latsch("models")
     assert done.returncode == 0 and MODEL in done.stdout
-    assert [m["name"] for m in json.loads(latsch("models", "--format", "json").stdout)] == [MODEL]
+    assert [m["name"] for m in json.loads(latsch("models", "--format", "json").stdout)] == [
+        MODEL,
+        "brake-hydraulics",
+        "abs-controller",
+    ]
 
     done = latsch("describe", MODEL)
     assert done.returncode == 0

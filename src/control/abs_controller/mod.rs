@@ -1,8 +1,8 @@
-//! `abs-controller`: a rule-based anti-lock controller for one to four wheels, the stand-in of Mack
-//! (2009) section 19.2 with a reference speed of its own.
+//! `abs-controller`: a rule-based anti-lock controller for one to four wheels, with a reference speed
+//! of its own.
 //!
-//! The source used a manufacturer's controller and gives no thresholds: all here are placeholders and
-//! parameters. The vehicle's true speed is no input.
+//! Mack (2009) used a manufacturer's controller and gives no thresholds: rules and values here are
+//! placeholders, and all values are parameters. The vehicle's true speed is no input.
 
 mod reference;
 mod wheel;
@@ -75,24 +75,28 @@ impl Model for AbsController {
         parameter("slip_dump_always", "1", real!(thresholds.slip_dump_always), 0.22, "Slip above which pressure is dumped in any case (placeholder)").range(0.0, 1.0).tunable(),
         parameter("deceleration_dump", "m/s2", real!(thresholds.deceleration_dump), 8.0, "See slip_dump (placeholder)").range(0.0, 1000.0).tunable(),
         parameter("slip_build", "1", real!(thresholds.slip_build), 0.07, "Slip below which a wheel has recovered, if it no longer accelerates (placeholder)").range(0.0, 1.0).tunable(),
+        parameter("speed_tolerance", "m/s", real!(thresholds.speed_tolerance), 0.5, "Speed by which a wheel may fall behind in addition to these slips, which leaves room for oscillations at low speed (placeholder)").range(0.0, 10.0).tunable(),
         parameter("acceleration_recovered", "m/s2", real!(thresholds.acceleration_recovered), 2.0, "Acceleration of a wheel below which it no longer recovers: it runs at the vehicle's speed, or does not answer to the pressure (placeholder)").range(0.0, 1000.0).tunable(),
         parameter("acceleration_strong", "m/s2", real!(thresholds.acceleration_strong), 50.0, "Acceleration of a wheel above which pressure is built again before the wheel has recovered, if it will have within lead_time (placeholder)").range(0.0, 1e4).tunable(),
         parameter("lead_time", "s", real!(thresholds.lead_time), 0.015, "How far ahead slip and acceleration of a recovering wheel are extrapolated, against the delays of filter, valves and caliper (placeholder)").range(0.0, 1.0).tunable(),
         parameter("rebuild_per_acceleration", "s3/m", real!(thresholds.rebuild), 1.2e-4, "Time for which the inlet is fully open after a recovery, over the greatest acceleration of the wheel in it, which tells how far the pressure fell (placeholder)").range(0.0, 1.0).tunable(),
+        parameter("dump_per_acceleration", "s3/m", real!(thresholds.dump), 2.3e-4, "Time for which the outlet has to be open to raise the acceleration of a wheel, over that acceleration (placeholder)").range(1e-7, 1.0).tunable(),
+        parameter("answer_time", "s", real!(thresholds.answer_time), 0.02, "Time constant with which the measured acceleration shows the dumping of pressure: filter and caliper (placeholder)").range(1e-4, 1.0).tunable(),
+        parameter("turned_share", "1", real!(thresholds.turned), 0.8, "A wheel whose acceleration has fallen below this share of its greatest in the recovery is back at stable slip (placeholder)").range(0.0, 1.0).tunable(),
         parameter("recovery_time", "s", real!(thresholds.recovery_time), 0.15, "Pressure is dumped until the wheel accelerates so that its slip is below slip_build after this time (placeholder)").range(1e-3, 10.0).tunable(),
         parameter("hold_time", "s", real!(thresholds.hold_time), 0.02, "Shortest recovery (placeholder)").range(0.0, 10.0).tunable(),
         parameter("coast_time", "s", real!(thresholds.coast_time), 0.06, "Dumping without an answer of the wheel for this long means that it runs at the vehicle's speed and the reference speed is too high; five times as long where the wheel may be locked (placeholder)").range(1e-3, 10.0).tunable(),
         parameter("build_opening", "1", real!(thresholds.build_opening), 0.25, "Opening of the inlet valve while pressure is built after a recovery (placeholder)").range(0.0, 1.0).tunable(),
         parameter("build_time", "s", real!(thresholds.build_time), 1.0, "Building for this long without new slip ends the intervention at the wheel (placeholder)").range(1e-2, 100.0).tunable(),
         parameter("acceleration_filter", "s", real!(thresholds.acceleration_filter), 0.015, "Time constant of the filter on the acceleration of wheels (placeholder)").range(0.0, 1.0).tunable(),
-        parameter("reference_ascent", "m/s2", real!(limits.ascent), 50.0, "Fastest rise of the reference speed (placeholder)").range(1.0, 1e4).tunable(),
+        parameter("reference_ascent", "m/s2", real!(limits.ascent), 30.0, "Fastest rise of the reference speed (placeholder)").range(1.0, 1e4).tunable(),
         parameter("descent_max", "m/s2", real!(limits.descent_max), 13.0, "Fastest fall of the reference speed: more than any vehicle's deceleration (placeholder)").range(0.1, 1000.0).tunable(),
         parameter("descent_min", "m/s2", real!(limits.descent_min), 2.0, "Least value of the limit on the fall of the reference speed (placeholder)").range(0.1, 1000.0).tunable(),
         parameter("descent_growth", "m/s3", real!(limits.descent_growth), 25.0, "Growth of that limit while a wheel is trusted (placeholder)").range(0.0, 1e5).tunable(),
         parameter("descent_margin", "1", real!(limits.descent_margin), 1.2, "That limit over the deceleration between the speeds to which wheels recovered (placeholder)").range(1.0, 10.0).tunable(),
         parameter("descent_per_pressure", "m/(s2.Pa)", real!(limits.descent_per_pressure), 3.3e-6, "Most that the driver's pressure adds to descent_min: more than the vehicle's deceleration over pressure (placeholder)").range(0.0, 1.0).tunable(),
         parameter("activation_pressure", "Pa", real!(activation_pressure), 2e5, "Driver's pressure below which there is no intervention (placeholder)").range(0.0, 1e8).tunable(),
-        parameter("switch_off_speed", "m/s", real!(switch_off_speed), 1.5, "Reference speed below which there is no intervention (placeholder)").range(0.0, 100.0).tunable(),
+        parameter("switch_off_speed", "m/s", real!(switch_off_speed), 2.5, "Reference speed below which there is no intervention (placeholder)").range(0.1, 100.0).tunable(),
         parameter("sample_time", "s", real!(sample_time), 5e-3, "Time between two decisions: the step of the model's own time grid (placeholder)").range(1e-4, 0.1),
     ];
 
@@ -102,7 +106,7 @@ impl Model for AbsController {
 
     fn initialize(&mut self) -> Result<()> {
         self.check_order()?;
-        self.wheels = [Wheel::default(); 4];
+        self.wheels = [Wheel::new(0.0); 4];
         for index in 0..self.used() {
             self.wheels[index] = Wheel::new(self.speed(index));
         }
@@ -199,5 +203,89 @@ impl AbsController {
             Some(Event::Coasts) if wheel.speed >= fastest => self.reference.correct(fastest, &self.limits),
             Some(Event::Coasts) | None => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Native, Settings, Slave};
+
+    type Controller = Native<AbsController>;
+
+    fn start(values: &[(&str, f64)]) -> Controller {
+        let mut controller = Controller::new(&Settings::default()).unwrap();
+        for (name, value) in values {
+            let index = controller.find(name).unwrap();
+            controller.set(index, *value).unwrap();
+        }
+        controller.start(0.0, None).unwrap();
+        controller.finish_start().unwrap();
+        controller
+    }
+
+    /// All outputs after every sample of a wheel that brakes, slips and recovers, and its least valve opening.
+    fn run(per_sample: u32) -> (Vec<Vec<f64>>, usize) {
+        let mut controller = start(&[("wheels", 1.0), ("wheel_speed_1", 60.0), ("driver_pressure", 1e7)]);
+        let outputs: Vec<usize> = controller.interface().with(crate::model::Causality::Output).collect();
+        let input = controller.find("wheel_speed_1").unwrap();
+        let dump = controller.find("outlet_valve_1").unwrap();
+        let length = 5e-3 / f64::from(per_sample);
+        let (mut seen, mut held): (Vec<Vec<f64>>, usize) = (Vec::new(), 0);
+        for k in 0..100 * per_sample {
+            let time = f64::from(k) * length;
+            let at = (f64::from(k / per_sample) + 1.0) * 5e-3;
+            let speed = if at < 0.15 {
+                60.0 - 3.0 * at
+            } else {
+                60.0 - 30.0 * libm::sin(20.0 * (at - 0.15)).max(0.0)
+            };
+            controller.set(input, speed).unwrap();
+            controller.step(time, length).unwrap();
+            let now: Vec<f64> = outputs.iter().map(|o| controller.get(*o).unwrap()).collect();
+            if (k + 1) % per_sample == 0 {
+                seen.push(now);
+            } else if let Some(last) = seen.last() {
+                // between samples, whatever the wheel does, nothing changes
+                assert_eq!(&now, last);
+                held += usize::from(controller.get(dump).unwrap() > 0.0);
+            }
+        }
+        (seen, held)
+    }
+
+    #[test]
+    fn outputs_are_held_between_samples_and_do_not_depend_on_the_communication_step() {
+        let (whole, _) = run(1);
+        let (parts, held) = run(5);
+        assert!(held > 0, "it has to dump to show anything");
+        assert_eq!(whole, parts);
+    }
+
+    #[test]
+    fn wheels_that_are_not_there_have_their_valves_at_rest() {
+        let mut controller = start(&[("wheels", 2.0), ("wheel_speed_1", 50.0), ("wheel_speed_2", 50.0)]);
+        for k in 0..20 {
+            controller.step(0.05 * f64::from(k), 0.05).unwrap();
+        }
+        for (name, expected) in [
+            ("inlet_valve_3", 1.0),
+            ("outlet_valve_4", 0.0),
+            ("slip_3", 0.0),
+            ("phase_4", 1.0),
+            ("reference_speed", 16.25),
+        ] {
+            let index = controller.find(name).unwrap();
+            assert_eq!(controller.get(index).unwrap(), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn thresholds_in_the_wrong_order_are_refused() {
+        let mut controller = Controller::new(&Settings::default()).unwrap();
+        let index = controller.find("slip_build").unwrap();
+        controller.set(index, 0.2).unwrap();
+        let error = controller.start(0.0, None).and_then(|()| controller.finish_start()).unwrap_err();
+        assert!(error.to_string().contains("slip_dump"), "{error}");
     }
 }

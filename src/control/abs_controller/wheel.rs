@@ -15,10 +15,14 @@ pub struct Thresholds {
     pub slip_dump_always: f64,
     pub deceleration_dump: f64,
     pub slip_build: f64,
+    pub speed_tolerance: f64,
     pub acceleration_recovered: f64,
     pub acceleration_strong: f64,
     pub lead_time: f64,
     pub rebuild: f64,
+    pub dump: f64,
+    pub answer_time: f64,
+    pub turned: f64,
     pub recovery_time: f64,
     pub hold_time: f64,
     pub coast_time: f64,
@@ -71,8 +75,8 @@ pub struct Wheel {
     pub slip: f64,
     /// What is being done.
     pub phase: Phase,
-    /// Change of the acceleration over the last sample, per second \[m/s3\].
-    jerk: f64,
+    /// Time for which the outlet was open and which the acceleration does not show yet \[s\].
+    unseen: f64,
     /// Time in the present recovery or build \[s\].
     since: f64,
     /// Greatest acceleration in the present recovery \[m/s2\].
@@ -97,9 +101,7 @@ impl Wheel {
     pub fn measure(&mut self, speed: f64, filter: f64, dt: f64) {
         let decay = if filter > 0.0 { Real::exp(-dt / filter) } else { 0.0 };
         let slope = (speed - self.speed) / dt;
-        let acceleration = slope + (self.acceleration - slope) * decay;
-        self.jerk = (acceleration - self.acceleration) / dt;
-        self.acceleration = acceleration;
+        self.acceleration = slope + (self.acceleration - slope) * decay;
         self.speed = speed;
     }
 
@@ -113,7 +115,7 @@ impl Wheel {
         [
             self.speed,
             self.acceleration,
-            self.jerk,
+            self.unseen,
             self.slip,
             self.since,
             self.strongest,
@@ -141,7 +143,7 @@ impl Wheel {
     pub fn decide(&mut self, reference: f64, descent: f64, t: &Thresholds, dt: f64) -> Option<Event> {
         self.since += dt;
         let event = match self.phase {
-            Phase::Off | Phase::Build => self.watch(t),
+            Phase::Off | Phase::Build => self.watch(reference, t),
             Phase::Hold | Phase::Dump => self.recover(reference, descent, t, dt),
         };
         self.inlet = match self.phase {
@@ -150,12 +152,14 @@ impl Wheel {
             Phase::Hold | Phase::Dump => 0.0,
         };
         self.rebuild = (self.rebuild - dt).max(0.0);
+        self.unseen = (self.unseen + dt * self.outlet()) * Real::exp(-dt / t.answer_time);
         event
     }
 
-    fn watch(&mut self, t: &Thresholds) -> Option<Event> {
+    fn watch(&mut self, reference: f64, t: &Thresholds) -> Option<Event> {
         let falls = self.acceleration < -t.deceleration_dump;
-        if self.slip > t.slip_dump_always || (self.slip > t.slip_dump && falls) {
+        let slip = self.slip - t.speed_tolerance / reference;
+        if slip > t.slip_dump_always || (slip > t.slip_dump && falls) {
             self.enter(Phase::Dump);
             self.settled = false;
             return Some(Event::Slips);
@@ -171,9 +175,11 @@ impl Wheel {
     fn recover(&mut self, reference: f64, descent: f64, t: &Thresholds, dt: f64) -> Option<Event> {
         self.strongest = self.strongest.max(self.acceleration);
         let settled = self.acceleration < t.acceleration_recovered;
-        let expected = self.slip - t.lead_time * self.acceleration / reference;
+        let slip = self.slip - t.speed_tolerance / reference;
+        let expected = slip - t.lead_time * self.acceleration / reference;
         let strong = self.acceleration > t.acceleration_strong && expected < t.slip_build;
-        if strong || (self.slip < t.slip_build && settled && self.since >= t.hold_time) {
+        let turned = settled || self.acceleration < t.turned * self.strongest;
+        if strong || (slip < t.slip_build && turned && self.since >= t.hold_time) {
             self.rebuild = t.rebuild * self.strongest;
             self.enter(Phase::Build);
             return None;
@@ -188,9 +194,9 @@ impl Wheel {
             return Some(Event::Coasts);
         }
         // fast enough to have recovered after recovery_time
-        let wanted = (self.slip - t.slip_build) * reference / t.recovery_time;
-        let slow = self.acceleration + t.lead_time * self.jerk < wanted;
-        self.phase = if self.slip > t.slip_build && slow { Phase::Dump } else { Phase::Hold };
+        let wanted = (slip - t.slip_build) * reference / t.recovery_time;
+        let slow = self.acceleration + self.unseen / t.dump < wanted;
+        self.phase = if slip > t.slip_build && slow { Phase::Dump } else { Phase::Hold };
         None
     }
 
