@@ -5,7 +5,7 @@
 mod common;
 
 use common::set;
-use latsch::model::{Causality, Settings, Slave};
+use latsch::model::{Causality, Settings};
 use latsch::shipped::MODELS;
 
 /// A model, start values that let something happen, and an input that moves, with its rate.

@@ -8,13 +8,13 @@ import zipfile
 
 import pytest
 
-from conftest import INPUTS, MODEL, PROGRAM, latsch, read_results
+from conftest import INPUTS, MODEL, MODELS, PROGRAM, latsch, read_results
 
 
 def test_models_and_describe():
     done = latsch("models")
     assert done.returncode == 0 and MODEL in done.stdout
-    assert [m["name"] for m in json.loads(latsch("models", "--format", "json").stdout)] == [MODEL]
+    assert [m["name"] for m in json.loads(latsch("models", "--format", "json").stdout)] == list(MODELS)
 
     done = latsch("describe", MODEL)
     assert done.returncode == 0

