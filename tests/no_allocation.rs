@@ -12,7 +12,11 @@ use latsch::shipped::MODELS;
 type Run = (&'static str, &'static [(&'static str, f64)], (&'static str, f64));
 
 const RUNS: [Run; 6] = [
-    ("ring-brush-flat-track", &[("slip", 0.05), ("slip_angle", 0.03), ("camber", 0.02)], ("deflection", 0.01)),
+    (
+        "ring-brush-flat-track",
+        &[("slip", 0.05), ("slip_angle", 0.03), ("camber", 0.02)],
+        ("deflection", 0.01),
+    ),
     ("ring-brush-tire", &[("rim_velocity_y", 0.3), ("road_slope_x", 0.02)], ("rim_spin_rate", 20.0)),
     ("ring-brush-wheel", &[("steer", 0.02), ("camber", 0.02)], ("brake_torque", 3e4)),
     ("ring-brush-corner", &[("friction_factor", 0.8)], ("brake_torque", 3e4)),
