@@ -45,6 +45,8 @@ macro_rules! command {
 impl Model for RingBrushTire {
     const NAME: &'static str = "ring-brush-tire";
     const DESCRIPTION: &'static str = "Ring-and-brush tire alone: pose and velocity of the rim and a road plane in, force and moment on the rim out (ISO 8855 signs)";
+    const DOCUMENTATION: &'static str =
+        concat!(include_str!("bare.html"), include_str!("../tire/ring_brush/documentation.html"));
     const VARIABLES: &'static [Variable<Self>] = tire_table! {
         inputs: [
             input("rim_x", "m", real!(rim.position.x), 0.0, "Wheel centre, frame 0; between communication points it runs on with rim_velocity_x").runs_on(|m| m.rim.velocity.x),

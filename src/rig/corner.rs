@@ -77,6 +77,12 @@ impl Model for RingBrushCorner {
     const NAME: &'static str = "ring-brush-corner";
     const DESCRIPTION: &'static str = "Quarter of a vehicle on the ring-and-brush tire, travelling straight: brake torque in; wheel speed, vehicle speed, slip and forces out (ISO 8855 signs)";
     const STOP_TIME: f64 = 5.0;
+    const DOCUMENTATION: &'static str = concat!(
+        include_str!("corner.html"),
+        include_str!("hub.html"),
+        include_str!("../tire/ring_brush/documentation.html"),
+        include_str!("../road/documentation.html")
+    );
     const VARIABLES: &'static [Variable<Self>] = with_road! { tire_table! {
         inputs: [
             input("brake_torque", "N.m", real!(brake_torque), 0.0, "Torque with which the brake can resist the spin, in either direction; a wheel that stands is held").range(0.0, 1e5).nominal(100.0),

@@ -68,6 +68,13 @@ impl Model for RingBrushWheel {
     const NAME: &'static str = "ring-brush-wheel";
     const DESCRIPTION: &'static str = "Ring-and-brush tire on a hub with mass and spin: forces of the axle, drive and brake torque in, motion of the wheel out (ISO 8855 signs)";
     const STOP_TIME: f64 = 5.0;
+    const DOCUMENTATION: &'static str = concat!(
+        include_str!("wheel.html"),
+        include_str!("actuator.html"),
+        include_str!("hub.html"),
+        include_str!("../tire/ring_brush/documentation.html"),
+        include_str!("../road/documentation.html")
+    );
     const VARIABLES: &'static [Variable<Self>] = with_road! { tire_table! {
         inputs: [
             input("axle_force_x", "N", real!(axle_force.x), 0.0, "Force of the axle on the hub, frame 0").range(-1e6, 1e6).nominal(1000.0),

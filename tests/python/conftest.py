@@ -16,6 +16,15 @@ TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 PROGRAM = TARGET / "debug" / "latsch"
 MODEL = "ring-brush-flat-track"
 INPUTS = ["steer", "deflection", "path_speed", "camber", "slip", "slip_angle"]
+# Every shipped model: start values that let something happen, and inputs that change later.
+MODELS = {
+    MODEL: (dict(deflection=0.02, path_speed=15.0, slip_angle=0.02), dict(slip=0.1)),
+    "ring-brush-tire": (dict(rim_velocity_y=0.3, road_slope_x=0.02), dict(rim_spin_rate=35.0, friction_factor=0.7)),
+    "ring-brush-wheel": (dict(steer=0.02, brake_torque=300.0), dict(axle_force_y=-500.0, brake_torque=2500.0)),
+    "ring-brush-corner": (dict(brake_torque=800.0), dict(brake_torque=3000.0, friction_factor=0.5)),
+    "brake-hydraulics": (dict(driver_pressure=5e6), dict(inlet_valve=0.0, outlet_valve=0.4)),
+    "abs-controller": (dict(wheel_speed_1=60.0, driver_pressure=1e7), dict(wheel_speed_1=45.0)),
+}
 
 
 def latsch(*arguments, cwd=None):
@@ -125,12 +134,30 @@ class Slave:
 
 
 @pytest.fixture(scope="session")
-def fmu(tmp_path_factory):
+def exported(tmp_path_factory):
+    """Exports models as they are, each once."""
+    folder = tmp_path_factory.mktemp("fmu")
+
+    def export(model):
+        path = folder / f"{model}.fmu"
+        if not path.exists():
+            done = latsch("export", model, "--output", path)
+            assert done.returncode == 0, done.stderr
+        return path
+
+    return export
+
+
+@pytest.fixture(scope="session")
+def fmu(exported):
     """The flat track's FMU with the example tire."""
-    path = tmp_path_factory.mktemp("fmu") / f"{MODEL}.fmu"
-    done = latsch("export", MODEL, "--output", path)
-    assert done.returncode == 0, done.stderr
-    return path
+    return exported(MODEL)
+
+
+@pytest.fixture(scope="session", params=MODELS)
+def shipped(request, exported):
+    """The FMU of each shipped model in turn."""
+    return exported(request.param)
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""`latsch check` as a user meets it: our own FMU is clean, wrong files have their exit codes."""
+"""`latsch check` as a user meets it: our own FMUs are clean, wrong files have their exit codes."""
 
 import json
 import zipfile
@@ -21,8 +21,8 @@ def description(change):
     return lambda name, data: change(data.decode()).encode() if name == "modelDescription.xml" else data
 
 
-def test_the_shipped_fmu_is_clean(fmu):
-    done = latsch("check", fmu, "--format", "json")
+def test_shipped_fmus_are_clean(shipped):
+    done = latsch("check", shipped, "--format", "json")
     assert done.returncode == 0, done.stdout + done.stderr
     report = json.loads(done.stdout)
     assert report["findings"] == [] and report["notes"] == []

@@ -8,17 +8,13 @@ import zipfile
 
 import pytest
 
-from conftest import INPUTS, MODEL, PROGRAM, latsch, read_results
+from conftest import INPUTS, MODEL, MODELS, PROGRAM, latsch, read_results
 
 
 def test_models_and_describe():
     done = latsch("models")
     assert done.returncode == 0 and MODEL in done.stdout
-    assert [m["name"] for m in json.loads(latsch("models", "--format", "json").stdout)] == [
-        MODEL,
-        "brake-hydraulics",
-        "abs-controller",
-    ]
+    assert [m["name"] for m in json.loads(latsch("models", "--format", "json").stdout)] == list(MODELS)
 
     done = latsch("describe", MODEL)
     assert done.returncode == 0
@@ -26,7 +22,7 @@ def test_models_and_describe():
         assert words in done.stdout
     model = json.loads(latsch("describe", MODEL, "--format", "json").stdout)
     variables = {v["name"]: v for v in model["variables"]}
-    assert [n for n, v in variables.items() if v["causality"] == "input"] == INPUTS
+    assert [n for n, v in variables.items() if v["causality"] == "input"] == [*INPUTS, "friction_factor"]
     assert variables["stripes"]["default"] == 6 and variables["stripes"]["max"] == 64
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from conftest import INPUTS, MODEL, Slave, latsch, read_results
+from conftest import INPUTS, MODEL, MODELS, Slave, latsch, read_results
 
 START = dict(steer=0.0, deflection=0.02, path_speed=15.0, camber=0.0, slip=0.0, slip_angle=0.0)
 
@@ -32,35 +32,40 @@ def programme(count, step):
     return rows
 
 
-def test_fmpy_finds_nothing_to_complain_about(fmu):
-    assert fmpy.validation.validate_fmu(str(fmu)) == []
+def test_fmpy_finds_nothing_to_complain_about(shipped):
+    assert fmpy.validation.validate_fmu(str(shipped)) == []
 
 
 def test_description_has_what_masters_ask_for(fmu):
     description = fmpy.read_model_description(str(fmu), validate=True)
     variables = {v.name: v for v in description.modelVariables}
-    assert [v.name for v in description.modelVariables if v.causality == "input"] == INPUTS
+    inputs = [v.name for v in description.modelVariables if v.causality == "input"]
+    assert inputs == [*INPUTS, "friction_factor"]
     assert variables["slip_angle"].unit == "rad" and variables["moment_z"].unit == "N.m"
     assert variables["belt_mass"].variability == "fixed" and float(variables["belt_mass"].start) == 8.8
+    assert description.coSimulation.providesDirectionalDerivative
+
+
+def test_descriptions_are_valid_and_complete(shipped):
+    description = fmpy.read_model_description(str(shipped), validate=True)
     assert description.coSimulation.canInterpolateInputs
     assert description.coSimulation.canSerializeFMUstate
-    assert description.coSimulation.providesDirectionalDerivative
     outputs = [v for v in description.modelVariables if v.causality == "output"]
     assert [u.variable for u in description.outputs] == outputs
     assert [u.variable for u in description.initialUnknowns] == outputs
 
 
-def test_archive_is_plain(fmu):
-    with zipfile.ZipFile(fmu) as archive:
+def test_archive_is_plain(shipped):
+    with zipfile.ZipFile(shipped) as archive:
         assert archive.testzip() is None
         for entry in archive.infolist():
             assert entry.extract_version <= 20 and entry.compress_type == zipfile.ZIP_DEFLATED
             assert "\\" not in entry.filename and not entry.filename.startswith("/")
 
 
-def test_documentation_and_licenses_are_in_the_archive(fmu):
-    description = fmpy.read_model_description(str(fmu))
-    with zipfile.ZipFile(fmu) as archive:
+def test_documentation_and_licenses_are_in_the_archive(shipped):
+    description = fmpy.read_model_description(str(shipped))
+    with zipfile.ZipFile(shipped) as archive:
         page = archive.read("documentation/index.html").decode()
         licenses = {name: archive.read(f"documentation/licenses/{name}").decode()
                     for name in ["LICENSE-APACHE", "LICENSE-MIT", "THIRD-PARTY.md"]}
@@ -99,12 +104,19 @@ def test_same_bits_as_the_native_model(tmp_path, slaves):
     assert max(abs(x) for x in native["force_y"]) > 1000
 
 
-def test_our_importer_sees_what_fmpy_sees(tmp_path, fmu):
-    done = latsch("simulate", fmu, "--set", "slip=0.03", "--stop", "0.2", "--output", tmp_path / "fmu.csv")
-    assert done.returncode == 0, done.stderr
-    done = latsch("simulate", MODEL, "--set", "slip=0.03", "--stop", "0.2", "--output", tmp_path / "native.csv")
-    assert done.returncode == 0, done.stderr
+def test_our_importer_sees_what_fmpy_sees(tmp_path, shipped):
+    start, _ = MODELS[shipped.stem]
+    options = [word for name, value in start.items() for word in ("--set", f"{name}={value}")]
+    for source, path in [(shipped, "fmu.csv"), (shipped.stem, "native.csv")]:
+        done = latsch("simulate", source, *options, "--stop", "0.2", "--output", tmp_path / path)
+        assert done.returncode == 0, done.stderr
     assert (tmp_path / "fmu.csv").read_text() == (tmp_path / "native.csv").read_text()
+    ours = read_results(tmp_path / "native.csv")
+    names = [name for name in ours if name != "time"]
+    theirs = fmpy.simulate_fmu(str(shipped), stop_time=0.2, output_interval=1e-3, start_values=start, output=names)
+    for name in names:
+        assert len(ours[name]) == 201 and np.array_equal(ours[name], theirs[name]), name
+    assert sum(ours[name][-1] != 0.0 for name in names) > 2
 
 
 def test_simulate_fmu_with_inputs_as_a_user_writes_it(fmu):
@@ -122,18 +134,20 @@ def test_simulate_fmu_with_inputs_as_a_user_writes_it(fmu):
     assert result["force_z"][0] == pytest.approx(1.54e5 * f + 2.47e6 * f * f - 9.5 * 9.81, rel=1e-6)
 
 
-def test_partition_of_time_does_not_matter_on_the_grid(slaves):
-    start = dict(START, slip=0.05, slip_angle=0.03)
-    coarse, fine, odd = slaves(start), slaves(start), slaves(start)
+def test_partition_of_time_does_not_matter_on_the_grid(slaves, shipped):
+    start, change = MODELS[shipped.stem]
+    coarse, fine, odd = (slaves(start, path=shipped) for _ in range(3))
+    for slave in (coarse, fine, odd):
+        slave.set(**change)
     coarse.raw.doStep(0.0, 0.1)
     fine.steps(100)
-    # points between the grid points of 1e-4 s, and the drifting clock of a master that adds up
+    # points between the grid points, and the drifting clock of a master that adds up
     time = 0.0
     while time < 0.1 - 1e-9:
         length = min(0.00137, 0.1 - time)
         odd.raw.doStep(time, length)
         time += length
-    assert coarse.outputs() == fine.outputs() == odd.outputs()
+    assert coarse.outputs() == fine.outputs() == odd.outputs() != slaves(start, path=shipped).outputs()
 
 
 def test_between_grid_points_the_result_is_near_its_neighbours(slaves):
@@ -167,29 +181,30 @@ def test_derivatives_of_outputs_are_those_of_the_last_internal_step(slaves):
     assert fresh.derivatives("wheel_angle")[0] == pytest.approx(15.0 / 0.328, rel=1e-12)
 
 
-def test_save_restore_and_serialise(slaves):
-    slave = slaves(dict(START, slip_angle=0.02))
+def test_save_restore_and_serialise(slaves, shipped):
+    start, change = MODELS[shipped.stem]
+    slave = slaves(start, path=shipped)
     slave.steps(50)
     state = slave.raw.getFMUState()
     here = slave.outputs()
-    slave.set(slip=0.1)
+    slave.set(**change)
     slave.steps(30, 0.05)
     there = slave.outputs()
     assert there != here
 
     slave.raw.setFMUState(state)
     assert slave.outputs() == here
-    slave.set(slip=0.1)
+    slave.set(**change)
     slave.steps(30, 0.05)
     assert slave.outputs() == there
 
     # bytes continue in another instance, which has seen nothing
     data = slave.raw.serializeFMUState(state)
-    other = slaves()
+    other = slaves(path=shipped)
     copy = other.raw.deserializeFMUState(data)
     other.raw.setFMUState(copy)
     assert other.outputs() == here
-    other.set(slip=0.1)
+    other.set(**change)
     other.steps(30, 0.05)
     assert other.outputs() == there
     slave.raw.freeFMUState(state)

@@ -156,9 +156,13 @@ impl<M: Model> Data<M> {
             if let Some(rate) = M::VARIABLES[signal.variable].natural_rate()
                 && (signal.natural || signal.rate.is_none())
             {
-                signal.value = signal.at(time);
-                signal.since = time;
-                signal.rate = Some(rate(&self.grid));
+                let rate = rate(&self.grid);
+                // what goes on as it did is not begun anew, whose rounding the cuts of the time would tell
+                if signal.rate != Some(rate) {
+                    signal.value = signal.at(time);
+                    signal.since = time;
+                    signal.rate = Some(rate);
+                }
                 signal.natural = true;
             }
         }

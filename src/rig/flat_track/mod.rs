@@ -76,7 +76,12 @@ impl Model for RingBrushFlatTrack {
     const DESCRIPTION: &'static str = "Ring-and-brush tire on a flat-track rig: commands of the rig in, force and moment on the rim in H axes out (ISO 8855 signs)";
     const STOP_TIME: f64 = 5.0;
     const DIRECTIONAL_DERIVATIVES: bool = true;
-    const DOCUMENTATION: &'static str = include_str!("documentation.html");
+    const DOCUMENTATION: &'static str = concat!(
+        include_str!("documentation.html"),
+        include_str!("../actuator.html"),
+        include_str!("../../tire/ring_brush/documentation.html"),
+        include_str!("../../road/documentation.html")
+    );
     const VARIABLES: &'static [Variable<Self>] = with_road! { tire_table! {
         inputs: [
             input("steer", "rad", command!(steer), 0.0, "Steer angle of the wheel about z; it turns wheel and path together, so it makes no slip angle").range(-2.0 * PI, 2.0 * PI),
