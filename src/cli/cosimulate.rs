@@ -106,7 +106,7 @@ pub fn run(args: &Args) -> Result<()> {
         let title = args.system.file_stem().unwrap_or_default().to_string_lossy();
         let page = simulation_report(
             &title,
-            "A co-simulated system. An output is that at the communication point, an input what is held from then on.",
+            "A co-simulated system. An input is what the component had until the communication point.",
             &outcome.recording,
             measured.as_ref(),
             &[],

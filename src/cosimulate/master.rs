@@ -63,7 +63,7 @@ pub(super) struct Exchange {
     pub flows: Vec<Flow>,
     /// When each component's turn is; the same for all where none waits for another.
     rank: Vec<usize>,
-    /// What the recorded inputs got at the beginning of the interval.
+    /// What the recorded inputs had at the end of the interval.
     pub fed: Vec<f64>,
     /// Length of the last interval \[s\].
     last_length: f64,
@@ -315,24 +315,18 @@ impl System {
             if feed.to.component != index {
                 continue;
             }
-            *fed = feed.at(time);
-            slave.set(feed.to.variable, *fed)?;
-            if feed.derivative {
-                slave.set_rate(feed.to.variable, (feed.at(time + length) - *fed) / length)?;
+            let (begin, end) = match (feed.lead, feed.derivative) {
+                (true, _) => (feed.at(time + length), feed.at(time + length)),
+                (false, true) => (feed.at(time), feed.at(time + length)),
+                (false, false) => (feed.at(time), feed.at(time)),
+            };
+            *fed = end;
+            slave.set(feed.to.variable, begin)?;
+            if begin != end {
+                slave.set_rate(feed.to.variable, (end - begin) / length)?;
             }
         }
         Ok(())
-    }
-
-    /// What the inputs would get in an interval that begins now: at the end of a run, the last sample.
-    pub(super) fn foresee(&mut self, time: f64) {
-        for (wire, flow) in self.wires.iter().zip(&mut self.exchange.flows) {
-            let value = wire.map(flow.now);
-            flow.applied = (value, value);
-        }
-        for (feed, fed) in self.feeds.iter().zip(&mut self.exchange.fed) {
-            *fed = feed.at(time);
-        }
     }
 
     /// The output of a connection, as its component has it now.

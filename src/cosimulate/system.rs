@@ -79,6 +79,8 @@ pub(super) struct Feed {
     pub values: Vec<f64>,
     pub continuous: bool,
     pub derivative: bool,
+    /// It gets the value at the end of the interval, as from a source that is a step ahead.
+    pub lead: bool,
 }
 
 impl Wire {
@@ -320,12 +322,24 @@ impl System {
             };
             info.accept(&value).map_err(|e| Error::file(format!("{place}: at {time} s {e}")))?;
         }
-        self.feeds.push(Feed { to, time: recording.time.as_slice().into(), values, continuous, derivative });
+        self.feeds.push(Feed {
+            to,
+            time: recording.time.as_slice().into(),
+            values,
+            continuous,
+            derivative,
+            lead: false,
+        });
         Ok(())
     }
 
     /// Opens the loop at a component: its connected inputs no longer follow their sources but the
     /// channels `component.input` of a recording. Gives the names of those inputs.
+    ///
+    /// In an interval they hold the sample at its end: a recording tells what an input had until then, and
+    /// a source that is stepped first is that much ahead (Mack 2009, section 5.6). So a recording of all
+    /// communication points of a closed loop gives the same bits when the loop is opened, as long as all
+    /// inputs are held.
     ///
     /// # Errors
     /// A component without connected inputs, or channels that are missing or do not fit.
@@ -346,6 +360,9 @@ impl System {
         for wire in cut {
             let name = self.name(wire.to);
             self.feed(wire.to, recording, &name, false)?;
+            if let Some(feed) = self.feeds.last_mut() {
+                feed.lead = true;
+            }
             names.push(name);
         }
         Ok(names)
