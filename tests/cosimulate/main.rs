@@ -1,6 +1,7 @@
 //! Co-simulation of small models against closed forms: the properties of section 5.6 of Mack (2009), order
 //! of convergence, energy, files.
 
+mod files;
 mod models;
 
 use latsch::cosimulate::{Experiment, Turn};
@@ -234,4 +235,78 @@ fn a_loop_that_is_opened_and_replayed_has_the_same_bits() {
             }
         }
     }
+}
+
+#[test]
+fn an_interval_that_is_refused_is_halved() {
+    let text = |halvings: u32| {
+        pair(&format!("step = 8e-3\nhalvings = {halvings}"), false)
+            .replace("damping = 0.5, step", "fails_above = 0.3, damping = 0.5, step")
+    };
+    let (plan, mut system) = wire(&text(0)).unwrap();
+    let experiment = plan.experiment(&system, None, None, None).unwrap();
+    let outcome = latsch::cosimulate::cosimulate(&mut system, &experiment, |_| ()).unwrap();
+    let message = outcome.stopped.unwrap().to_string();
+    assert!(message.contains("right") && message.contains("the force jumps by"), "{message}");
+    let (system, outcome) = run(&text(4));
+    assert!(
+        outcome.halved > 10 && system.warnings().is_empty(),
+        "{} {:?}",
+        outcome.halved,
+        system.warnings()
+    );
+    // the samples stay where they were, and the result is that of a shorter interval
+    assert_eq!(outcome.recording.time.len(), 126);
+    let (left, right) = exact();
+    let error = (channel(&outcome, "left.position").last().unwrap() - left)
+        .hypot(channel(&outcome, "right.position").last().unwrap() - right);
+    assert!(error < 0.5 * error_at("", false, 8e-3), "{error}");
+}
+
+#[test]
+fn a_coupling_that_makes_energy_is_warned_of() {
+    let warnings = |step: f64| {
+        let (system, _) =
+            run(&on_a_spring(&format!("stop = 2\nstep = {step}\norder = ['spring', 'mass']"), 400.0));
+        latsch::cosimulate::energy_warnings(&system, step)
+    };
+    let [warning] = &warnings(5e-3)[..] else { panic!("{:?}", warnings(5e-3)) };
+    for word in ["spring.force", "mass.position", "made", "-1.0", "N.s/m"] {
+        assert!(warning.contains(word), "{word}: {warning}");
+    }
+    // the interval that it names is enough
+    let named: f64 = warning.split("; ").nth(1).unwrap().split(" s ").next().unwrap().parse().unwrap();
+    assert_eq!(warnings((named / 1e-4).floor() * 1e-4), Vec::<String>::new(), "{warning}");
+}
+
+#[test]
+fn components_that_depend_on_each_other_settle_or_it_is_said() {
+    let loop_of = |stiffness: f64| {
+        let text = format!(
+            r#"
+stop = 0.01
+step = 1e-3
+[component.a]
+model = "spring"
+set = {{ stiffness = {stiffness} }}
+[component.b]
+model = "spring"
+set = {{ stiffness = 1 }}
+[connect]
+"a.force" = {{ to = "b.position", factor = 1, offset = 1 }}
+"b.force" = {{ to = "a.position", factor = 1 }}
+"#
+        );
+        run(&text)
+    };
+    // f_a = -s p_a, p_a = f_b = -(f_a + 1): f_a = s (f_a + 1), so f_a = s / (1 - s)
+    let (system, outcome) = loop_of(0.5);
+    assert!(system.warnings().is_empty(), "{:?}", system.warnings());
+    assert!((channel(&outcome, "a.force")[0] - 1.0).abs() < 1e-11);
+    let (system, _) = loop_of(1.5);
+    let [warning] = system.warnings() else { panic!("{:?}", system.warnings()) };
+    assert!(
+        warning.contains("a.force") && warning.contains("b.force") && warning.contains("algebraic"),
+        "{warning}"
+    );
 }

@@ -50,6 +50,7 @@ pub struct Side {
     reaction: f64,
     largest_force_change: f64,
     fails_above: f64,
+    last_force: f64,
 }
 
 impl Side {
@@ -83,13 +84,7 @@ impl Model for Side {
         output("velocity", "m/s", real!(v), "Velocity"),
         output("reaction", "N", real!(reaction), "Force on the other"),
         output("largest_force_change", "N", real!(largest_force_change), "Within a step, of the input"),
-        parameter(
-            "fails_above",
-            "N",
-            real!(fails_above),
-            1e300,
-            "It refuses forces that change more in one step",
-        ),
+        parameter("fails_above", "N", real!(fails_above), 1e300, "It refuses forces that jump by more"),
     ];
 
     fn step_size(&self) -> f64 {
@@ -98,6 +93,7 @@ impl Model for Side {
 
     fn initialize(&mut self) -> Result<()> {
         (self.x, self.v) = (self.x0, 0.0);
+        self.last_force = self.force.end;
         self.reaction = self.between(self.x, self.v, 1.0, 0.0);
         Ok(())
     }
@@ -113,8 +109,9 @@ impl Model for Side {
         self.x += h / 6.0 * (k1.0 + 2.0 * k2.0 + 2.0 * k3.0 + k4.0);
         self.v += h / 6.0 * (k1.1 + 2.0 * k2.1 + 2.0 * k3.1 + k4.1);
         self.reaction = self.between(self.x, self.v, 1.0, h);
-        if self.reaction.abs() > self.fails_above {
-            return Err(Error::numeric(format!("reaction {} N", self.reaction)));
+        let change = self.force.end - std::mem::replace(&mut self.last_force, self.force.end);
+        if change.abs() > self.fails_above {
+            return Err(Error::numeric(format!("the force jumps by {change} N")));
         }
         Ok(())
     }
@@ -202,9 +199,4 @@ pub fn run_with(text: &str, change: impl FnOnce(&mut System, Experiment) -> Expe
 
 pub fn channel(outcome: &Outcome, name: &str) -> Vec<f64> {
     outcome.recording.channel(name).unwrap().values.clone()
-}
-
-#[allow(dead_code)]
-pub fn none() -> Coupling {
-    Coupling::default()
 }
