@@ -7,7 +7,7 @@ use crate::{Error, Result};
 /// Outputs that differ by less than this share between two exchanges have settled.
 const SETTLED: f64 = 1e-12;
 /// More exchanges than this, and one for each component, are not made during initialization.
-const MAX_EXCHANGES: usize = 50;
+const MAX_EXCHANGES: usize = 200;
 /// An iterated interval has converged when no exchanged value changes by more than this share.
 const CONVERGED: f64 = 1e-10;
 
@@ -148,29 +148,35 @@ impl System {
 
     /// Exchanges outputs during initialization until they stop changing.
     fn settle(&mut self) -> Result<()> {
-        let mut moving: Vec<usize> = Vec::new();
-        for exchange in 0..MAX_EXCHANGES + self.components.len() {
-            moving.clear();
+        let exchanges = MAX_EXCHANGES + self.components.len();
+        // the exchange in which each output changed last
+        let mut changed = vec![0; self.wires.len()];
+        for exchange in 1..=exchanges {
             let values = (0..self.wires.len()).map(|i| self.read(i)).collect::<Result<Vec<f64>>>()?;
             for (i, value) in values.into_iter().enumerate() {
                 let last = std::mem::replace(&mut self.exchange.flows[i].now, value);
-                if exchange == 0 || (value - last).abs() > SETTLED * value.abs().max(last.abs()) {
-                    moving.push(i);
+                if exchange == 1 || (value - last).abs() > SETTLED * value.abs().max(last.abs()) {
+                    changed[i] = exchange;
                 }
             }
-            if moving.is_empty() {
+            if changed.iter().all(|last| *last < exchange) {
                 return Ok(());
             }
             for (wire, flow) in self.wires.iter().zip(&self.exchange.flows) {
                 let component = &mut self.components[wire.to.component];
-                let value = wire.map(flow.now);
-                component.slave.set(wire.to.variable, value).map_err(|e| e.at(&component.name))?;
+                let at =
+                    |e: Error| e.at(format!("exchange {exchange} of the initialization: {}", component.name));
+                component.slave.set(wire.to.variable, wire.map(flow.now)).map_err(at)?;
             }
         }
-        let names: Vec<String> = moving.iter().map(|i| self.name(self.wires[*i].from)).collect();
+        // on its way round a loop a value comes by all components
+        let recently = exchanges - 2 * self.components.len().min(MAX_EXCHANGES / 2);
+        let names: Vec<String> = (0..self.wires.len())
+            .filter(|i| changed[*i] >= recently)
+            .map(|i| self.name(self.wires[i].from))
+            .collect();
         self.warnings.push(format!(
-            "the components do not agree on a start: after {} exchanges these outputs still change: {}; they depend on each other without delay (an algebraic loop), and the run begins with the values of the last exchange",
-            MAX_EXCHANGES + self.components.len(),
+            "the components do not agree on a start: after {exchanges} exchanges these outputs still change: {}; they depend on each other without delay (an algebraic loop), and the run begins with the values of the last exchange",
             names.join(", ")
         ));
         Ok(())

@@ -1,7 +1,7 @@
 //! Small models whose coupled behaviour is known in closed form.
 
 use latsch::cosimulate::{
-    Coupling, Experiment, Outcome, Plan, PlannedComponent, Source, System, cosimulate, parse_toml,
+    Experiment, Outcome, Plan, PlannedComponent, Source, System, cosimulate, parse_toml,
 };
 use latsch::model::{
     Access, Model, Native, Settings, Slave, Variable, input, integer_parameter, output, parameter,
@@ -49,8 +49,9 @@ pub struct Side {
     v: f64,
     reaction: f64,
     largest_force_change: f64,
-    fails_above: f64,
+    moves_at_most: f64,
     last_force: f64,
+    anchor: f64,
 }
 
 impl Side {
@@ -84,7 +85,7 @@ impl Model for Side {
         output("velocity", "m/s", real!(v), "Velocity"),
         output("reaction", "N", real!(reaction), "Force on the other"),
         output("largest_force_change", "N", real!(largest_force_change), "Within a step, of the input"),
-        parameter("fails_above", "N", real!(fails_above), 1e300, "It refuses forces that jump by more"),
+        parameter("moves_at_most", "m", real!(moves_at_most), 1e300, "With the same force"),
     ];
 
     fn step_size(&self) -> f64 {
@@ -93,7 +94,7 @@ impl Model for Side {
 
     fn initialize(&mut self) -> Result<()> {
         (self.x, self.v) = (self.x0, 0.0);
-        self.last_force = self.force.end;
+        (self.last_force, self.anchor) = (self.force.end, self.x);
         self.reaction = self.between(self.x, self.v, 1.0, 0.0);
         Ok(())
     }
@@ -109,9 +110,11 @@ impl Model for Side {
         self.x += h / 6.0 * (k1.0 + 2.0 * k2.0 + 2.0 * k3.0 + k4.0);
         self.v += h / 6.0 * (k1.1 + 2.0 * k2.1 + 2.0 * k3.1 + k4.1);
         self.reaction = self.between(self.x, self.v, 1.0, h);
-        let change = self.force.end - std::mem::replace(&mut self.last_force, self.force.end);
-        if change.abs() > self.fails_above {
-            return Err(Error::numeric(format!("the force jumps by {change} N")));
+        if std::mem::replace(&mut self.last_force, self.force.end) != self.force.end {
+            self.anchor = y.0;
+        }
+        if (self.x - self.anchor).abs() > self.moves_at_most {
+            return Err(Error::numeric(format!("it moved to {} m on a held force", self.x)));
         }
         Ok(())
     }

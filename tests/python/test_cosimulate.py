@@ -68,11 +68,15 @@ def error(results):
 
 
 def test_two_fmus_oscillate_like_one_system(system):
-    for arguments, order, size in [([], 1, 2e-3), (["--order", "left,right"], 1, 1e-3), (["--iterate", 20], 2, 1e-5)]:
-        errors = [error(run(system, "--step", step, *arguments)[0]) for step in [2e-3, 1e-3, 5e-4]]
-        orders = np.log2(np.array(errors[:-1]) / errors[1:])
-        assert np.abs(orders - order).max() < 0.1, (arguments, errors)
-        assert errors[1] < size, (arguments, errors)
+    def errors(*arguments):
+        return [error(run(system, "--step", step, *arguments)[0]) for step in [2e-3, 1e-3, 5e-4]]
+
+    for arguments in [], ["--order", "left,right"]:
+        found = errors(*arguments)
+        orders = np.log2(np.array(found[:-1]) / found[1:])
+        assert np.abs(orders - 1).max() < 0.1 and found[-1] < 1e-3, (arguments, found)
+    # what is left is the models' own step of 0.1 ms, at whose ends they look at their inputs
+    assert max(errors("--iterate", 20)) < 1e-4
 
 
 def test_the_description_says_the_same_as_the_short_form(system):
@@ -146,7 +150,7 @@ def test_the_loop_opened_along_its_own_recording(system):
 def test_what_is_wrong_is_said(system, tmp_path):
     text = (system / "SystemStructure.ssd").read_text()
     for old, new, words in [
-        ('version="1.0"\n', 'version="2.0"\n', [":4:", "2.0"]),
+        ('version="1.0"\n', 'version="2.0"\n', [":3:", "2.0"]),
         ('endConnector="force"', 'endConnector="farce"', ["right", "farce", "connector"]),
         ('kind="input"><ssc:Real unit="N"', 'kind="output"><ssc:Real unit="N"', ["right.force", "Input", "Output"]),
         ('<ssc:Real unit="N"/>', '<ssc:Integer/>', ["left.reaction", "Integer", "Real"]),
