@@ -288,6 +288,7 @@ impl System {
         let slave = self.components[index].slave.as_mut();
         let interpolates = slave.can_interpolate();
         let rank = &self.exchange.rank;
+        let iterates = self.coupling.iterate > 0 && self.exchange.can_roll_back;
         for (wire, flow) in self.wires.iter().zip(&mut self.exchange.flows) {
             if wire.to.component != index {
                 continue;
@@ -313,7 +314,8 @@ impl System {
             let applied = (wire.map(begin), wire.map(end));
             flow.applied = applied;
             slave.set(wire.to.variable, applied.0)?;
-            if applied.0 != applied.1 {
+            // also a rate of zero: what the input kept from the interval before is its own business
+            if wire.derivative || (iterates && interpolates && wire.real) {
                 slave.set_rate(wire.to.variable, (applied.1 - applied.0) / length)?;
             }
         }
@@ -328,7 +330,7 @@ impl System {
             };
             *fed = end;
             slave.set(feed.to.variable, begin)?;
-            if begin != end {
+            if feed.derivative {
                 slave.set_rate(feed.to.variable, (end - begin) / length)?;
             }
         }

@@ -213,7 +213,7 @@ impl Plan {
     /// Components that cannot be loaded, names that are not there, connections that do not fit; each with
     /// its place in the file.
     pub fn load(&self) -> Result<System> {
-        self.wire(|system, component| add(system, component))
+        self.wire(add)
     }
 
     /// As [`load`](Self::load), with components from elsewhere: `add` adds one to the system and gives its

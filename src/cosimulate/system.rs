@@ -436,7 +436,7 @@ impl Component {
     }
 }
 
-/// True if `long` is a whole multiple of `short`, to a relative 1e-9 (Mack 2009, section 5.6).
+/// True if `long` is a whole multiple of `short`, to a relative 1e-9.
 fn is_multiple(long: f64, short: f64) -> bool {
     let ratio = long / short;
     ratio.round() >= 1.0 && (ratio / ratio.round() - 1.0).abs() <= 1e-9
@@ -469,7 +469,7 @@ fn conversion(
     let way_out = "give a factor, and the numbers are multiplied by that";
     match (Unit::parse(from), Unit::parse(to)) {
         (Ok(a), Ok(b)) => match a.to(b) {
-            Some(map) if map == (1.0, 0.0) => Ok(Conversion::None),
+            Some((1.0, 0.0)) => Ok(Conversion::None),
             Some((factor, offset)) => Ok(Conversion::Factor(factor, offset)),
             None if transformed => Ok(Conversion::None),
             None => Err(format!(

@@ -132,3 +132,17 @@ fn recorded_inputs_are_replayed() {
     let error = wire(&text.replace("lift =", "lyft =")).err().unwrap().to_string();
     assert!(error.contains("system.toml:4") && error.contains("lyft") && error.contains("lift"), "{error}");
 }
+
+#[test]
+fn the_documentation_has_all_keys_right() {
+    let page = include_str!("../../docs/cosimulate.md");
+    let form = page.split("## All of the short form").nth(1).unwrap();
+    let form = form.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
+    let plan = latsch::cosimulate::parse_toml(form, "page", std::path::Path::new("")).unwrap();
+    assert_eq!((plan.start, plan.stop, plan.step), (Some(0.0), Some(5.0), Some(1e-4)));
+    assert_eq!((plan.components.len(), plan.connections.len()), (2, 4));
+    assert_eq!((plan.inputs[0].connect.len(), plan.bonds.len(), plan.record_every), (2, 1, 10));
+    let transfers: Vec<_> =
+        plan.connections.iter().map(|c| (c.transfer.linear, c.transfer.derivative)).collect();
+    assert_eq!(transfers, [(None, false), (None, false), (Some((-1.0, 0.0)), false), (None, true)]);
+}

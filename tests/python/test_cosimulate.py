@@ -92,6 +92,12 @@ def test_the_description_says_the_same_as_the_short_form(system):
     assert run(system, file="two-masses.ssp")[0] == expected
 
 
+def test_the_example_of_the_documentation_is_that_system(system):
+    page = (ROOT / "docs" / "cosimulate.md").read_text()
+    (system / "page.toml").write_text(page.split("```toml\n")[1].split("```")[0])
+    assert run(system, file="page.toml")[0] == run(system)[0]
+
+
 def libcosim(system, names):
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
