@@ -1,6 +1,7 @@
 //! The master: starts the components, exchanges values, and takes them through one interval.
 
 use super::System;
+use super::energy::Bond;
 use crate::model::Snapshot;
 use crate::{Error, Result};
 
@@ -79,6 +80,14 @@ pub(super) struct Exchange {
     pub log: Option<Vec<Turn>>,
 }
 
+/// What the master has to know to go on from saved states.
+pub(super) struct Memory {
+    flows: Vec<Flow>,
+    fed: Vec<f64>,
+    last_length: f64,
+    bonds: Vec<Bond>,
+}
+
 impl System {
     /// Initializes all components, exchanging outputs until they settle, and checks that communication
     /// every `interval` seconds suits them.
@@ -87,6 +96,13 @@ impl System {
     /// A component that does not start, or an interval that does not suit one. Outputs that do not
     /// settle are a [warning](System::warnings).
     pub fn start(&mut self, start: f64, stop: Option<f64>, interval: f64) -> Result<()> {
+        self.begin(start, stop)?;
+        self.settle()?;
+        self.finish(interval)
+    }
+
+    /// Begins initialization.
+    pub(super) fn begin(&mut self, start: f64, stop: Option<f64>) -> Result<()> {
         self.check_order()?;
         for component in &mut self.components {
             component.slave.start(start, stop).map_err(|e| e.at(&component.name))?;
@@ -104,7 +120,11 @@ impl System {
             log: self.exchange.log.take(),
             ..Exchange::default()
         };
-        self.settle()?;
+        Ok(())
+    }
+
+    /// Ends initialization, once the exchanged outputs have settled.
+    pub(super) fn finish(&mut self, interval: f64) -> Result<()> {
         for component in &mut self.components {
             component.slave.finish_start().map_err(|e| e.at(&component.name))?;
         }
@@ -147,7 +167,7 @@ impl System {
     }
 
     /// Exchanges outputs during initialization until they stop changing.
-    fn settle(&mut self) -> Result<()> {
+    pub(super) fn settle(&mut self) -> Result<()> {
         let exchanges = MAX_EXCHANGES + self.components.len();
         // the exchange in which each output changed last
         let mut changed = vec![0; self.wires.len()];
@@ -349,21 +369,52 @@ impl System {
         if saved.len() <= depth {
             saved.resize_with(depth + 1, Vec::new);
         }
-        for (i, component) in self.components.iter_mut().enumerate() {
-            match saved[depth].get_mut(i) {
-                Some(snapshot) => component.slave.save_into(snapshot),
-                None => component.slave.save().map(|snapshot| saved[depth].push(snapshot)),
-            }
-            .map_err(|e| e.at(&component.name))?;
-        }
+        let done = self.save_components(&mut saved[depth]);
         self.exchange.saved = saved;
-        Ok(())
+        done
     }
 
     fn restore(&mut self, depth: usize) -> Result<()> {
-        for (component, snapshot) in self.components.iter_mut().zip(&self.exchange.saved[depth]) {
+        let saved = std::mem::take(&mut self.exchange.saved);
+        let done = self.restore_components(&saved[depth]);
+        self.exchange.saved = saved;
+        done
+    }
+
+    /// Saves the state of every component, in place of earlier ones.
+    pub(super) fn save_components(&mut self, saved: &mut Vec<Snapshot>) -> Result<()> {
+        for (i, component) in self.components.iter_mut().enumerate() {
+            match saved.get_mut(i) {
+                Some(snapshot) => component.slave.save_into(snapshot),
+                None => component.slave.save().map(|snapshot| saved.push(snapshot)),
+            }
+            .map_err(|e| e.at(&component.name))?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn restore_components(&mut self, saved: &[Snapshot]) -> Result<()> {
+        for (component, snapshot) in self.components.iter_mut().zip(saved) {
             component.slave.restore(snapshot).map_err(|e| e.at(&component.name))?;
         }
         Ok(())
+    }
+
+    /// What the master remembers, beside the components' states.
+    pub(super) fn memory(&self) -> Memory {
+        Memory {
+            flows: self.exchange.flows.clone(),
+            fed: self.exchange.fed.clone(),
+            last_length: self.exchange.last_length,
+            bonds: self.bonds.clone(),
+        }
+    }
+
+    /// Goes back to what the master remembered.
+    pub(super) fn remember(&mut self, memory: &Memory) {
+        self.exchange.flows.clone_from(&memory.flows);
+        self.exchange.fed.clone_from(&memory.fed);
+        self.exchange.last_length = memory.last_length;
+        self.bonds.clone_from(&memory.bonds);
     }
 }

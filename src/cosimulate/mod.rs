@@ -2,7 +2,8 @@
 //!
 //! A [`System`] holds named [`Slave`](crate::model::Slave)s and what connects them. [`Plan`] is what a
 //! file says of a system, before its components are loaded: [`read_system`] reads the short form in TOML,
-//! and System Structure Descriptions (SSP 1.0). [`cosimulate`] runs a system and records.
+//! and System Structure Descriptions (SSP 1.0). [`cosimulate`] runs a system and records;
+//! [`SystemSlave`] is a system as one slave.
 //!
 //! Between two communication points each component integrates on its own. What it gets from the others
 //! is held during that time (zero-order hold), unless a connection or iteration asks for more. The
@@ -14,6 +15,7 @@ mod file;
 mod master;
 mod plan;
 mod run;
+mod slave;
 mod ssd;
 mod system;
 mod toml;
@@ -26,6 +28,7 @@ pub use plan::{
     PortName, Source,
 };
 pub use run::{ENERGY_SHARE, Experiment, Outcome, cosimulate, energy_warnings};
+pub use slave::SystemSlave;
 pub use ssd::parse_ssd;
 pub use system::{Component, Port, System, Transfer};
 pub use toml::parse_toml;

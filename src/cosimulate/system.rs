@@ -36,8 +36,8 @@ pub struct Component {
     /// The communication step that its maker names \[s\].
     pub preferred_step: Option<f64>,
     pub(super) slave: Box<dyn Slave>,
-    /// Inputs that have a constant value.
-    pub(super) set: Vec<usize>,
+    /// Values of parameters and constant ones of inputs.
+    pub(super) set: Vec<(usize, Value)>,
 }
 
 /// A variable of a component.
@@ -210,19 +210,9 @@ impl System {
         }
         let value = self.info(port).accept(value).map_err(|e| e.at(&name))?;
         let component = &mut self.components[port.component];
-        let slave = component.slave.as_mut();
-        let number = match &value {
-            Value::Text(text) => {
-                return slave.set_text(port.variable, text).map_err(|e| e.at(&component.name));
-            }
-            Value::Real(v) => *v,
-            Value::Integer(v) => f64::from(*v),
-            Value::Boolean(v) => f64::from(u8::from(*v)),
-        };
-        slave.set(port.variable, number).map_err(|e| e.at(&component.name))?;
-        if component.slave.interface().variables[port.variable].causality == Causality::Input {
-            component.set.push(port.variable);
-        }
+        component.assign(port.variable, &value)?;
+        component.set.retain(|(variable, _)| *variable != port.variable);
+        component.set.push((port.variable, value));
         Ok(())
     }
 
@@ -242,7 +232,7 @@ impl System {
         if target.causality != Causality::Input {
             return wrong(format!("{target_name} is {}, not an input", word(target.causality)));
         }
-        self.check_free(to, &format!("the connection from {source_name}"))?;
+        self.check_unset(to, &format!("the connection from {source_name}"))?;
         let real = source.kind == Kind::Real && target.kind == Kind::Real;
         let widened = source.kind == Kind::Integer && target.kind == Kind::Real;
         if source.kind == Kind::Text || !(source.kind == target.kind || widened) {
@@ -311,7 +301,7 @@ impl System {
         if derivative && !(continuous && self.components[to.component].slave.can_interpolate()) {
             return wrong(format!("{name} takes no derivative (canInterpolateInputs is not true)"));
         }
-        self.check_free(to, &place)?;
+        self.check_unset(to, &place)?;
         let values = recording.channel_in(channel, info.unit.as_deref().unwrap_or("1"))?;
         for (time, value) in recording.time.iter().zip(&values) {
             let value = match info.kind {
@@ -368,19 +358,25 @@ impl System {
         Ok(names)
     }
 
-    /// Fails if an input has a source already.
+    /// Fails if an input follows an output or a recording.
     fn check_free(&self, to: Port, second: &str) -> Result<()> {
-        let name = self.name(to);
         let first = if let Some(wire) = self.wires.iter().find(|w| w.to == to) {
             format!("the connection from {}", self.name(wire.from))
         } else if self.feeds.iter().any(|f| f.to == to) {
             "a recording".into()
-        } else if self.components[to.component].set.contains(&to.variable) {
-            "a constant value".into()
         } else {
             return Ok(());
         };
-        Err(Error::variable(format!("{name} has two sources: {first} and {second}")))
+        Err(Error::variable(format!("{} has two sources: {first} and {second}", self.name(to))))
+    }
+
+    /// Fails if an input has any source.
+    fn check_unset(&self, to: Port, second: &str) -> Result<()> {
+        if self.components[to.component].set.iter().any(|(variable, _)| *variable == to.variable) {
+            let name = self.name(to);
+            return Err(Error::variable(format!("{name} has two sources: a constant value and {second}")));
+        }
+        self.check_free(to, second)
     }
 
     /// Checks that communication every `interval` seconds suits the components' own steps, once they are
@@ -433,6 +429,17 @@ impl Component {
     /// What it is and which variables it has.
     pub fn interface(&self) -> &Interface {
         self.slave.interface()
+    }
+
+    /// Passes on a value that the variable accepted.
+    pub(super) fn assign(&mut self, variable: usize, value: &Value) -> Result<()> {
+        let done = match value {
+            Value::Text(text) => self.slave.set_text(variable, text),
+            Value::Real(v) => self.slave.set(variable, *v),
+            Value::Integer(v) => self.slave.set(variable, f64::from(*v)),
+            Value::Boolean(v) => self.slave.set(variable, f64::from(u8::from(*v))),
+        };
+        done.map_err(|e| e.at(&self.name))
     }
 }
 

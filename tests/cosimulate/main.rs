@@ -6,7 +6,8 @@
 mod files;
 mod models;
 
-use latsch::cosimulate::{Experiment, Turn};
+use latsch::cosimulate::{Experiment, SystemSlave, Turn};
+use latsch::model::Slave;
 use models::{channel, run, run_with, wire};
 use nalgebra::{Matrix4, Vector4};
 
@@ -312,4 +313,41 @@ set = {{ stiffness = 1 }}
         warning.contains("a.force") && warning.contains("b.force") && warning.contains("algebraic"),
         "{warning}"
     );
+}
+
+#[test]
+fn a_system_is_a_slave() {
+    let text = pair("step = 1e-3\norder = ['left', 'right']", false);
+    let (_, expected) = run(&text);
+    let (_, system) = wire(&text).unwrap();
+    let mut slave = SystemSlave::new("pair", system, 1e-3).unwrap();
+    for name in ["right.force", "left.other_position"] {
+        let variable = slave.find(name).unwrap();
+        assert!(slave.set(variable, 1.0).unwrap_err().to_string().contains(name));
+    }
+    // twice, to see the reset; sampled more coarsely than it communicates
+    let experiment = latsch::simulate::Experiment { step: Some(5e-3), ..Default::default() };
+    for _ in 0..2 {
+        let outcome = latsch::simulate::simulate(&mut slave, &experiment, |_, _| ()).unwrap();
+        assert_eq!(outcome.stopped, None);
+        let found = &outcome.recording.channel("left.position").unwrap().values;
+        let all = channel(&expected, "left.position");
+        assert!(found.len() == 201 && found.iter().enumerate().all(|(n, x)| *x == all[5 * n]));
+        slave.reset().unwrap();
+    }
+    // P8: back to a saved state, and the same again
+    slave.start(0.0, None).unwrap();
+    slave.finish_start().unwrap();
+    slave.step(0.0, 0.1).unwrap();
+    let saved = slave.save().unwrap();
+    let x = slave.find("right.position").unwrap();
+    let mut once = || {
+        slave.restore(&saved).unwrap();
+        slave.step(0.1, 0.2).unwrap();
+        slave.get(x).unwrap()
+    };
+    let (first, second) = (once(), once());
+    assert_eq!(first, second);
+    assert_eq!(first, channel(&expected, "right.position")[300]);
+    assert!(slave.step(0.3, 0.0015).unwrap_err().to_string().contains("multiples"));
 }
