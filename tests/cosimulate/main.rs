@@ -6,7 +6,7 @@
 mod files;
 mod models;
 
-use latsch::cosimulate::{Experiment, SystemSlave, Turn};
+use latsch::cosimulate::{BondKind, Experiment, SystemSlave, Turn};
 use latsch::model::Slave;
 use models::{channel, run, run_with, wire};
 use nalgebra::{Matrix4, Vector4};
@@ -280,6 +280,40 @@ fn a_coupling_that_makes_energy_is_warned_of() {
     // the interval that it names is enough
     let named: f64 = warning.split("; ").nth(1).unwrap().split(" s ").next().unwrap().parse().unwrap();
     assert_eq!(warnings((named / 1e-4).floor() * 1e-4), Vec::<String>::new(), "{warning}");
+}
+
+#[test]
+fn a_bond_of_force_and_velocity_finds_the_energy_that_appears() {
+    // in other units on one side: 400 N/m, 100 mm
+    for head in ["", "order = ['strut', 'mass']", "order = ['mass', 'strut']"] {
+        let (system, outcome) = run(&format!(
+            r#"
+stop = 2
+step = 1e-3
+{head}
+[component.strut]
+model = "strut"
+set = {{ stiffness = 0.4, start = 100 }}
+[component.mass]
+model = "side"
+[connect]
+"strut.force" = "mass.force"
+"mass.velocity" = "strut.velocity"
+"#
+        ));
+        let energy = |i: usize| {
+            let (s, v) =
+                (1e-3 * channel(&outcome, "strut.stretch")[i], channel(&outcome, "mass.velocity")[i]);
+            0.5 * 400.0 * s * s + 0.5 * v * v
+        };
+        let made = energy(2000) - energy(0);
+        let [bond] = system.bonds() else { panic!("{:?}", system.bonds()) };
+        assert_eq!(bond.kind, BondKind::Flow);
+        assert!(made.abs() > 0.005 * energy(0), "{head}: {made}");
+        assert!((bond.generated / made - 1.0).abs() < 0.01, "{head}: {} J of {made} J", bond.generated);
+        let column = channel(&outcome, "generated energy strut.force mass.velocity");
+        assert_eq!(column[2000], bond.generated);
+    }
 }
 
 #[test]

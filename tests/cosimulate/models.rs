@@ -162,11 +162,50 @@ impl Model for Spring {
     }
 }
 
+/// A spring that is told the velocity and integrates it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Strut {
+    stiffness: f64,
+    start: f64,
+    velocity: f64,
+    stretch: f64,
+    force: f64,
+}
+
+impl Model for Strut {
+    const NAME: &'static str = "strut";
+    const DESCRIPTION: &'static str = "A spring that is told the velocity of its end";
+    const VARIABLES: &'static [Variable<Self>] = &[
+        parameter("stiffness", "N/mm", real!(stiffness), 0.1, "Stiffness"),
+        parameter("start", "mm", real!(start), 0.0, "Stretch at the start"),
+        input("velocity", "mm/s", real!(velocity), 0.0, "Velocity"),
+        output("force", "N", real!(force), "Force on the end"),
+        output("stretch", "mm", real!(stretch), "Stretch"),
+    ];
+
+    fn step_size(&self) -> f64 {
+        1e-4
+    }
+
+    fn initialize(&mut self) -> Result<()> {
+        self.stretch = self.start;
+        self.force = -self.stiffness * self.stretch;
+        Ok(())
+    }
+
+    fn step(&mut self, h: f64) -> Result<()> {
+        self.stretch += h * self.velocity;
+        self.force = -self.stiffness * self.stretch;
+        Ok(())
+    }
+}
+
 /// A slave of one of the models here.
 pub fn slave(model: &str) -> Result<Box<dyn Slave>> {
     let settings = Settings::default();
     Ok(match model {
         "side" => Box::new(Native::<Side>::new(&settings)?),
+        "strut" => Box::new(Native::<Strut>::new(&settings)?),
         "spring" => Box::new(Native::<Spring>::new(&settings)?),
         _ => return Err(Error::variable(format!("there is no test model {model}"))),
     })

@@ -150,7 +150,7 @@ def test_the_loop_opened_along_its_own_recording(system):
     assert open_loop == {name: closed[name] for name in open_loop}
     assert [n for n in closed if n not in open_loop] == ["generated energy left.reaction right.position"]
     page = (system / "o.html").read_text()
-    assert "right.force" in page and "Opened" in page
+    assert "right.force" in page and "Opened" in page and "Simulation and measurement" in page
 
 
 def test_what_is_wrong_is_said(system, tmp_path):
@@ -189,3 +189,55 @@ def test_nothing_that_is_read_is_overwritten(system):
         done = latsch("cosimulate", system / "system.toml", "--output", system / output)
         assert done.returncode == 2 and "overwrite" in done.stderr
     assert (system / "system.toml").read_bytes() == before
+
+
+TIRE = """
+step = 1e-3
+stop = 0.2
+[component.rig]
+model = "ring-brush-flat-track"
+set = { path_speed = "60 km/h", deflection = 0.02 }
+[component.left]
+fmu = "coupled-oscillator.fmu"
+[connect]
+"rig.force_y" = { to = "left.force", factor = 0.001 }
+[[inputs]]
+file = "steer.csv"
+connect = { angle = "rig.slip_angle" }
+"""
+
+
+def test_a_shipped_model_beside_an_fmu(system):
+    (system / "steer.csv").write_text("time [s],angle [deg]\n0,0\n0.1,3\n0.3,3\n")
+    (system / "tire.toml").write_text(TIRE)
+    results, done = run(system, file="tire.toml")
+    assert done.stderr == ""
+    assert results["left.force"][-1] == 0.001 * results["rig.force_y"][-2]
+    assert results["rig.slip_angle"][-1] == pytest.approx(np.radians(3))
+    assert results["rig.force_y"][-1] < -500 and results["left.position"][-1] < -1e-3
+    assert "rig.belt_yaw" not in results and "rig.belt_yaw" in run(system, "--all", file="tire.toml")[0]
+    assert run(system, "--set", "left.mass=2 kg", file="tire.toml")[0]["left.position"] != results["left.position"]
+    for arguments, words in [
+        (["--step", "1.5e-4"], ["rig.step_size", "multiple"]),
+        (["--set", "left.force=1"], ["two sources"]),
+        (["--set", "left.mass"], ["COMPONENT.VARIABLE=VALUE"]),
+        (["--stop", "1"], ["0 s to 0.3 s"]),
+        (["--order", "rig"], ["order", "left"]),
+        (["--open", "left"], ["--replay"]),
+        (["--open", "left", "--replay", system / "steer.csv"], ["left.force", "angle"]),
+        (["--record-every", "0.5"], ["record-every"]),
+    ]:
+        done = latsch("cosimulate", system / "tire.toml", "--output", system / "out.csv", *arguments)
+        assert done.returncode == 2, (arguments, done.stderr)
+        for word in words:
+            assert word in done.stderr, (arguments, done.stderr)
+
+
+def test_a_component_that_stops_is_the_answer_no(system):
+    text = TIRE.replace('"left.force"', '"rig.deflection"').replace('"rig.force_y"', '"left.position"')
+    text = text.replace("deflection = 0.02", "").replace("60 km/h\",", '60 km/h"')
+    text = text.replace("factor = 0.001", "factor = 1, offset = 0.02")
+    (system / "stops.toml").write_text(text + '[component.left.set]\nforce = 10\n')
+    done = latsch("cosimulate", system / "stops.toml", "--output", system / "stops.csv")
+    assert done.returncode == 1 and "rig" in done.stderr and "deflection" in done.stderr, done.stderr
+    assert len((system / "stops.csv").read_text().splitlines()) > 2
