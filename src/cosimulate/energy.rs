@@ -58,8 +58,8 @@ pub enum BondKind {
 }
 
 impl Bond {
-    /// The damper between the two sides that would make the same energy \[N.s/m or N.m.s/rad\]; negative
-    /// where the coupling excites. NaN without motion.
+    /// The damper on the motion that would take the same energy \[N.s/m or N.m.s/rad\]; negative where the
+    /// coupling excites. NaN without motion.
     pub fn equivalent_damping(&self) -> f64 {
         -self.generated / self.squared
     }

@@ -1,5 +1,6 @@
 //! [`cosimulate`]: runs a system and records.
 
+use super::energy::Bond;
 use super::master::Turn;
 use super::system::{Port, System};
 use crate::model::unit::Unit;
@@ -134,27 +135,30 @@ pub fn cosimulate(
 
 /// Warnings about the energies of the bonds after a run with this communication step.
 pub fn energy_warnings(system: &System, step: f64) -> Vec<String> {
-    system
-        .bonds()
-        .iter()
-        .filter(|bond| bond.share().abs() > ENERGY_SHARE)
-        .map(|bond| {
-            let parts = (bond.share().abs() / ENERGY_SHARE).ceil();
-            format!(
-                "the coupling of {} and {} {} {:.3e} J, {:.1} % of the {:.3e} J that it passed on: as a damper of {:.4e} {} between the two would; {} s as communication step would bring that below {} %, or iterate, or put the stiff part into one component",
-                bond.name.0,
-                bond.name.1,
-                if bond.generated > 0.0 { "made" } else { "took" },
-                bond.generated.abs(),
-                100.0 * bond.share().abs(),
-                bond.exchanged,
-                bond.equivalent_damping(),
-                if system.info(bond.effort.from).unit.as_deref().is_some_and(|u| u.contains('m')) { "N.m.s/rad" } else { "N.s/m" },
-                step / parts,
-                100.0 * ENERGY_SHARE
-            )
-        })
-        .collect()
+    let warning = |bond: &Bond| {
+        let (effort, motion) = &bond.name;
+        let rotation = system.info(bond.effort.from).unit.as_deref().is_some_and(|u| u.contains('m'));
+        format!(
+            "the coupling of {effort} and {motion} {} {:.3e} J, {:.1} % of the {:.3e} J that it passed on, as a damper of {:.4e} {} on {motion} would; a communication step of {:e} s would bring that below {} %, or --iterate, or one component for both",
+            if bond.generated > 0.0 { "made" } else { "took" },
+            bond.generated.abs(),
+            100.0 * bond.share().abs(),
+            bond.exchanged,
+            bond.equivalent_damping(),
+            if rotation { "N.m.s/rad" } else { "N.s/m" },
+            round_down(step * ENERGY_SHARE / bond.share().abs()),
+            100.0 * ENERGY_SHARE
+        )
+    };
+    system.bonds().iter().filter(|bond| bond.share().abs() > ENERGY_SHARE).map(warning).collect()
+}
+
+/// The next of 1, 2, 5, 10, ... times a power of ten that is not larger: most components' own steps are
+/// such numbers.
+fn round_down(value: f64) -> f64 {
+    let power = value.log10().floor() as i32;
+    let text = |digit: u32| format!("{digit}e{power}").parse().unwrap_or(value);
+    [5, 2].map(text).into_iter().find(|round| *round <= value).unwrap_or_else(|| text(1))
 }
 
 /// Where a column comes from.

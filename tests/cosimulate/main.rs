@@ -278,8 +278,9 @@ fn a_coupling_that_makes_energy_is_warned_of() {
         assert!(warning.contains(word), "{word}: {warning}");
     }
     // the interval that it names is enough
-    let named: f64 = warning.split("; ").nth(1).unwrap().split(" s ").next().unwrap().parse().unwrap();
-    assert_eq!(warnings((named / 1e-4).floor() * 1e-4), Vec::<String>::new(), "{warning}");
+    let named = warning.split("step of ").nth(1).unwrap().split(" s ").next().unwrap();
+    assert_eq!(named, "5e-4", "{warning}");
+    assert_eq!(warnings(named.parse().unwrap()), Vec::<String>::new(), "{warning}");
 }
 
 #[test]
