@@ -191,6 +191,30 @@ def test_nothing_that_is_read_is_overwritten(system):
     assert (system / "system.toml").read_bytes() == before
 
 
+def test_an_fmu_that_cannot_do_everything(system, tmp_path):
+    """One that neither saves its state nor varies its step: said once, and done without."""
+    shutil.copy(system / "system.toml", tmp_path)
+    with zipfile.ZipFile(system / "coupled-oscillator.fmu") as good, \
+            zipfile.ZipFile(tmp_path / "coupled-oscillator.fmu", "w", zipfile.ZIP_DEFLATED) as poor:
+        for name in good.namelist():
+            content = good.read(name)
+            if name == "modelDescription.xml":
+                for flag in [b"canGetAndSetFMUstate", b"canSerializeFMUstate",
+                             b"canHandleVariableCommunicationStepSize"]:
+                    assert flag + b'="true"' in content
+                    content = content.replace(flag + b'="true"', flag + b'="false"')
+            poor.writestr(name, content)
+    results, done = run(tmp_path, "--iterate", 5, "--halvings", 2)
+    assert results == run(system)[0]
+    warnings = [line for line in done.stderr.splitlines() if "energy" not in line and "made" not in line]
+    assert len(warnings) == 2 and "left, right cannot save and restore" in done.stderr
+    assert "left cannot vary its step" in done.stderr
+    done = latsch("cosimulate", tmp_path / "system.toml", "--output", tmp_path / "o.csv", "--step", "1.5e-3")
+    assert done.returncode == 2 and "no whole number of steps" in done.stderr
+    done = latsch("cosimulate", tmp_path / "system.toml", "--output", tmp_path / "o.csv", "--step", "2.5e-3")
+    assert "whole multiple of the step 0.001 s" in done.stderr
+
+
 TIRE = """
 step = 1e-3
 stop = 0.2
