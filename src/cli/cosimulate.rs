@@ -2,9 +2,7 @@
 
 use super::{check_outputs, print};
 use indicatif::{ProgressBar, ProgressStyle};
-use latsch::cosimulate::{
-    Experiment, Outcome, Plan, PortName, System, cosimulate, energy_warnings, parse_toml,
-};
+use latsch::cosimulate::{Experiment, Outcome, PortName, System, cosimulate, energy_warnings, read_system};
 use latsch::model::Value;
 use latsch::recording::{Recording, read_csv, write_csv};
 use latsch::report::{simulation_report, write_html};
@@ -63,7 +61,8 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<()> {
-    let mut plan = read(&args.system)?;
+    let mut file = read_system(&args.system)?;
+    let plan = &mut file.plan;
     let mut files = plan.files();
     files.push(&args.system);
     files.extend(args.replay.as_deref());
@@ -106,7 +105,7 @@ pub fn run(args: &Args) -> Result<()> {
         let title = args.system.file_stem().unwrap_or_default().to_string_lossy();
         let page = simulation_report(
             &title,
-            "A co-simulated system. An output is that at the communication point, an input what is held from then on.",
+            "A co-simulated system. An input is what the component had until the communication point.",
             &outcome.recording,
             measured.as_ref(),
             &[],
@@ -125,12 +124,6 @@ pub fn run(args: &Args) -> Result<()> {
             args.output.display()
         ))),
     }
-}
-
-/// The system that a file describes.
-fn read(path: &Path) -> Result<Plan> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::file(format!("{}: {e}", path.display())))?;
-    parse_toml(&text, &path.display().to_string(), path.parent().unwrap_or(Path::new("")))
 }
 
 fn set(system: &mut System, assignment: &str) -> Result<()> {

@@ -16,7 +16,7 @@ const FACTOR_TOLERANCE: f64 = 1e-9;
 /// The side that receives the effort u and moves with its own velocity v takes up the work ∫u v dt; the
 /// side that delivers the effort e and is told the velocity w gives away ∫e w dt. What the first takes
 /// and the second does not give was made by the coupling. A spring of stiffness k whose force is held
-/// for T makes as much as a damper of d = -k T/2 (Mack 2009; the derivation is in docs/cosimulate.md).
+/// for T makes as much as a damper of d = -k T/2 (see docs/cosimulate.md).
 #[derive(Debug, Clone)]
 pub struct Bond {
     /// Names of its two outputs, `effort` and `motion`.
@@ -58,8 +58,8 @@ pub enum BondKind {
 }
 
 impl Bond {
-    /// The damper between the two sides that would make the same energy \[N.s/m or N.m.s/rad\]; negative
-    /// where the coupling excites. NaN without motion.
+    /// The damper on the motion that would take the same energy \[N.s/m or N.m.s/rad\]; negative where the
+    /// coupling excites. NaN without motion.
     pub fn equivalent_damping(&self) -> f64 {
         -self.generated / self.squared
     }

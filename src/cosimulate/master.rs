@@ -1,13 +1,14 @@
 //! The master: starts the components, exchanges values, and takes them through one interval.
 
 use super::System;
+use super::energy::Bond;
 use crate::model::Snapshot;
 use crate::{Error, Result};
 
 /// Outputs that differ by less than this share between two exchanges have settled.
 const SETTLED: f64 = 1e-12;
 /// More exchanges than this, and one for each component, are not made during initialization.
-const MAX_EXCHANGES: usize = 50;
+const MAX_EXCHANGES: usize = 200;
 /// An iterated interval has converged when no exchanged value changes by more than this share.
 const CONVERGED: f64 = 1e-10;
 
@@ -63,7 +64,7 @@ pub(super) struct Exchange {
     pub flows: Vec<Flow>,
     /// When each component's turn is; the same for all where none waits for another.
     rank: Vec<usize>,
-    /// What the recorded inputs got at the beginning of the interval.
+    /// What the recorded inputs had at the end of the interval.
     pub fed: Vec<f64>,
     /// Length of the last interval \[s\].
     last_length: f64,
@@ -79,6 +80,14 @@ pub(super) struct Exchange {
     pub log: Option<Vec<Turn>>,
 }
 
+/// What the master has to know to go on from saved states.
+pub(super) struct Memory {
+    flows: Vec<Flow>,
+    fed: Vec<f64>,
+    last_length: f64,
+    bonds: Vec<Bond>,
+}
+
 impl System {
     /// Initializes all components, exchanging outputs until they settle, and checks that communication
     /// every `interval` seconds suits them.
@@ -87,6 +96,13 @@ impl System {
     /// A component that does not start, or an interval that does not suit one. Outputs that do not
     /// settle are a [warning](System::warnings).
     pub fn start(&mut self, start: f64, stop: Option<f64>, interval: f64) -> Result<()> {
+        self.begin(start, stop)?;
+        self.settle()?;
+        self.finish(interval)
+    }
+
+    /// Begins initialization.
+    pub(super) fn begin(&mut self, start: f64, stop: Option<f64>) -> Result<()> {
         self.check_order()?;
         for component in &mut self.components {
             component.slave.start(start, stop).map_err(|e| e.at(&component.name))?;
@@ -104,7 +120,11 @@ impl System {
             log: self.exchange.log.take(),
             ..Exchange::default()
         };
-        self.settle()?;
+        Ok(())
+    }
+
+    /// Ends initialization, once the exchanged outputs have settled.
+    pub(super) fn finish(&mut self, interval: f64) -> Result<()> {
         for component in &mut self.components {
             component.slave.finish_start().map_err(|e| e.at(&component.name))?;
         }
@@ -147,30 +167,36 @@ impl System {
     }
 
     /// Exchanges outputs during initialization until they stop changing.
-    fn settle(&mut self) -> Result<()> {
-        let mut moving: Vec<usize> = Vec::new();
-        for exchange in 0..MAX_EXCHANGES + self.components.len() {
-            moving.clear();
+    pub(super) fn settle(&mut self) -> Result<()> {
+        let exchanges = MAX_EXCHANGES + self.components.len();
+        // the exchange in which each output changed last
+        let mut changed = vec![0; self.wires.len()];
+        for exchange in 1..=exchanges {
             let values = (0..self.wires.len()).map(|i| self.read(i)).collect::<Result<Vec<f64>>>()?;
             for (i, value) in values.into_iter().enumerate() {
                 let last = std::mem::replace(&mut self.exchange.flows[i].now, value);
-                if exchange == 0 || (value - last).abs() > SETTLED * value.abs().max(last.abs()) {
-                    moving.push(i);
+                if exchange == 1 || (value - last).abs() > SETTLED * value.abs().max(last.abs()) {
+                    changed[i] = exchange;
                 }
             }
-            if moving.is_empty() {
+            if changed.iter().all(|last| *last < exchange) {
                 return Ok(());
             }
             for (wire, flow) in self.wires.iter().zip(&self.exchange.flows) {
                 let component = &mut self.components[wire.to.component];
-                let value = wire.map(flow.now);
-                component.slave.set(wire.to.variable, value).map_err(|e| e.at(&component.name))?;
+                let at =
+                    |e: Error| e.at(format!("exchange {exchange} of the initialization: {}", component.name));
+                component.slave.set(wire.to.variable, wire.map(flow.now)).map_err(at)?;
             }
         }
-        let names: Vec<String> = moving.iter().map(|i| self.name(self.wires[*i].from)).collect();
+        // on its way round a loop a value comes by all components
+        let recently = exchanges - 2 * self.components.len().min(MAX_EXCHANGES / 2);
+        let names: Vec<String> = (0..self.wires.len())
+            .filter(|i| changed[*i] >= recently)
+            .map(|i| self.name(self.wires[i].from))
+            .collect();
         self.warnings.push(format!(
-            "the components do not agree on a start: after {} exchanges these outputs still change: {}; they depend on each other without delay (an algebraic loop), and the run begins with the values of the last exchange",
-            MAX_EXCHANGES + self.components.len(),
+            "the components do not agree on a start: after {exchanges} exchanges these outputs still change: {}; they depend on each other without delay (an algebraic loop), and the run begins with the values of the last exchange",
             names.join(", ")
         ));
         Ok(())
@@ -282,6 +308,7 @@ impl System {
         let slave = self.components[index].slave.as_mut();
         let interpolates = slave.can_interpolate();
         let rank = &self.exchange.rank;
+        let iterates = self.coupling.iterate > 0 && self.exchange.can_roll_back;
         for (wire, flow) in self.wires.iter().zip(&mut self.exchange.flows) {
             if wire.to.component != index {
                 continue;
@@ -307,7 +334,8 @@ impl System {
             let applied = (wire.map(begin), wire.map(end));
             flow.applied = applied;
             slave.set(wire.to.variable, applied.0)?;
-            if applied.0 != applied.1 {
+            // also a rate of zero: what the input kept from the interval before is its own business
+            if wire.derivative || (iterates && interpolates && wire.real) {
                 slave.set_rate(wire.to.variable, (applied.1 - applied.0) / length)?;
             }
         }
@@ -315,24 +343,18 @@ impl System {
             if feed.to.component != index {
                 continue;
             }
-            *fed = feed.at(time);
-            slave.set(feed.to.variable, *fed)?;
+            let (begin, end) = match (feed.lead, feed.derivative) {
+                (true, _) => (feed.at(time + length), feed.at(time + length)),
+                (false, true) => (feed.at(time), feed.at(time + length)),
+                (false, false) => (feed.at(time), feed.at(time)),
+            };
+            *fed = end;
+            slave.set(feed.to.variable, begin)?;
             if feed.derivative {
-                slave.set_rate(feed.to.variable, (feed.at(time + length) - *fed) / length)?;
+                slave.set_rate(feed.to.variable, (end - begin) / length)?;
             }
         }
         Ok(())
-    }
-
-    /// What the inputs would get in an interval that begins now: at the end of a run, the last sample.
-    pub(super) fn foresee(&mut self, time: f64) {
-        for (wire, flow) in self.wires.iter().zip(&mut self.exchange.flows) {
-            let value = wire.map(flow.now);
-            flow.applied = (value, value);
-        }
-        for (feed, fed) in self.feeds.iter().zip(&mut self.exchange.fed) {
-            *fed = feed.at(time);
-        }
     }
 
     /// The output of a connection, as its component has it now.
@@ -347,21 +369,52 @@ impl System {
         if saved.len() <= depth {
             saved.resize_with(depth + 1, Vec::new);
         }
-        for (i, component) in self.components.iter_mut().enumerate() {
-            match saved[depth].get_mut(i) {
-                Some(snapshot) => component.slave.save_into(snapshot),
-                None => component.slave.save().map(|snapshot| saved[depth].push(snapshot)),
-            }
-            .map_err(|e| e.at(&component.name))?;
-        }
+        let done = self.save_components(&mut saved[depth]);
         self.exchange.saved = saved;
-        Ok(())
+        done
     }
 
     fn restore(&mut self, depth: usize) -> Result<()> {
-        for (component, snapshot) in self.components.iter_mut().zip(&self.exchange.saved[depth]) {
+        let saved = std::mem::take(&mut self.exchange.saved);
+        let done = self.restore_components(&saved[depth]);
+        self.exchange.saved = saved;
+        done
+    }
+
+    /// Saves the state of every component, in place of earlier ones.
+    pub(super) fn save_components(&mut self, saved: &mut Vec<Snapshot>) -> Result<()> {
+        for (i, component) in self.components.iter_mut().enumerate() {
+            match saved.get_mut(i) {
+                Some(snapshot) => component.slave.save_into(snapshot),
+                None => component.slave.save().map(|snapshot| saved.push(snapshot)),
+            }
+            .map_err(|e| e.at(&component.name))?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn restore_components(&mut self, saved: &[Snapshot]) -> Result<()> {
+        for (component, snapshot) in self.components.iter_mut().zip(saved) {
             component.slave.restore(snapshot).map_err(|e| e.at(&component.name))?;
         }
         Ok(())
+    }
+
+    /// What the master remembers, beside the components' states.
+    pub(super) fn memory(&self) -> Memory {
+        Memory {
+            flows: self.exchange.flows.clone(),
+            fed: self.exchange.fed.clone(),
+            last_length: self.exchange.last_length,
+            bonds: self.bonds.clone(),
+        }
+    }
+
+    /// Goes back to what the master remembered.
+    pub(super) fn remember(&mut self, memory: &Memory) {
+        self.exchange.flows.clone_from(&memory.flows);
+        self.exchange.fed.clone_from(&memory.fed);
+        self.exchange.last_length = memory.last_length;
+        self.bonds.clone_from(&memory.bonds);
     }
 }

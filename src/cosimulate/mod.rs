@@ -1,7 +1,9 @@
 //! Co-simulation: models and FMUs wired to each other, stepped by one master.
 //!
 //! A [`System`] holds named [`Slave`](crate::model::Slave)s and what connects them. [`Plan`] is what a
-//! file says of a system, before its components are loaded: [`parse_toml`] reads the short form. [`cosimulate`] runs a system and records.
+//! file says of a system, before its components are loaded: [`read_system`] reads the short form in TOML,
+//! and System Structure Descriptions (SSP 1.0). [`cosimulate`] runs a system and records;
+//! [`SystemSlave`] is a system as one slave.
 //!
 //! Between two communication points each component integrates on its own. What it gets from the others
 //! is held during that time (zero-order hold), unless a connection or iteration asks for more. The
@@ -9,17 +11,24 @@
 //! docs/cosimulate.md.
 
 mod energy;
+mod file;
 mod master;
 mod plan;
 mod run;
+mod slave;
+mod ssd;
 mod system;
 mod toml;
 
 pub use energy::{Bond, BondKind};
+pub use file::{SystemFile, read_system};
 pub use master::{Coupling, Turn};
 pub use plan::{
-    Assignment, Plan, PlannedBond, PlannedComponent, PlannedConnection, PlannedInputs, PortName, Source,
+    Assignment, Plan, PlannedBond, PlannedComponent, PlannedConnection, PlannedConnector, PlannedInputs,
+    PortName, Source,
 };
 pub use run::{ENERGY_SHARE, Experiment, Outcome, cosimulate, energy_warnings};
+pub use slave::SystemSlave;
+pub use ssd::parse_ssd;
 pub use system::{Component, Port, System, Transfer};
 pub use toml::parse_toml;

@@ -6,7 +6,8 @@ use super::run::Experiment;
 use super::system::{Port, System, Transfer};
 use crate::fmi::Entry;
 use crate::fmi::import::ImportedFmu;
-use crate::model::{Settings, Slave, Value};
+use crate::model::unit::Unit;
+use crate::model::{Causality, Kind, Settings, Slave, Value, VariableInfo};
 use crate::recording::read_csv;
 use crate::shipped::MODELS;
 use crate::{Error, Result};
@@ -19,6 +20,8 @@ pub struct Plan {
     pub source: String,
     /// The components, in the order of the file.
     pub components: Vec<PlannedComponent>,
+    /// What the file says of variables, to be compared with what the components say.
+    pub connectors: Vec<PlannedConnector>,
     /// Output to input.
     pub connections: Vec<PlannedConnection>,
     /// Pairs whose energy is watched; empty: those that the units show.
@@ -83,6 +86,21 @@ pub struct PortName {
     pub component: String,
     /// Name of the variable.
     pub variable: String,
+}
+
+/// A variable as a file describes it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedConnector {
+    /// The variable.
+    pub port: PortName,
+    /// Its causality.
+    pub causality: Causality,
+    /// Its type, in the words of SSP: Real, Integer, Boolean, String, Enumeration.
+    pub kind: Option<String>,
+    /// Its unit.
+    pub unit: Option<String>,
+    /// Where it stands in the file.
+    pub place: String,
 }
 
 /// A connection by names.
@@ -195,7 +213,7 @@ impl Plan {
     /// Components that cannot be loaded, names that are not there, connections that do not fit; each with
     /// its place in the file.
     pub fn load(&self) -> Result<System> {
-        self.wire(|system, component| add(system, component))
+        self.wire(add)
     }
 
     /// As [`load`](Self::load), with components from elsewhere: `add` adds one to the system and gives its
@@ -223,6 +241,11 @@ impl Plan {
             }
         }
         let port = |system: &System, name: &PortName| system.port(&name.component, &name.variable);
+        for connector in &self.connectors {
+            let at = |e: Error| placed(e, &connector.place);
+            let port = port(&system, &connector.port).map_err(at)?;
+            connector.check(system.info(port)).map_err(|what| at(Error::file(what)))?;
+        }
         for PlannedConnection { from, to, transfer, place } in &self.connections {
             let at = |e: Error| placed(e, place);
             let (from, to) = (port(&system, from).map_err(at)?, port(&system, to).map_err(at)?);
@@ -250,6 +273,36 @@ impl Plan {
             system.check_order().map_err(|e| placed(e, &self.source))?;
         }
         Ok(system)
+    }
+}
+
+impl PlannedConnector {
+    /// Compares with what the component says of the variable.
+    fn check(&self, info: &VariableInfo) -> std::result::Result<(), String> {
+        let PortName { component, variable } = &self.port;
+        let kind = match info.kind {
+            Kind::Real => "Real",
+            Kind::Integer => "Integer",
+            Kind::Boolean => "Boolean",
+            Kind::Text => "String",
+            Kind::Enumeration(_) => "Enumeration",
+        };
+        let differ = |what: &str, here: &str, there: &str| {
+            Err(format!("the {what} of {component}.{variable} is {here} here and {there} in the component"))
+        };
+        if self.causality != info.causality {
+            return differ("kind", &format!("{:?}", self.causality), &format!("{:?}", info.causality));
+        }
+        if let Some(here) = self.kind.as_deref().filter(|here| *here != kind) {
+            return differ("type", here, kind);
+        }
+        if let (Some(here), Some(there)) = (&self.unit, &info.unit)
+            && here != there
+            && !matches!((Unit::parse(here), Unit::parse(there)), (Ok(a), Ok(b)) if a == b)
+        {
+            return differ("unit", here, there);
+        }
+        Ok(())
     }
 }
 

@@ -1,5 +1,6 @@
 //! [`cosimulate`]: runs a system and records.
 
+use super::energy::Bond;
 use super::master::Turn;
 use super::system::{Port, System};
 use crate::model::unit::Unit;
@@ -37,8 +38,8 @@ pub struct Experiment {
 pub struct Outcome {
     /// Outputs, inputs and energies at the recorded communication points, as `component.variable`.
     ///
-    /// An output is that at the sample's time, an input what is held from then on, so that a recording
-    /// of every point can be [replayed](System::open) with the same bits.
+    /// An input is what the component had at the end of the interval before the sample, so that it
+    /// belongs to the outputs beside it.
     pub recording: Recording,
     /// Why it ended before the stop time, if it did.
     pub stopped: Option<Error>,
@@ -106,27 +107,19 @@ pub fn cosimulate(
 
     let mut stopped = None;
     observe(0);
-    for k in 0..=schedule.steps {
-        let now = schedule.point(k);
-        let recorded = k % every == 0;
-        // a sample's time is no sum, so that it does not drift
-        let time = schedule.start + (k / every) as f64 * (every as f64 * schedule.step);
-        let time = if k == schedule.steps && every == 1 { now } else { time };
-        if recorded {
-            recorder.outputs(system, time)?;
-        }
-        if k == schedule.steps {
-            system.foresee(now);
-        } else {
-            let next = schedule.point(k + 1);
-            if let Err(error) = system.advance(now, next - now) {
-                stopped = Some(error.at(format!("{now} s")));
-            }
-        }
-        if recorded {
-            recorder.inputs(system);
-        }
-        if stopped.is_some() {
+    recorder.take(system, schedule.start)?;
+    for k in 0..schedule.steps {
+        let (now, next) = (schedule.point(k), schedule.point(k + 1));
+        let sample = (k + 1) / every;
+        // no sum of steps, so that the samples do not drift
+        let time =
+            if every == 1 { next } else { schedule.start + sample as f64 * (every as f64 * schedule.step) };
+        let step = system.advance(now, next - now).and_then(|()| match (k + 1) % every {
+            0 => recorder.take(system, time),
+            _ => Ok(()),
+        });
+        if let Err(error) = step {
+            stopped = Some(error.at(format!("{now} s")));
             break;
         }
         observe(k + 1);
@@ -142,27 +135,30 @@ pub fn cosimulate(
 
 /// Warnings about the energies of the bonds after a run with this communication step.
 pub fn energy_warnings(system: &System, step: f64) -> Vec<String> {
-    system
-        .bonds()
-        .iter()
-        .filter(|bond| bond.share().abs() > ENERGY_SHARE)
-        .map(|bond| {
-            let parts = (bond.share().abs() / ENERGY_SHARE).ceil();
-            format!(
-                "the coupling of {} and {} {} {:.3e} J, {:.1} % of the {:.3e} J that it passed on: as a damper of {:.4e} {} between the two would; {} s as communication step would bring that below {} %, or iterate, or put the stiff part into one component",
-                bond.name.0,
-                bond.name.1,
-                if bond.generated > 0.0 { "made" } else { "took" },
-                bond.generated.abs(),
-                100.0 * bond.share().abs(),
-                bond.exchanged,
-                bond.equivalent_damping(),
-                if system.info(bond.effort.from).unit.as_deref().is_some_and(|u| u.contains('m')) { "N.m.s/rad" } else { "N.s/m" },
-                step / parts,
-                100.0 * ENERGY_SHARE
-            )
-        })
-        .collect()
+    let warning = |bond: &Bond| {
+        let (effort, motion) = &bond.name;
+        let rotation = system.info(bond.effort.from).unit.as_deref().is_some_and(|u| u.contains('m'));
+        format!(
+            "the coupling of {effort} and {motion} {} {:.3e} J, {:.1} % of the {:.3e} J that it passed on, as a damper of {:.4e} {} on {motion} would; a communication step of {:e} s would bring that below {} %, or --iterate, or one component for both",
+            if bond.generated > 0.0 { "made" } else { "took" },
+            bond.generated.abs(),
+            100.0 * bond.share().abs(),
+            bond.exchanged,
+            bond.equivalent_damping(),
+            if rotation { "N.m.s/rad" } else { "N.s/m" },
+            round_down(step * ENERGY_SHARE / bond.share().abs()),
+            100.0 * ENERGY_SHARE
+        )
+    };
+    system.bonds().iter().filter(|bond| bond.share().abs() > ENERGY_SHARE).map(warning).collect()
+}
+
+/// The next of 1, 2, 5, 10, ... times a power of ten that is not larger: most components' own steps are
+/// such numbers.
+fn round_down(value: f64) -> f64 {
+    let power = value.log10().floor() as i32;
+    let text = |digit: u32| format!("{digit}e{power}").parse().unwrap_or(value);
+    [5, 2].map(text).into_iter().find(|round| *round <= value).unwrap_or_else(|| text(1))
 }
 
 /// Where a column comes from.
@@ -226,31 +222,24 @@ impl Recorder {
         Ok(Self { columns, recording })
     }
 
-    /// What the components say at a communication point.
-    fn outputs(&mut self, system: &mut System, time: f64) -> Result<()> {
-        self.recording.time.push(time);
-        for (column, channel) in self.columns.iter().zip(&mut self.recording.channels) {
-            let value = match column {
+    fn take(&mut self, system: &mut System, time: f64) -> Result<()> {
+        let values = self
+            .columns
+            .iter()
+            .map(|column| match column {
                 Column::Variable(port) => {
                     let component = &mut system.components[port.component];
-                    component.slave.get(port.variable).map_err(|e| e.at(&component.name))?
+                    component.slave.get(port.variable).map_err(|e| e.at(&component.name))
                 }
-                Column::Energy(i) => system.bonds[*i].generated,
-                Column::Wire(_) | Column::Feed(_) => continue,
-            };
+                Column::Wire(i) => Ok(system.exchange.flows[*i].applied.1),
+                Column::Feed(i) => Ok(system.exchange.fed[*i]),
+                Column::Energy(i) => Ok(system.bonds[*i].generated),
+            })
+            .collect::<Result<Vec<f64>>>()?;
+        self.recording.time.push(time);
+        for (channel, value) in self.recording.channels.iter_mut().zip(values) {
             channel.values.push(value);
         }
         Ok(())
-    }
-
-    /// What the connected inputs got for the interval that begins there.
-    fn inputs(&mut self, system: &System) {
-        for (column, channel) in self.columns.iter().zip(&mut self.recording.channels) {
-            match column {
-                Column::Wire(i) => channel.values.push(system.exchange.flows[*i].applied.0),
-                Column::Feed(i) => channel.values.push(system.exchange.fed[*i]),
-                Column::Variable(_) | Column::Energy(_) => {}
-            }
-        }
     }
 }

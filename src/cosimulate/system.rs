@@ -36,8 +36,8 @@ pub struct Component {
     /// The communication step that its maker names \[s\].
     pub preferred_step: Option<f64>,
     pub(super) slave: Box<dyn Slave>,
-    /// Inputs that have a constant value.
-    pub(super) set: Vec<usize>,
+    /// Values of parameters and constant ones of inputs.
+    pub(super) set: Vec<(usize, Value)>,
 }
 
 /// A variable of a component.
@@ -79,6 +79,8 @@ pub(super) struct Feed {
     pub values: Vec<f64>,
     pub continuous: bool,
     pub derivative: bool,
+    /// It gets the value at the end of the interval, as from a source that is a step ahead.
+    pub lead: bool,
 }
 
 impl Wire {
@@ -208,19 +210,9 @@ impl System {
         }
         let value = self.info(port).accept(value).map_err(|e| e.at(&name))?;
         let component = &mut self.components[port.component];
-        let slave = component.slave.as_mut();
-        let number = match &value {
-            Value::Text(text) => {
-                return slave.set_text(port.variable, text).map_err(|e| e.at(&component.name));
-            }
-            Value::Real(v) => *v,
-            Value::Integer(v) => f64::from(*v),
-            Value::Boolean(v) => f64::from(u8::from(*v)),
-        };
-        slave.set(port.variable, number).map_err(|e| e.at(&component.name))?;
-        if component.slave.interface().variables[port.variable].causality == Causality::Input {
-            component.set.push(port.variable);
-        }
+        component.assign(port.variable, &value)?;
+        component.set.retain(|(variable, _)| *variable != port.variable);
+        component.set.push((port.variable, value));
         Ok(())
     }
 
@@ -240,7 +232,7 @@ impl System {
         if target.causality != Causality::Input {
             return wrong(format!("{target_name} is {}, not an input", word(target.causality)));
         }
-        self.check_free(to, &format!("the connection from {source_name}"))?;
+        self.check_unset(to, &format!("the connection from {source_name}"))?;
         let real = source.kind == Kind::Real && target.kind == Kind::Real;
         let widened = source.kind == Kind::Integer && target.kind == Kind::Real;
         if source.kind == Kind::Text || !(source.kind == target.kind || widened) {
@@ -309,7 +301,7 @@ impl System {
         if derivative && !(continuous && self.components[to.component].slave.can_interpolate()) {
             return wrong(format!("{name} takes no derivative (canInterpolateInputs is not true)"));
         }
-        self.check_free(to, &place)?;
+        self.check_unset(to, &place)?;
         let values = recording.channel_in(channel, info.unit.as_deref().unwrap_or("1"))?;
         for (time, value) in recording.time.iter().zip(&values) {
             let value = match info.kind {
@@ -320,12 +312,24 @@ impl System {
             };
             info.accept(&value).map_err(|e| Error::file(format!("{place}: at {time} s {e}")))?;
         }
-        self.feeds.push(Feed { to, time: recording.time.as_slice().into(), values, continuous, derivative });
+        self.feeds.push(Feed {
+            to,
+            time: recording.time.as_slice().into(),
+            values,
+            continuous,
+            derivative,
+            lead: false,
+        });
         Ok(())
     }
 
     /// Opens the loop at a component: its connected inputs no longer follow their sources but the
     /// channels `component.input` of a recording. Gives the names of those inputs.
+    ///
+    /// In an interval they hold the sample at its end: a recording tells what an input had until then, and
+    /// a source that is stepped first is that much ahead (Mack 2009, section 5.6). So a recording of all
+    /// communication points of a closed loop gives the same bits when the loop is opened, as long as all
+    /// inputs are held.
     ///
     /// # Errors
     /// A component without connected inputs, or channels that are missing or do not fit.
@@ -346,24 +350,33 @@ impl System {
         for wire in cut {
             let name = self.name(wire.to);
             self.feed(wire.to, recording, &name, false)?;
+            if let Some(feed) = self.feeds.last_mut() {
+                feed.lead = true;
+            }
             names.push(name);
         }
         Ok(names)
     }
 
-    /// Fails if an input has a source already.
+    /// Fails if an input follows an output or a recording.
     fn check_free(&self, to: Port, second: &str) -> Result<()> {
-        let name = self.name(to);
         let first = if let Some(wire) = self.wires.iter().find(|w| w.to == to) {
             format!("the connection from {}", self.name(wire.from))
         } else if self.feeds.iter().any(|f| f.to == to) {
             "a recording".into()
-        } else if self.components[to.component].set.contains(&to.variable) {
-            "a constant value".into()
         } else {
             return Ok(());
         };
-        Err(Error::variable(format!("{name} has two sources: {first} and {second}")))
+        Err(Error::variable(format!("{} has two sources: {first} and {second}", self.name(to))))
+    }
+
+    /// Fails if an input has any source.
+    fn check_unset(&self, to: Port, second: &str) -> Result<()> {
+        if self.components[to.component].set.iter().any(|(variable, _)| *variable == to.variable) {
+            let name = self.name(to);
+            return Err(Error::variable(format!("{name} has two sources: a constant value and {second}")));
+        }
+        self.check_free(to, second)
     }
 
     /// Checks that communication every `interval` seconds suits the components' own steps, once they are
@@ -418,9 +431,20 @@ impl Component {
     pub fn interface(&self) -> &Interface {
         self.slave.interface()
     }
+
+    /// Passes on a value that the variable accepted.
+    pub(super) fn assign(&mut self, variable: usize, value: &Value) -> Result<()> {
+        let done = match value {
+            Value::Text(text) => self.slave.set_text(variable, text),
+            Value::Real(v) => self.slave.set(variable, *v),
+            Value::Integer(v) => self.slave.set(variable, f64::from(*v)),
+            Value::Boolean(v) => self.slave.set(variable, f64::from(u8::from(*v))),
+        };
+        done.map_err(|e| e.at(&self.name))
+    }
 }
 
-/// True if `long` is a whole multiple of `short`, to a relative 1e-9 (Mack 2009, section 5.6).
+/// True if `long` is a whole multiple of `short`, to a relative 1e-9.
 fn is_multiple(long: f64, short: f64) -> bool {
     let ratio = long / short;
     ratio.round() >= 1.0 && (ratio / ratio.round() - 1.0).abs() <= 1e-9
@@ -453,7 +477,7 @@ fn conversion(
     let way_out = "give a factor, and the numbers are multiplied by that";
     match (Unit::parse(from), Unit::parse(to)) {
         (Ok(a), Ok(b)) => match a.to(b) {
-            Some(map) if map == (1.0, 0.0) => Ok(Conversion::None),
+            Some((1.0, 0.0)) => Ok(Conversion::None),
             Some((factor, offset)) => Ok(Conversion::Factor(factor, offset)),
             None if transformed => Ok(Conversion::None),
             None => Err(format!(

@@ -10,7 +10,7 @@ mod instance;
 pub(super) mod library;
 pub(super) mod log;
 pub(super) mod slave;
-pub(super) mod xml;
+pub(crate) mod xml;
 
 pub use archive::{Archive, Limits, MAX_ENTRIES, MAX_UNPACKED};
 pub use description::{Capabilities, Description, Experiment, MAX_LENGTH};

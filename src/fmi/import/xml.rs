@@ -11,7 +11,7 @@ const MAX_DEPTH: usize = 64;
 
 /// Where something is: byte offset in the file.
 #[derive(Clone)]
-pub(in crate::fmi) struct Place {
+pub(crate) struct Place {
     text: Rc<str>,
     offset: usize,
 }
@@ -27,7 +27,7 @@ impl Place {
     }
 
     /// Line and column, both from 1, columns in characters; and the text of the line.
-    pub(in crate::fmi) fn position(&self) -> (usize, usize, &str) {
+    pub(crate) fn position(&self) -> (usize, usize, &str) {
         let mut end = self.offset.min(self.text.len());
         while !self.text.is_char_boundary(end) {
             end -= 1;
@@ -40,11 +40,11 @@ impl Place {
 }
 
 /// XML that cannot be read.
-pub(in crate::fmi) struct Broken {
+pub(crate) struct Broken {
     /// Unknown for a file that is not even text.
-    pub(in crate::fmi) place: Option<Place>,
+    pub(crate) place: Option<Place>,
     /// A sentence.
-    pub(in crate::fmi) what: String,
+    pub(crate) what: String,
 }
 
 impl From<Broken> for Error {
@@ -62,15 +62,15 @@ impl From<Broken> for Error {
 
 /// An attribute of a start tag.
 #[derive(Clone)]
-pub(in crate::fmi) struct Attribute {
-    pub(in crate::fmi) name: String,
-    pub(in crate::fmi) value: String,
-    pub(in crate::fmi) place: Place,
+pub(crate) struct Attribute {
+    pub(crate) name: String,
+    pub(crate) value: String,
+    pub(crate) place: Place,
 }
 
 /// A start tag.
 #[derive(Clone)]
-pub(in crate::fmi) struct Element {
+pub(crate) struct Element {
     name: String,
     attributes: Vec<Attribute>,
     place: Place,
@@ -98,16 +98,16 @@ impl Element {
         Ok(Self { name, attributes, place })
     }
 
-    pub(in crate::fmi) fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
-    pub(in crate::fmi) fn place(&self) -> Place {
+    pub(crate) fn place(&self) -> Place {
         self.place.clone()
     }
 
     /// In the order of the file.
-    pub(in crate::fmi) fn attributes(&self) -> &[Attribute] {
+    pub(crate) fn attributes(&self) -> &[Attribute] {
         &self.attributes
     }
 
@@ -121,7 +121,7 @@ impl Element {
     }
 
     /// An attribute.
-    pub(in crate::fmi) fn text(&self, attribute: &str) -> Option<&str> {
+    pub(crate) fn text(&self, attribute: &str) -> Option<&str> {
         self.attributes.iter().find(|a| a.name == attribute).map(|a| a.value.as_str())
     }
 
@@ -187,7 +187,7 @@ impl Element {
 ///
 /// Fails for XML that is not well-formed, for a DOCTYPE (entities that grow without bound come from
 /// there, and no FMU needs one), and with whatever `open` fails with.
-pub(in crate::fmi) fn read<E: From<Broken>>(
+pub(crate) fn read<E: From<Broken>>(
     bytes: &[u8],
     mut open: impl FnMut(&[String], &Element) -> std::result::Result<(), E>,
 ) -> std::result::Result<(), E> {

@@ -1,0 +1,148 @@
+//! What the short form says, and how mistakes in it are reported.
+
+use crate::models::{channel, run, wire};
+
+const GOOD: &str = r#"
+step = 1e-3
+stop = 0.01
+order = ["spring", "mass"]
+[component.spring]
+model = "spring"
+set = { stiffness = 400 }
+[component.mass]
+model = "side"
+set = { x0 = 0.1 }
+[connect]
+"spring.force" = "mass.force"
+"mass.position" = "spring.position"
+"#;
+
+#[test]
+fn mistakes_are_named_with_their_line() {
+    wire(GOOD).unwrap();
+    for (from, to, words) in [
+        (r#""spring.force" ="#, r#""sprung.force" ="#, &["system.toml:12", "sprung", "spring, mass"][..]),
+        (
+            r#""spring.force" ="#,
+            r#""spring.farce" ="#,
+            &["system.toml:12", "farce", "did you mean \"force\""],
+        ),
+        (r#""spring.force" ="#, r#""spring.position" ="#, &[":12", "an input, not an output"]),
+        (r#"= "mass.force""#, r#"= "mass.velocity""#, &[":12", "mass.velocity is an output, not an input"]),
+        (r#"= "mass.force""#, r#"= "mass""#, &[":12", "component.variable"]),
+        (r#"= "mass.force""#, r#"= ["mass.force", "mass.force"]"#, &[":12", "two sources", "spring.force"]),
+        (r#"= "mass.force""#, "= 3", &[":12", "integer"]),
+        (r#"= "mass.force""#, r#"= { to = "mass.force", gain = 2 }"#, &[":12", "gain"]),
+        (r#"= "mass.force""#, r#"= { to = "mass.force", factor = "2" }"#, &[":12", "string"]),
+        (r#"= "mass.force""#, r#"= { to = "mass.force", factor = inf }"#, &[":12", "finite"]),
+        (r#""spring.force" ="#, r#""spring.moment" ="#, &[":12", "N.m cannot be converted to N", "factor"]),
+        ("x0 = 0.1", "x0 = 0.1, force = 2", &[":12", "two sources", "constant value"]),
+        ("x0 = 0.1", "x1 = 0.1", &[":10", "x1"]),
+        ("x0 = 0.1", "mass = -1", &[":10", "mass = -1"]),
+        ("x0 = 0.1", "x0 = \"0.1 kg\"", &[":10", "x0", "kg"]),
+        ("x0 = 0.1", "velocity = 1", &[":10", "computed"]),
+        ("[component.mass]\nmodel = \"side\"", "[component.mass]", &[":8", "model = ", "fmu = "]),
+        ("model = \"side\"", "model = \"sides\"", &[":8", "sides"]),
+        ("[component.mass]", "[component.\"ma.ss\"]", &[":8", "without a dot"]),
+        (r#"["spring", "mass"]"#, r#"["spring"]"#, &["order", "\"mass\" is named 0 times"]),
+        (
+            r#"["spring", "mass"]"#,
+            r#"["spring", "mass", "spring"]"#,
+            &["order", "\"spring\" is named 2 times"],
+        ),
+        (r#"["spring", "mass"]"#, r#"["spring", "moss"]"#, &["order", "moss"]),
+        ("step = 1e-3", "step = \"fast\"", &[":2", "fast"]),
+        ("step = 1e-3", "steps = 1e-3", &[":2", "steps"]),
+        ("order =", "record_every = -1\norder =", &[":4"]),
+        ("[connect]", "[[bond]]\neffort = \"spring.force\"\n[connect]", &[":11", "flow", "displacement"]),
+        (
+            "[connect]",
+            "[[bond]]\neffort = \"mass.reaction\"\nflow = \"mass.velocity\"\n[connect]",
+            &[":11", "mass.reaction is not connected"],
+        ),
+        (
+            "[connect]",
+            "[[inputs]]\nfile = \"no.csv\"\nconnect = { a = \"mass.other_position\" }\n[connect]",
+            &["no.csv"],
+        ),
+    ] {
+        assert!(GOOD.contains(from), "{from}");
+        let Err(error) = wire(&GOOD.replace(from, to)) else { panic!("{to} was accepted") };
+        let message = error.to_string();
+        for word in words {
+            assert!(message.contains(word), "{to}\n  expected: {word}\n  message: {message}");
+        }
+    }
+}
+
+#[test]
+fn times_that_are_missing_or_wrong_are_named() {
+    for (from, to, word) in [
+        ("step = 1e-3", "", "spring 0.001 s"),
+        ("stop = 0.01", "", "--stop"),
+        ("step = 1e-3", "step = -1e-3", "positive"),
+        ("step = 1e-3", "step = nan", "positive"),
+        ("stop = 0.01", "stop = -1", "after the start"),
+    ] {
+        let (plan, system) = wire(&GOOD.replace(from, to)).unwrap();
+        let error =
+            plan.experiment(&system, None, None, None).and_then(|e| e.schedule().map(|_| ())).unwrap_err();
+        assert!(error.to_string().contains(word), "{to}: {error}");
+    }
+}
+
+#[test]
+fn values_are_converted_and_transformed_on_the_way() {
+    let text = GOOD
+        .replace(
+            r#""spring.force" = "mass.force""#,
+            r#""spring.moment" = { to = "mass.force", factor = 0.5, offset = 3 }"#,
+        )
+        .replace("x0 = 0.1", "x0 = \"1 dm\"");
+    let (system, outcome) = run(&text);
+    assert_eq!(system.warnings(), [] as [String; 0]);
+    let (moment, force) = (channel(&outcome, "spring.moment"), channel(&outcome, "mass.force"));
+    assert_eq!(channel(&outcome, "mass.position")[0], 0.1);
+    assert!((1..10).all(|k| force[k] == 0.5 * moment[k] + 3.0));
+}
+
+#[test]
+fn recorded_inputs_are_replayed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rig.csv");
+    std::fs::write(&path, "time [s],lift [mm]\n0,0\n0.004,4\n0.02,4\n").unwrap();
+    let text = format!(
+        "step = 1e-3\n[component.spring]\nmodel = \"spring\"\n[[inputs]]\nfile = {path:?}\nconnect = {{ lift = \"spring.position\" }}\n"
+    );
+    // until the recording ends
+    let (_, outcome) = run(&text);
+    assert_eq!(outcome.recording.time.last(), Some(&0.02));
+    let (force, position) = (channel(&outcome, "spring.force"), channel(&outcome, "spring.position"));
+    for k in 1..=20 {
+        // what was recorded at the beginning of the interval, held
+        let expected = 1e-3 * (k as f64 - 1.0).min(4.0);
+        assert!((position[k] - expected).abs() < 1e-15, "{k} {}", position[k]);
+        assert!((force[k] + 100.0 * expected).abs() < 1e-12);
+    }
+    let long = format!("stop = 0.03\n{text}");
+    let (plan, mut system) = wire(&long).unwrap();
+    let experiment = plan.experiment(&system, None, None, None).unwrap();
+    let error = latsch::cosimulate::cosimulate(&mut system, &experiment, |_| ()).unwrap_err();
+    assert!(error.to_string().contains("0 s to 0.02 s"), "{error}");
+    let error = wire(&text.replace("lift =", "lyft =")).err().unwrap().to_string();
+    assert!(error.contains("system.toml:4") && error.contains("lyft") && error.contains("lift"), "{error}");
+}
+
+#[test]
+fn the_documentation_has_all_keys_right() {
+    let page = include_str!("../../docs/cosimulate.md");
+    let form = page.split("## All of the short form").nth(1).unwrap();
+    let form = form.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
+    let plan = latsch::cosimulate::parse_toml(form, "page", std::path::Path::new("")).unwrap();
+    assert_eq!((plan.start, plan.stop, plan.step), (Some(0.0), Some(5.0), Some(1e-4)));
+    assert_eq!((plan.components.len(), plan.connections.len()), (2, 4));
+    assert_eq!((plan.inputs[0].connect.len(), plan.bonds.len(), plan.record_every), (2, 1, 10));
+    let transfers: Vec<_> =
+        plan.connections.iter().map(|c| (c.transfer.linear, c.transfer.derivative)).collect();
+    assert_eq!(transfers, [(None, false), (None, false), (Some((-1.0, 0.0)), false), (None, true)]);
+}
