@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{get, set, started};
+use common::{get, started};
 use latsch::model::{Native, Slave};
 use latsch::rig::RingBrushTire;
 

@@ -51,9 +51,9 @@ impl Model for RingBrushTire {
         inputs: [
             input("rim_x", "m", real!(rim.position.x), 0.0, "Wheel centre, frame 0; between communication points it runs on with rim_velocity_x").runs_on(|m| m.rim.velocity.x),
             input("rim_y", "m", real!(rim.position.y), 0.0, "Wheel centre, frame 0; runs on with rim_velocity_y").runs_on(|m| m.rim.velocity.y),
-            input("rim_z", "m", real!(rim.position.z), 0.318, "Wheel centre, frame 0; runs on with rim_velocity_z").runs_on(|m| m.rim.velocity.z),
+            input("rim_z", "m", real!(rim.position.z), 0.319, "Wheel centre, frame 0; runs on with rim_velocity_z").runs_on(|m| m.rim.velocity.z),
             input("rim_camber", "rad", real!(rim.angles.x), 0.0, "Inclination angle; positive leans the top of the wheel to -y; runs on with rim_camber_rate").range(-0.6, 0.6).runs_on(|m| m.rim.rates.x),
-            input("rim_spin", "rad", real!(rim.angles.y), 0.0, "Spin angle, unbounded: never wrapped; runs on with rim_spin_rate").runs_on(|m| m.rim.rates.y),
+            input("rim_spin", "rad", real!(rim.angles.y), 0.0, "Spin angle, unbounded; runs on with rim_spin_rate").runs_on(|m| m.rim.rates.y),
             input("rim_steer", "rad", real!(rim.angles.z), 0.0, "Steer angle about z; runs on with rim_steer_rate").range(-TAU, TAU).runs_on(|m| m.rim.rates.z),
             input("rim_velocity_x", "m/s", real!(rim.velocity.x), 10.0, "Velocity of the wheel centre, frame 0").range(-200.0, 200.0),
             input("rim_velocity_y", "m/s", real!(rim.velocity.y), 0.0, "Velocity of the wheel centre, frame 0").range(-200.0, 200.0),

@@ -144,17 +144,17 @@ impl Model for RingBrushCorner {
             )));
         }
         self.hub_parameters.gravity = gravity;
-        self.hub = Hub {
-            velocity: Vector3::new(self.initial_speed, 0.0, 0.0),
-            speed: self.initial_speed / self.tire.parameters.rolling_radius,
-            ..Hub::default()
-        };
+        self.hub = Hub { velocity: Vector3::new(self.initial_speed, 0.0, 0.0), ..Hub::default() };
         self.body = Body { velocity: [self.initial_speed, 0.0], ..Body::default() };
         let ground = OnRoad::at(&self.road, [0.0; 2], self.friction_factor);
         let load = (sprung_mass + hub_mass) * gravity;
         let rim = self.hub.rim(&self.hub.velocity, self.hub.speed, (0.0, 0.0), (0.0, 0.0));
-        self.tire.start_at_load(&rim, &ground, load)?;
+        self.tire.start_rolling(&rim, &ground, load)?;
         self.hub.position.z = self.tire.rim.position.z;
+        self.hub.speed = self.tire.rim.rates.y;
+        // the rolling resistance has already moved the wheel back in the vehicle
+        let share = (vehicle_mass - hub_mass) / vehicle_mass;
+        self.hub.position.x = share * self.tire.force.x / self.vehicle.stiffness[0];
         self.body.wheel_height = self.hub.position.z;
         self.accelerate(&self.hub.velocity.clone(), self.body.velocity);
         Ok(())
@@ -180,12 +180,9 @@ impl Model for RingBrushCorner {
 
         // half a kick and drift of all masses; what damps sees the velocities predicted for the end
         let body = &mut self.body;
-        let mut predicted = [0.0; 2];
-        for axis in 0..2 {
-            body.velocity[axis] += half * body.acceleration[axis];
-            body.position[axis] += length * body.velocity[axis];
-            predicted[axis] = body.velocity[axis] + half * body.acceleration[axis];
-        }
+        body.velocity = sum(body.velocity, body.acceleration, half);
+        body.position = sum(body.position, body.velocity, length);
+        let predicted = sum(body.velocity, body.acceleration, half);
         let from = [self.hub.position.x, self.hub.position.y];
         let (velocity, speed) = self.hub.drift(&p, self.brake_torque, length);
         let to = [self.hub.position.x, self.hub.position.y];
@@ -195,9 +192,7 @@ impl Model for RingBrushCorner {
 
         // forces at the end, and the second half of the kick
         self.accelerate(&velocity, predicted);
-        for axis in 0..2 {
-            self.body.velocity[axis] += half * self.body.acceleration[axis];
-        }
+        self.body.velocity = sum(self.body.velocity, self.body.acceleration, half);
         self.hub.kick(&p, self.brake_torque, length);
         let heat = self.damping_power(&self.hub.velocity, self.body.velocity);
         self.body.damper_energy += half * (heat_before + heat);
@@ -209,6 +204,11 @@ impl Model for RingBrushCorner {
             Err(Error::numeric("the vehicle's motion is no longer finite; a smaller step_size may help"))
         }
     }
+}
+
+/// a + factor b.
+fn sum(a: [f64; 2], b: [f64; 2], factor: f64) -> [f64; 2] {
+    [a[0] + factor * b[0], a[1] + factor * b[1]]
 }
 
 impl RingBrushCorner {

@@ -101,17 +101,44 @@ impl MountedTire {
         Ok(())
     }
 
-    /// [`start`](Self::start) at the height at which the tire carries `load` \[N\], the force on the rim
-    /// along the road's normal, when it rolls straight; `rim.position.z` does not matter.
+    /// [`start`](Self::start) free of torque, at the height at which the tire carries `load` \[N\], the
+    /// force on the rim along the road's normal. Height and spin rate of `rim` do not matter; those found
+    /// are in the field `rim` afterwards.
     ///
     /// # Errors
     /// As [`start`](Self::start).
-    pub fn start_at_load(&mut self, rim: &Motion<f64>, ground: &impl Ground, load: f64) -> Result<()> {
+    pub fn start_rolling(&mut self, rim: &Motion<f64>, ground: &impl Ground, load: f64) -> Result<()> {
+        let (sin, cos) = libm::sincos(rim.angles.z);
+        let speed = rim.velocity.x * cos + rim.velocity.y * sin;
         self.rim = *rim;
+        self.rim.rates.y = speed / self.parameters.rolling_radius;
         let (plane, on_plane) = self.on_plane(ground);
-        let carried = stationary(&self.with_friction(plane.friction)?, &on_plane, Vertical::Load(load))?;
-        let mut rim = *rim;
-        rim.position.z += carried.rim_height - plane.clearance;
+        let tire = self.with_friction(plane.friction)?;
+        let carried = stationary(&tire, &on_plane, Vertical::Load(load))?;
+        self.rim.position.z += carried.rim_height - plane.clearance;
+
+        // rolling resistance makes the spin a little slower; the moment is nearly linear in it
+        let moment = |spin: f64| {
+            let mut slower = on_plane;
+            slower.rates.y = spin;
+            let found = stationary(&tire, &slower, Vertical::Load(load))?;
+            let (sin, cos) = libm::sincos(slower.angles.x);
+            let about = to_heading(slower.angles.z, &found.on_rim.moment);
+            Ok::<f64, crate::Error>(about.y * cos + about.z * sin)
+        };
+        let (mut spins, mut change) = (on_plane.rates.y, -1e-4 * on_plane.rates.y);
+        let mut before = moment(spins)?;
+        for _ in 0..3 {
+            spins += change;
+            let now = moment(spins)?;
+            if change == 0.0 || now == before {
+                break;
+            }
+            change *= -now / (now - before);
+            before = now;
+        }
+        self.rim.rates.y += spins - on_plane.rates.y;
+        let rim = self.rim;
         self.start(&rim, ground)
     }
 

@@ -126,12 +126,12 @@ impl Model for RingBrushWheel {
         let (sin, cos) = libm::sincos(self.actuators[1].position);
         self.hub = Hub {
             velocity: Vector3::new(self.initial_speed * cos, self.initial_speed * sin, 0.0),
-            speed: self.initial_speed / self.tire.parameters.rolling_radius,
             ..Hub::default()
         };
         let ground = OnRoad::at(&self.road, [0.0; 2], self.friction_factor);
-        self.tire.start_at_load(&self.rim(), &ground, self.initial_load)?;
+        self.tire.start_rolling(&self.rim(), &ground, self.initial_load)?;
         self.hub.position.z = self.tire.rim.position.z;
+        self.hub.speed = self.tire.rim.rates.y;
         self.accelerate();
         Ok(())
     }
@@ -201,11 +201,15 @@ impl RingBrushWheel {
         if libm::hypot(v.x, v.y) < SLIP_FLOOR { 0.0 } else { libm::atan2(v.y, v.x.abs()) }
     }
 
-    /// What the tire puts on the hub less the rate of the hub's spin momentum, H axes.
+    /// What the tire puts on the hub, but for the moment about the spin axis, less the rate of the hub's
+    /// spin momentum; H axes.
     fn bearing_moment(&self) -> Vector3<f64> {
         let [camber, steer] = &self.actuators;
         let (sin, cos) = libm::sincos(camber.position);
+        let axis = Vector3::new(0.0, cos, sin);
         let axis_rate = Vector3::new(-steer.velocity * cos, -sin * camber.velocity, cos * camber.velocity);
-        self.tire.moment - axis_rate * (self.hub_parameters.inertia * self.hub.speed)
+        self.tire.moment
+            - axis * self.tire.spin_moment()
+            - axis_rate * (self.hub_parameters.inertia * self.hub.speed)
     }
 }
