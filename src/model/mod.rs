@@ -15,9 +15,9 @@ mod variable;
 pub use clock::{check_experiment, check_step};
 pub use interface::{Causality, Initial, Interface, Kind, Value, Variability, VariableInfo};
 pub use native::Native;
-pub use settings::Settings;
 #[cfg(feature = "host")]
 pub(crate) use settings::line_of;
+pub use settings::{Setting, Settings};
 pub use slave::{Slave, Snapshot};
 pub use variable::{
     Access, Start, Variable, boolean_parameter, input, integer_parameter, local, output, parameter,

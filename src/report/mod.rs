@@ -1,16 +1,18 @@
 //! Reports: one HTML file each that opens without a network, prints, and carries its plots inside.
 //!
 //! A [`Page`] has sections, a section has parts: text, [`Table`], [`Plot`], [`patch_frames`].
-//! [`simulation_report`] makes the page of a run.
+//! [`simulation_report`] makes the page of a run, [`stop_page`] that of braking runs with moving patches.
 
 mod patch;
 mod plot;
 mod simulation;
+mod stop;
 
 pub use crate::page::{Html, Page, Section, Table};
 pub use patch::{Cell, PatchFrame, patch_caption, patch_frames};
 pub use plot::{Axis, Plot, Size};
 pub use simulation::simulation_report;
+pub use stop::{StopFigures, StopRun, StopScene, stop_page};
 
 use crate::Result;
 use std::path::Path;

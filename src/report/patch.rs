@@ -1,13 +1,13 @@
 //! Pictures of the contact patch: pressure, sliding and shear of every bristle.
 
 use crate::page::{Html, escape, number};
-use crate::rig::RingBrushFlatTrack;
+use crate::rig::MountedTire;
 use std::f64::consts::PI;
 use std::fmt::Write;
 
 /// More cells than this on one page make it slow and large: then frames are left out.
 const MAX_CELLS: usize = 9000;
-/// Width of the picture in its own units, letters at [`LETTERS`].
+/// Width of the picture in its own units where it is as wide as the page, letters at [`LETTERS`].
 const WIDTH: f64 = 1000.0;
 const LETTERS: f64 = 13.0;
 /// Room for the axes around the patch.
@@ -17,8 +17,8 @@ const TOP: f64 = 18.0;
 const BOTTOM: f64 = 66.0;
 /// Neither a very long nor a very wide patch makes the picture higher than this.
 const MAX_HEIGHT: f64 = 560.0;
-const SLIDING: &str = "#d55e00";
-const PULLING: &str = "#d9d4c7";
+pub(super) const SLIDING: &str = "#d55e00";
+pub(super) const PULLING: &str = "#d9d4c7";
 
 /// The patch at one instant, in SI units and in the axes of the contact frame: x along the patch in
 /// the wheel's heading, y to the left.
@@ -55,8 +55,8 @@ pub struct Cell {
 impl PatchFrame {
     /// The patch of a ring-and-brush tire as it is now: the bristles that carry something, at their
     /// places in the undeformed patch.
-    pub fn from_model(model: &RingBrushFlatTrack, time: f64, title: &str) -> Self {
-        let (tire, bristles) = (model.tire(), &model.state().bristles);
+    pub fn of(mounted: &MountedTire, time: f64, title: &str) -> Self {
+        let (tire, bristles) = (&mounted.tire, &mounted.state.bristles);
         let n = bristles.x.len();
         let (length, width) = (tire.parameters().bristle_length, tire.parameters().stripe_width());
         let mut cells = Vec::new();
@@ -79,12 +79,13 @@ impl PatchFrame {
         Self { time, title: title.into(), cells }
     }
 
-    fn sliding(&self) -> usize {
+    /// Bristles that slide.
+    pub(super) fn sliding(&self) -> usize {
         self.cells.iter().filter(|c| c.sliding).count()
     }
 
     /// How much there is to see: most where as many bristles stick as slide.
-    fn interest(&self) -> (usize, usize) {
+    pub(super) fn interest(&self) -> (usize, usize) {
         (self.sliding().min(self.cells.len() - self.sliding()), self.cells.len())
     }
 }
@@ -108,7 +109,7 @@ pub fn patch_frames(frames: &[PatchFrame]) -> Html {
     let every = cells.div_ceil(MAX_CELLS);
     let shown: Vec<&PatchFrame> = frames.iter().step_by(every).collect();
     let best = (0..shown.len()).rev().max_by_key(|i| shown[*i].interest()).unwrap_or(0);
-    let picture = Picture::new(&shown);
+    let picture = Picture::new(&shown, WIDTH);
 
     let mut html = String::from("<figure class=\"patch\">\n");
     for (i, frame) in shown.iter().enumerate() {
@@ -145,30 +146,34 @@ const SCRIPT: &str = "<script>
 ";
 
 /// What all frames share: the place and scale of the patch, of colours and of arrows.
-struct Picture {
+pub(super) struct Picture {
+    /// Width of the drawing in its own units.
+    width: f64,
     /// Largest |x| and |y| of a cell's edge \[m\].
-    half: [f64; 2],
+    pub(super) half: [f64; 2],
     /// Units of the drawing per metre.
-    scale: f64,
+    pub(super) scale: f64,
     /// Largest pressure \[Pa\].
-    pressure: f64,
+    pub(super) pressure: f64,
     /// Some pressure is negative.
     pulling: bool,
     /// Largest deflection \[m\].
-    deflection: f64,
+    pub(super) deflection: f64,
     /// Length of its arrow in units of the drawing.
-    arrow: f64,
+    pub(super) arrow: f64,
 }
 
 impl Picture {
-    fn new(frames: &[&PatchFrame]) -> Self {
+    /// The scales for these frames in a drawing of this width.
+    pub(super) fn new(frames: &[&PatchFrame], width: f64) -> Self {
         let cells = || frames.iter().flat_map(|f| &f.cells);
         let largest = |f: fn(&Cell) -> f64| cells().map(f).filter(|v| v.is_finite()).fold(0.0, f64::max);
         let half = [largest(|c| c.x.abs() + 0.5 * c.length), largest(|c| c.y.abs() + 0.5 * c.width)]
             .map(|half| if half > 0.0 { half * 1.04 } else { 0.1 });
-        let scale = (0.5 * (WIDTH - LEFT - RIGHT) / half[0]).min(0.5 * (MAX_HEIGHT - TOP - BOTTOM) / half[1]);
+        let scale = (0.5 * (width - LEFT - RIGHT) / half[0]).min(0.5 * (MAX_HEIGHT - TOP - BOTTOM) / half[1]);
         let cell = largest(|c| c.length.max(c.width));
         Self {
+            width,
             half,
             scale,
             pressure: largest(|c| c.pressure),
@@ -178,7 +183,8 @@ impl Picture {
         }
     }
 
-    fn explanation(&self) -> String {
+    /// What the marks mean.
+    pub(super) fn explanation(&self) -> String {
         let mut text = format!(
             "Seen from above, bristles at their places in the undeformed patch. Outlined and crossed: sliding. Arrows: shear deflection, \
              in the direction of the road's force on the tire; the longest is {} mm.",
@@ -193,12 +199,12 @@ impl Picture {
     /// Left, right, top and bottom of the frame around the patch.
     fn edges(&self) -> [f64; 4] {
         let (x, y) = (self.half[0] * self.scale, self.half[1] * self.scale);
-        let centre = 0.5 * (WIDTH + LEFT - RIGHT);
+        let centre = 0.5 * (self.width + LEFT - RIGHT);
         [centre - x, centre + x, TOP, TOP + 2.0 * y]
     }
 
     /// Where a point of the patch lies in the drawing.
-    fn place(&self, x: f64, y: f64) -> (f64, f64) {
+    pub(super) fn place(&self, x: f64, y: f64) -> (f64, f64) {
         let [left, right, top, bottom] = self.edges();
         (0.5 * (left + right) + x * self.scale, 0.5 * (top + bottom) - y * self.scale)
     }
@@ -209,15 +215,24 @@ impl Picture {
             n => format!("{} of {n} bristles slide", frame.sliding()),
         };
         let time = format!("t = {:.3} s", frame.time).replace('-', "−");
-        let mut svg = format!(
-            "<figcaption><b>{time}</b><span class=\"key\">{}</span><span class=\"key\">{sliding}</span></figcaption>\n\
-             <svg role=\"img\" aria-label=\"contact patch\" viewBox=\"0 0 {WIDTH} {:.0}\" xmlns=\"http://www.w3.org/2000/svg\" \
-             font-family=\"sans-serif\" font-size=\"{LETTERS}\" fill=\"#46525c\">\n",
+        format!(
+            "<figcaption><b>{time}</b><span class=\"key\">{}</span><span class=\"key\">{sliding}</span></figcaption>\n{}",
             escape(&frame.title),
+            self.drawing(frame)
+        )
+    }
+
+    /// The patch with axes and legend; what changes from frame to frame is the group `cells`.
+    pub(super) fn drawing(&self, frame: &PatchFrame) -> String {
+        let mut svg = format!(
+            "<svg role=\"img\" aria-label=\"contact patch\" viewBox=\"0 0 {:.0} {:.0}\" xmlns=\"http://www.w3.org/2000/svg\" \
+             font-family=\"sans-serif\" font-size=\"{LETTERS}\" fill=\"#46525c\">\n",
+            self.width,
             self.edges()[3] + BOTTOM,
         );
         self.axes(&mut svg);
         self.legend(&mut svg);
+        svg.push_str("<g class=\"cells\">\n");
         let (mut slides, mut arrows) = (String::new(), String::new());
         for cell in &frame.cells {
             let (w, h) = (cell.length * self.scale, cell.width * self.scale);
@@ -233,7 +248,7 @@ impl Picture {
         let _ = write!(
             svg,
             "<g fill=\"none\" stroke=\"{SLIDING}\" stroke-width=\"1.6\">\n{slides}</g>\n\
-             <path d=\"{arrows}\" fill=\"#111\" stroke=\"#fff\" stroke-width=\"1.6\" paint-order=\"stroke\"/>\n</svg>\n"
+             <path d=\"{arrows}\" fill=\"#111\" stroke=\"#fff\" stroke-width=\"1.6\" paint-order=\"stroke\"/>\n</g>\n</svg>\n"
         );
         svg
     }
@@ -394,7 +409,7 @@ fn tick_step(span: f64, count: f64) -> f64 {
 
 /// Colour for a share of the largest pressure: even steps of lightness in Oklab (Ottosson 2020),
 /// from nearly white through green to blue.
-fn color(share: f64) -> String {
+pub(super) fn color(share: f64) -> String {
     let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
     let lightness = 0.965 - 0.565 * share;
     let chroma = 0.02 + 0.11 * (share * (1.4 - 0.55 * share));
@@ -514,7 +529,7 @@ mod tests {
         }
         let share = slave.find("sliding_share").unwrap();
         let share = slave.get(share).unwrap();
-        let frame = PatchFrame::from_model(slave.model(), slave.time(), "");
+        let frame = PatchFrame::of(slave.model().mounted(), slave.time(), "");
         let count = frame.cells.len() as f64;
         assert!(count > 20.0 && share > 0.0 && share < 1.0, "{count} {share}");
         assert_eq!(frame.sliding() as f64 / count, share);

@@ -163,6 +163,7 @@ impl Plot {
         let y = Scale::new(finite().map(|p| p.1), (height as usize) / 120, true);
 
         let mut svg = String::new();
+        let area;
         {
             let root = SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area();
             let font = ("sans-serif", letters).into_font().color(&TEXT);
@@ -194,6 +195,7 @@ impl Plot {
                     }
                 }
             }
+            area = chart.plotting_area().get_pixel_range().0;
             root.present()?;
         }
         // the page decides on the size
@@ -201,7 +203,9 @@ impl Plot {
         let drawing =
             svg[start..].replace("stroke-width=\"3\"", "stroke-width=\"3\" stroke-dasharray=\"12 7\"");
         let label = format!("{}: {} over {}", self.title, self.y.quantity, self.x.quantity);
-        Ok(format!("<svg role=\"img\" aria-label=\"{}\" {drawing}\n", escape(&label)))
+        // where the axis is: a script can place a cursor
+        let axis = format!("{} {} {} {}", area.start, area.end, x.low, x.high);
+        Ok(format!("<svg role=\"img\" aria-label=\"{}\" data-x=\"{axis}\" {drawing}\n", escape(&label)))
     }
 }
 

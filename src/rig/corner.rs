@@ -249,4 +249,14 @@ impl RingBrushCorner {
     pub fn mounted(&self) -> &MountedTire {
         &self.tire
     }
+
+    /// The road.
+    pub fn road(&self) -> &Road {
+        &self.road
+    }
+
+    /// Height of the wheel's centre over the road in the static position \[m\].
+    pub fn static_height(&self) -> f64 {
+        self.body.wheel_height
+    }
 }

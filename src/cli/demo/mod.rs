@@ -1,0 +1,38 @@
+//! `latsch demo`: an ABS stop as a system of FMUs, a tire on its rig, and pages to look at.
+
+mod abs_stop;
+mod flat_track;
+
+use super::print;
+use latsch::fmi::archive::ModelLibrary;
+use latsch::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// Export FMUs, brake with and without ABS on four roads, run a rig programme; write pages with the results
+#[derive(clap::Args)]
+pub struct Args {
+    /// Folder for the FMUs, the systems, the results and the pages
+    #[arg(long, short, value_name = "DIR", default_value = "demo")]
+    output: PathBuf,
+}
+
+pub fn run(args: &Args) -> Result<()> {
+    let folder = &args.output;
+    let (runs, track) = (folder.join("runs"), folder.join("flat-track"));
+    for folder in [&runs, &track] {
+        std::fs::create_dir_all(folder).map_err(|e| Error::file(format!("{}: {e}", folder.display())))?;
+    }
+    let library = ModelLibrary::shipped()?;
+    abs_stop::run(folder, &library)?;
+    flat_track::run(&track, &library)?;
+    for (path, what) in [
+        ("index.html", "an ABS stop on four roads: open this in a browser"),
+        ("abs-stop.toml", "the system of three FMUs, for `latsch cosimulate`"),
+        ("runs", "the system, the inputs and the results of each stop"),
+        ("flat-track/index.html", "a tire on its rig: forces over slip, the contact patch"),
+        ("flat-track/ring-brush-flat-track.fmu", "the rig, for any FMI 2.0 co-simulation master"),
+    ] {
+        print(&format!("{:45} {what}", folder.join(Path::new(path)).display().to_string()))?;
+    }
+    Ok(())
+}
