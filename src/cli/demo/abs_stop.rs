@@ -16,8 +16,6 @@ use std::path::Path;
 
 /// Every how many communication points are recorded.
 const EVERY: usize = 5;
-/// How long a run is shown after the standstill \[s\].
-const AFTERWARDS: f64 = 0.3;
 /// A point of the road's profile at every such distance \[m\].
 const ROAD_STEP: f64 = 0.01;
 
@@ -220,7 +218,8 @@ connect = {{ driver_pressure = {driver}, friction_factor = \"corner.friction_fac
         recording.source = name.clone();
         write_csv(&folder.join(format!("{name}.csv")), &recording)?;
         let figures = StopFigures::of(&recording)?;
-        let shown = recording.time.iter().filter(|t| **t <= figures.end + AFTERWARDS).count();
+        // afterwards it rocks on its tire, with a slip to and fro
+        let shown = recording.time.iter().filter(|t| **t <= figures.end).count();
         recording.time.truncate(shown);
         for channel in &mut recording.channels {
             channel.values.truncate(shown);

@@ -9,7 +9,7 @@ pub use figures::StopFigures;
 use self::film::Film;
 use super::patch::PatchFrame;
 use super::plot::{Axis, Plot, Size};
-use crate::page::{Html, Page, Section, Table, escape, number};
+use crate::page::{Html, Page, Section, Table, escape};
 use crate::recording::Recording;
 use crate::{Error, Result};
 use serde_json::{Value, json};
@@ -75,9 +75,8 @@ pub fn stop_page(title: &str, lead: &str, scenes: &[StopScene], about: Section) 
          <select class=\"pace\" aria-label=\"speed\"><option value=\"1\">1 ×</option><option value=\"0.25\">1/4 ×</option>\
          <option value=\"0.1\" selected>1/10 ×</option><option value=\"0.02\">1/50 ×</option></select></div></div>\n\
          <noscript><p class=\"note\">Without JavaScript the pictures stand still.</p></noscript>\n{}<script>\n{SCRIPT}</script>\n",
-        data(&film.scales())
+        data("film", &film.scales())
     );
-    // the film's scales are the first data on the page
     let page = page.section(about.with(Html::raw(script)));
     Ok(page.html())
 }
@@ -88,8 +87,7 @@ fn summary(scenes: &[StopScene]) -> Section {
         scenes.iter().flat_map(|s| &s.runs).map(|r| r.figures.distance).fold(f64::MIN_POSITIVE, f64::max);
     let mut bars = String::from("<figure><div class=\"bars\">\n");
     let mut table = Table::new(&[
-        "road",
-        "brake",
+        "",
         "distance [m]",
         "time [s]",
         "mean deceleration [m/s²]",
@@ -111,15 +109,14 @@ fn summary(scenes: &[StopScene]) -> Section {
                 f.distance
             );
             table = table.row([
-                scene.title.clone(),
-                run.name.clone(),
-                number(f.distance),
-                number(f.duration()),
-                number(f.deceleration),
+                format!("{}, {}", scene.title, run.name),
+                format!("{:.2}", f.distance),
+                format!("{:.2}", f.duration()),
+                format!("{:.2}", f.deceleration),
                 format!("{:.2}", f.locked),
-                number(100.0 * f.all_slide),
-                number(f.tire_heat / 1e3),
-                number(f.brake_heat / 1e3),
+                format!("{:.0}", 100.0 * f.all_slide),
+                format!("{:.1}", f.tire_heat / 1e3),
+                format!("{:.1}", f.brake_heat / 1e3),
             ]);
         }
     }
@@ -147,7 +144,7 @@ fn summary(scenes: &[StopScene]) -> Section {
     Section::new("Stopping distance")
         .with(Html::raw(bars))
         .with(Html::text(&reading))
-        .with(table.html())
+        .with(Html::raw(format!("<div class=\"numbers\">\n{}</div>\n", table.html().as_str())))
         .with(Html::note(
             "From the driver's first pressure to standstill, the first sample below 0.1 m/s. Mean deceleration: speed squared over \
              twice the distance. Lock: slip beyond −80 %; lock and sliding count above 2 m/s.",
@@ -187,7 +184,7 @@ fn scene_section(scene: &StopScene, film: &Film) -> Result<Section> {
     let runs: Result<Vec<Value>> = scene.runs.iter().map(|run| run_data(run, film)).collect();
     let stop = scene.runs.iter().filter_map(|r| r.recording.time.last()).fold(start, |a, b| a.max(*b));
     let [run, _] = &scene.runs;
-    html.push_str(&data(&json!({
+    html.push_str(&data("data", &json!({
         "start": start,
         "step": step,
         "stop": stop,
@@ -208,11 +205,11 @@ fn sampling(recording: &Recording) -> Result<(f64, f64)> {
     }
 }
 
-/// Data for the script.
-fn data(value: &Value) -> String {
+/// Data for the script, which finds it by its class.
+fn data(class: &str, value: &Value) -> String {
     // no markup, whatever a text has in it
     format!(
-        "<script type=\"application/json\" class=\"data\">{}</script>\n",
+        "<script type=\"application/json\" class=\"{class}\">{}</script>\n",
         value.to_string().replace('<', "\\u003c")
     )
 }
@@ -266,7 +263,7 @@ fn plots(scene: &StopScene) -> Result<Vec<Plot>> {
         plots[0] = plots[0]
             .clone()
             .line(&format!("wheel {}", run.name), time, &rolling(run)?)
-            .measured("vehicle", time, &speed);
+            .measured(&format!("vehicle {}", run.name), time, &speed);
     }
     for (title, name, unit) in [
         ("Slip", "corner.slip", "%"),

@@ -1,11 +1,11 @@
 {
-  const read = (element) => JSON.parse(element.querySelector('script.data').textContent);
-  const film = read(document);
+  const read = (element, name) => JSON.parse(element.querySelector(`script.${name}`).textContent);
+  const film = read(document, 'film');
   const digit = Object.fromEntries([...film.digits].map((c, i) => [c, i]));
   const scenes = [...document.querySelectorAll('.scene')].map((element) => ({
     element,
     section: element.closest('section'),
-    ...read(element),
+    ...read(element, 'data'),
     stages: [...element.querySelectorAll('.stage')],
     cursors: [],
     drawn: [],
