@@ -293,7 +293,7 @@ impl Picture {
             bottom - top
         );
         for (axis, half) in self.half.into_iter().enumerate() {
-            let step = tick_step(half, if axis == 0 { 8.0 } else { 5.0 });
+            let step = tick_step(half, if axis == 0 { 8.0 * self.width / WIDTH } else { 5.0 });
             let last = (half / step).floor() as i32;
             for i in -last..=last {
                 let at = f64::from(i) * step;

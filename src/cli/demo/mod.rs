@@ -23,8 +23,13 @@ pub fn run(args: &Args) -> Result<()> {
         std::fs::create_dir_all(folder).map_err(|e| Error::file(format!("{}: {e}", folder.display())))?;
     }
     let library = ModelLibrary::shipped()?;
-    abs_stop::run(folder, &library)?;
-    flat_track::run(&track, &library)?;
+    // they take equally long and have nothing to do with each other
+    let (stop, rig) = std::thread::scope(|scope| {
+        let rig = scope.spawn(|| flat_track::run(&track, &library));
+        (abs_stop::run(folder, &library), rig.join())
+    });
+    stop?;
+    rig.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
     for (path, what) in [
         ("index.html", "an ABS stop on four roads: open this in a browser"),
         ("abs-stop.toml", "the system of three FMUs, for `latsch cosimulate`"),

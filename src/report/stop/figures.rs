@@ -93,12 +93,12 @@ impl StopFigures {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::recording::Channel;
 
     /// 20 m/s for 0.5 s, then 10 m/s²; locked from 1 s to 1.5 s.
-    fn stop() -> Recording {
+    pub fn stop() -> Recording {
         let time: Vec<f64> = (0..300).map(|k| f64::from(k) * 0.01).collect();
         let braking = |t: f64| (t - 0.5).clamp(0.0, 2.0);
         let channel = |name: &str, unit: &str, f: &dyn Fn(f64) -> f64| Channel {

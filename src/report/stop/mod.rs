@@ -124,20 +124,24 @@ fn summary(scenes: &[StopScene]) -> Section {
     let range = |f: &dyn Fn(&StopScene) -> f64, unit: &str| {
         let (low, high) =
             scenes.iter().map(f).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-        format!("{low:.0} to {high:.0} {unit}").replace('-', "−")
+        match unit.strip_prefix('±') {
+            Some(unit) => format!("{low:+.1} to {high:+.1} {unit}"),
+            None => format!("{low:.0} to {high:.0} {unit}"),
+        }
+        .replace('-', "−")
     };
     let difference = |s: &StopScene| 100.0 * (s.runs[0].figures.distance / s.runs[1].figures.distance - 1.0);
     let share = |i: usize| move |s: &StopScene| 100.0 * s.runs[i].figures.tire_share();
     let names =
         scenes.first().map_or([String::new(), String::new()], |s| [0, 1].map(|i| s.runs[i].name.clone()));
     let reading = format!(
-        "Read with care: the friction of this tire model depends on pressure and on whether a bristle sticks, not on its \
-         sliding speed, so a locked wheel brakes it about as hard as a controlled one. The distance {} differs from that \
-         {} by {}. What differs is where the energy goes, {} of the heat into the contact patch against {}, \
-         and whether bristles are left that stick and could guide the wheel.",
+        "The friction of this tire model depends on pressure and on whether a bristle sticks, not on its sliding speed: a \
+         locked wheel brakes about as hard as a controlled one, where measured tires lose more. The distance {} differs from \
+         that {} by {}, so do not take it for the benefit of an ABS. What differs is where the heat is made, {} of it in the \
+         contact patch against {}, and whether bristles are left that stick and could guide the wheel.",
         names[0],
         names[1],
-        range(&difference, "%"),
+        range(&difference, "±%"),
         range(&share(0), "%"),
         range(&share(1), "%"),
     );
@@ -162,7 +166,7 @@ fn scene_section(scene: &StopScene, film: &Film) -> Result<Section> {
             html,
             "<figure class=\"stage\"><figcaption><b><span class=\"dot\" style=\"background:{color}\"></span>{}</b>\
              <span>{:.1} m</span></figcaption><output></output>\n\
-             <svg role=\"img\" aria-label=\"wheel on the road\" viewBox=\"0 0 560 330\"><g class=\"side\"></g></svg>\n{}</figure>\n",
+             <svg role=\"img\" aria-label=\"wheel on the road\" viewBox=\"0 0 560 360\"><g class=\"side\"></g></svg>\n{}</figure>\n",
             escape(&run.name),
             run.figures.distance,
             film.drawing(&frame)
@@ -184,15 +188,18 @@ fn scene_section(scene: &StopScene, film: &Film) -> Result<Section> {
     let runs: Result<Vec<Value>> = scene.runs.iter().map(|run| run_data(run, film)).collect();
     let stop = scene.runs.iter().filter_map(|r| r.recording.time.last()).fold(start, |a, b| a.max(*b));
     let [run, _] = &scene.runs;
-    html.push_str(&data("data", &json!({
-        "start": start,
-        "step": step,
-        "stop": stop,
-        "first": first,
-        "road": scene.road,
-        "view": { "radius": run.radius, "height": run.height, "exaggeration": EXAGGERATION },
-        "runs": runs?,
-    })));
+    html.push_str(&data(
+        "data",
+        &json!({
+            "start": start,
+            "step": step,
+            "stop": stop,
+            "first": first,
+            "road": scene.road,
+            "view": { "radius": run.radius, "height": run.height, "exaggeration": EXAGGERATION },
+            "runs": runs?,
+        }),
+    ));
     html.push_str("</div>\n");
     Ok(Section::new(&scene.title).with(Html::text(&scene.text)).with(Html::raw(html)))
 }
@@ -260,10 +267,11 @@ fn plots(scene: &StopScene) -> Result<Vec<Plot>> {
     for run in &scene.runs {
         let (time, speed) = (&run.recording.time, run.recording.channel_in("corner.vehicle_speed", "km/h")?);
         // the vehicle's line, dashed, belongs to its wheel's
-        plots[0] = plots[0]
-            .clone()
-            .line(&format!("wheel {}", run.name), time, &rolling(run)?)
-            .measured(&format!("vehicle {}", run.name), time, &speed);
+        plots[0] = plots[0].clone().line(&format!("wheel {}", run.name), time, &rolling(run)?).measured(
+            &format!("vehicle {}", run.name),
+            time,
+            &speed,
+        );
     }
     for (title, name, unit) in [
         ("Slip", "corner.slip", "%"),
@@ -292,4 +300,69 @@ fn plots(scene: &StopScene) -> Result<Vec<Plot>> {
         plots.push(plot);
     }
     Ok(plots.into_iter().map(|plot| plot.size(Size::Half)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::patch::Cell;
+    use super::*;
+
+    const ATTACK: &str = "<script>'\"";
+
+    fn run(figures: StopFigures, recording: &Recording) -> StopRun {
+        let cells = vec![Cell { length: 0.01, width: 0.04, pressure: 1e5, ..Cell::default() }];
+        let frame = PatchFrame { cells, ..PatchFrame::default() };
+        StopRun {
+            name: ATTACK.into(),
+            recording: recording.clone(),
+            frames: vec![frame; recording.time.len()],
+            figures,
+            radius: 0.33,
+            rolling_radius: 0.32,
+            height: 0.31,
+        }
+    }
+
+    #[test]
+    fn the_page_is_whole_needs_nothing_else_and_text_stays_text() {
+        let mut recording = figures::tests::stop();
+        for (name, unit) in [
+            ("corner.wheel_speed", "rad/s"),
+            ("brake.pressure", "bar"),
+            ("corner.brake_torque_actual", "N.m"),
+            ("corner.force_x", "N"),
+            ("corner.force_z", "N"),
+            ("corner.wheel_angle", "rad"),
+            ("corner.wheel_height", "m"),
+            ("corner.body_height", "m"),
+            ("corner.wheel_fore_aft", "m"),
+            ("corner.road_elevation", "m"),
+        ] {
+            recording.channels.push(crate::recording::Channel {
+                name: name.into(),
+                unit: unit.into(),
+                values: recording.time.clone(),
+            });
+        }
+        let figures = StopFigures::of(&recording).unwrap();
+        let scene = StopScene {
+            id: ATTACK.into(),
+            title: ATTACK.into(),
+            text: ATTACK.into(),
+            road: vec![[0.0, 0.0], [100.0, 0.0]],
+            runs: [run(figures, &recording), run(figures, &recording)],
+        };
+        let html = stop_page(ATTACK, ATTACK, &[scene], Section::new("about")).unwrap();
+        // the data of the scene and the film, and the script
+        assert_eq!(html.matches("<script").count(), 3);
+        let rest = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+        for outside in ["http:", "https:", "url(", "@import", "src=", "href=\"h"] {
+            assert!(!rest.contains(outside), "{outside}");
+        }
+        assert!(html.contains(&format!("<td class=\"number\">{:.2}</td>", figures.distance)));
+        // two pictures for each run, six plots
+        assert_eq!(html.matches("<svg").count(), 2 * 2 + 6);
+        recording.channels.pop();
+        assert!(run_data(&run(figures, &recording), &Film::new(&[])).is_err());
+    }
 }

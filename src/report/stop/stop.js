@@ -62,7 +62,7 @@
   // the wheel seen from its right: to scale, but for heights and the wheel's give
   function side(run, t) {
     const { radius, height, exaggeration: e } = scene.view;
-    const px = 260, base = 262, middle = 280;
+    const px = 260, base = 292, middle = 280;
     const s = at(run, 's', t), up = (z) => base - e * z * px;
     const road = scene.road.filter((p, i, all) => (all[i + 1] ?? p)[0] > s - 1.2 && (all[i - 1] ?? p)[0] < s + 1.2);
     const line = road.map(([x, z]) => [middle + (x - s) * px, up(z)]);
@@ -83,7 +83,7 @@
       <g transform="translate(${x} ${y})"><circle r="${r}" fill="#3b444b"/>
       <g transform="rotate(${turn})"><circle r="${0.66 * r}" fill="#dde2e6"/><g stroke="#5b6770" stroke-width="7">${spokes}</g>
       <circle cy="${-0.82 * r}" r="5" fill="#f4f6f8"/><circle r="11" fill="#5b6770"/></g></g>
-      <path d="${path(line)}L560 330L0 330z" fill="#c9cfc6" stroke="#69725f" stroke-width="2"/>
+      <path d="${path(line)}L560 360L0 360z" fill="#c9cfc6" stroke="#69725f" stroke-width="2"/>
       <path d="${arrow(force('fx'), 0)}${arrow(0, -force('fz'))}" fill="none" stroke="${film.sliding}" stroke-width="3"/>`;
   }
 
