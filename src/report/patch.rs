@@ -438,6 +438,7 @@ pub(super) fn color(share: f64) -> String {
 mod tests {
     use super::*;
     use crate::model::{Native, Settings, Slave};
+    use crate::rig::RingBrushFlatTrack;
 
     fn cell(x: f64, sliding: bool) -> Cell {
         Cell { x, y: 0.0, length: 0.01, width: 0.03, pressure: 2e5, sliding, deflection: [1e-3, -2e-3] }

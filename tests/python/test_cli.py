@@ -210,18 +210,74 @@ def test_progress_shows_on_a_terminal_and_nowhere_else(tmp_path):
     assert b"%" in shown and b"left" in shown
 
 
-def test_demo_makes_a_page_that_needs_nothing_else(tmp_path):
-    done = latsch("demo", "--output", tmp_path / "demo")
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("demo") / "demo"
+    done = latsch("demo", "--output", folder)
     assert done.returncode == 0, done.stderr
-    names = {p.name for p in (tmp_path / "demo").iterdir()}
-    assert names == {f"{MODEL}.fmu", "rig-programme.csv", "results.csv", "index.html"}
-    page = (tmp_path / "demo" / "index.html").read_text()
-    assert "src=" not in page and "@import" not in page and "https://" not in page
-    results = read_results(tmp_path / "demo" / "results.csv")
+    return folder
+
+
+def test_demo_makes_pages_that_need_nothing_else(demo):
+    for page in ("index.html", "flat-track/index.html"):
+        text = (demo / page).read_text().replace('xmlns="http://www.w3.org/2000/svg"', "")
+        for outside in ("src=", "@import", "url(", "http://", "https://", 'href="h'):
+            assert outside not in text, f"{page}: {outside}"
+    assert (demo / "index.html").stat().st_size < 3e6
+    results = read_results(demo / "flat-track" / "results.csv")
     # a triangle of the slip angle at each of three loads, then slip: the tire answers with its limits
     assert 4500 < max(results["force_y"]) < 6000
     assert 3000 < max(results["force_x"]) < 4500
     assert min(results["force_z"]) > 1000
+
+
+def stop_numbers(path):
+    """Distance, time, longest lock, heat of patch and of brake, speed at the start, from the results of a stop."""
+    r = {name.split(".", 1)[-1]: column for name, column in read_results(path).items() if not name.startswith("abs.")}
+    start = max(k for k, p in enumerate(r["driver_pressure"]) if p == 0)
+    end = next(k for k, v in enumerate(r["vehicle_speed"]) if k > start and v < 0.1)
+    longest = since = 0.0
+    for k in range(start + 1, end):
+        locked = r["slip"][k] < -0.8 and r["vehicle_speed"][k] > 2
+        since = since + r["time"][k] - r["time"][k - 1] if locked else 0.0
+        longest = max(longest, since)
+    gain = lambda name: r[name][end] - r[name][start]
+    changes = [gain(name) for name in ("vehicle_distance", "time", "friction_energy", "brake_energy")]
+    return changes[0], changes[1], longest, changes[2], changes[3], r["vehicle_speed"][start]
+
+
+ROADS = {"dry": "Dry", "wet": "Wet", "split": "Split in time", "slabs": "Over ramps"}
+
+
+@pytest.mark.parametrize("road", ROADS)
+def test_demo_shows_the_numbers_of_its_results(demo, road):
+    page = (demo / "index.html").read_text()
+    numbers = {}
+    for variant, name in (("abs", "with ABS"), ("no-abs", "without ABS")):
+        numbers[variant] = stop_numbers(demo / "runs" / f"{road}-{variant}.csv")
+        distance, time, lock, patch, brake, speed = numbers[variant]
+        row = page.split(f"<td>{ROADS[road]}, {name}</td>")[1].split("</tr>")[0]
+        cells = [float(cell.split("<")[0]) for cell in row.split('<td class="number">')[1:]]
+        assert cells[0] == pytest.approx(distance, abs=0.0051)
+        assert cells[1] == pytest.approx(time, abs=0.0051)
+        assert cells[2] == pytest.approx(speed**2 / 2 / distance, abs=0.0051)
+        assert cells[3] == pytest.approx(lock, abs=0.0051)
+        assert cells[5] == pytest.approx(patch / 1e3, abs=0.051)
+        assert cells[6] == pytest.approx(brake / 1e3, abs=0.051)
+        # what both took up is the kinetic energy of the vehicle, but for belt and wheel that spin and the suspension
+        assert patch + brake == pytest.approx(0.5 * 420 * speed**2, rel=0.06)
+    with_abs, without = numbers["abs"], numbers["no-abs"]
+    # the wheel keeps turning, and the brake makes the heat
+    assert with_abs[2] < 0.3 < 2 < without[2]
+    assert with_abs[3] < 0.25 * with_abs[4] and without[3] > 5 * without[4]
+    # a locked wheel is slowed down by sliding friction, which for this tire is nearly its best
+    assert 0.9 < with_abs[0] / without[0] < 1.1
+
+
+def test_demo_system_runs_again_with_the_same_numbers(demo, tmp_path):
+    done = latsch("cosimulate", demo / "abs-stop.toml", "--output", tmp_path / "again.csv")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "again.csv").read_bytes() == (demo / "runs" / "dry-abs.csv").read_bytes()
 
 
 def test_results_never_overwrite_what_is_read(tmp_path):
