@@ -264,12 +264,13 @@ def test_demo_shows_the_numbers_of_its_results(demo, road):
         assert cells[3] == pytest.approx(lock, abs=0.0051)
         assert cells[5] == pytest.approx(patch / 1e3, abs=0.051)
         assert cells[6] == pytest.approx(brake / 1e3, abs=0.051)
-        # what both took up is the kinetic energy of the vehicle, but for belt and wheel that spin and the suspension
-        assert patch + brake == pytest.approx(0.5 * 420 * speed**2, rel=0.06)
+        # what moved and spun at the start is made heat; a little of that by rolling and damping
+        energy = 0.5 * (420 + 8.8) * speed**2 + 0.5 * (0.7 + 0.928) * (speed / 0.328) ** 2
+        assert 0.93 * energy < patch + brake < energy
     with_abs, without = numbers["abs"], numbers["no-abs"]
     # the wheel keeps turning, and the brake makes the heat
     assert with_abs[2] < 0.3 < 2 < without[2]
-    assert with_abs[3] < 0.25 * with_abs[4] and without[3] > 5 * without[4]
+    assert with_abs[3] < 0.35 * with_abs[4] and without[3] > 5 * without[4]
     # a locked wheel is slowed down by sliding friction, which for this tire is nearly its best
     assert 0.9 < with_abs[0] / without[0] < 1.1
 
