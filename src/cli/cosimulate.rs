@@ -4,7 +4,7 @@ use super::{check_outputs, print};
 use indicatif::{ProgressBar, ProgressStyle};
 use latsch::cosimulate::{Experiment, Outcome, PortName, System, cosimulate, energy_warnings, read_system};
 use latsch::model::Value;
-use latsch::recording::{Recording, read_csv, write_csv};
+use latsch::recording::{Recording, profile_value, read_csv, write_csv};
 use latsch::report::{simulation_report, write_html};
 use latsch::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -132,7 +132,7 @@ fn set(system: &mut System, assignment: &str) -> Result<()> {
     };
     let PortName { component, variable } = name.trim().parse().map_err(Error::variable)?;
     let port = system.port(&component, &variable)?;
-    let value = Value::from_text(system.info(port), value.trim())?;
+    let value = profile_value(&variable, Value::from_text(system.info(port), value.trim())?, Path::new(""))?;
     system.set(port, &value)
 }
 

@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use latsch::fmi::import::ImportedFmu;
 use latsch::fmi::{Entry, guid};
 use latsch::model::{Causality, Interface, Kind, Model, Native, Settings, Slave, Value};
-use latsch::recording::{Recording, read_csv, write_csv};
+use latsch::recording::{Recording, profile_value, read_csv, write_csv};
 use latsch::report::{PatchFrame, patch_caption, simulation_report, write_html};
 use latsch::rig::RingBrushFlatTrack;
 use latsch::shipped::MODELS;
@@ -29,7 +29,7 @@ pub struct Args {
     /// A column of the recording that is left out
     #[arg(long, value_name = "COLUMN")]
     ignore: Vec<String>,
-    /// Value of a parameter, or of an input for the whole run; `path_speed="90 km/h"` is converted
+    /// Value of a parameter, or of an input for the whole run; `path_speed="90 km/h"` is converted, `road_profile=@F.csv` takes the points of a road from a file with the columns `x [m],z [m]`
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
     /// Parameters and inputs of a shipped model: TOML with [parameters] and [inputs], in SI units or as "170 N/mm"
@@ -291,6 +291,9 @@ fn parse_assignment(interface: &Interface, text: &str) -> Result<(usize, Value)>
     if !matches!(variable.causality, Causality::Parameter | Causality::Input) {
         return Err(at(Error::variable("computed by the model; it cannot be set")));
     }
-    let value = Value::from_text(variable, value.trim()).and_then(|v| variable.accept(&v)).map_err(at)?;
+    let value = Value::from_text(variable, value.trim())
+        .and_then(|v| profile_value(&variable.name, v, Path::new("")))
+        .and_then(|v| variable.accept(&v))
+        .map_err(at)?;
     Ok((index, value))
 }

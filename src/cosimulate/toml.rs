@@ -6,6 +6,7 @@ use super::plan::{
 };
 use super::system::Transfer;
 use crate::model::{Value, line_of};
+use crate::recording::profile_value;
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -115,6 +116,7 @@ pub fn parse_toml(text: &str, place: &str, folder: &Path) -> Result<Plan> {
             let variable = variable.into_inner();
             let value = Value::from_toml(&value)
                 .map_err(|e| Error::file(format!("{place}: {name}.{variable} {e}")))?;
+            let value = profile_value(&variable, value, folder).map_err(|e| e.at(&place))?;
             set.push(Assignment { variable, value, place });
         }
         plan.components.push(PlannedComponent { name, source, set, place });

@@ -4,7 +4,7 @@ mod csv;
 mod profile;
 
 pub use csv::{parse_csv, read_csv, to_csv, write_csv};
-pub use profile::profile_from_csv;
+pub use profile::{profile_from_csv, profile_value};
 
 use crate::model::unit::Unit;
 use crate::{Error, Result};

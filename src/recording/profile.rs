@@ -1,6 +1,7 @@
 //! Road profiles from CSV files.
 
 use super::csv::{Axis, read_csv_over, shortest};
+use crate::model::Value;
 use crate::road::MAX_POINTS;
 use crate::{Error, Result};
 use std::path::Path;
@@ -33,6 +34,21 @@ pub fn profile_from_csv(path: &Path) -> Result<String> {
         .map(|(x, z)| format!("{} {}", shortest(*x), shortest(*z)))
         .collect();
     Ok(points.join("; "))
+}
+
+/// The value that a user gave to the variable `name`: of `@FILE` for a `road_profile`, the points in that
+/// CSV file, looked for in `folder`; otherwise the value as it is.
+///
+/// # Errors
+/// As [`profile_from_csv`].
+pub fn profile_value(name: &str, value: Value, folder: &Path) -> Result<Value> {
+    match &value {
+        Value::Text(text) if name == "road_profile" => match text.strip_prefix('@') {
+            Some(file) => profile_from_csv(&folder.join(file)).map(Value::Text),
+            None => Ok(value),
+        },
+        _ => Ok(value),
+    }
 }
 
 #[cfg(test)]
