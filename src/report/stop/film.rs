@@ -129,7 +129,7 @@ mod tests {
         let place = |hi: usize, lo: usize| ((64 * hi + lo) as f64 / 4095.0 * 2.0 - 1.0) * half;
         assert!((place(values[0], values[1]) + 0.05).abs() < 2e-5);
         // half of the largest pressure, sticking, the longest arrow forward; no second stripe
-        assert!((14..=15).contains(&((values[2] - 3) / 2)) && (values[2] - 3) % 2 == 0);
+        assert!((14..=15).contains(&((values[2] - 3) / 2)) && (values[2] - 3).is_multiple_of(2));
         assert_eq!(values[3..6], [62, 31, 0]);
         assert!((place(values[6], values[7]) - 0.05).abs() < 2e-5);
         // the largest pressure, sliding, backward; then negative and sliding, to the right
