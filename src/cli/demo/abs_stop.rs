@@ -271,17 +271,17 @@ impl Twin {
         let mut frames = Vec::new();
         slave.start(first, None)?;
         for k in 0..=last {
+            // an input beside a sample is the one that led there
             for (index, values) in &inputs {
                 slave.set(*index, values[k])?;
             }
             if k == 0 {
                 slave.finish_start()?;
+            } else {
+                slave.step(first + (k - 1) as f64 * step, step)?;
             }
             if k % EVERY == 0 {
                 frames.push(PatchFrame::of(slave.model().mounted(), recording.time[k], ""));
-            }
-            if k < last {
-                slave.step(first + k as f64 * step, step)?;
             }
         }
         let index = slave.find("vehicle_distance")?;
