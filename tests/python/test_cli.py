@@ -271,9 +271,8 @@ def test_demo_shows_the_numbers_of_its_results(demo, road):
     # the wheel keeps turning, and the brake makes the heat
     assert with_abs[2] < 0.3 < 2 < without[2]
     assert with_abs[3] < 0.35 * with_abs[4] and without[3] > 5 * without[4]
-    # a locked wheel is slowed down by sliding friction, which for this tire is nearly its best; over a drop the
-    # controller lets go for a while
-    assert 0.9 < with_abs[0] / without[0] < 1.15
+    # sliding friction falls with the sliding speed here, so that a locked wheel loses
+    assert 0.85 < with_abs[0] / without[0] < 1
 
 
 def test_demo_system_runs_again_with_the_same_numbers(demo, tmp_path):

@@ -16,6 +16,8 @@ use std::path::Path;
 
 /// Every how many communication points are recorded.
 const EVERY: usize = 5;
+/// How the sliding friction falls with the sliding speed \[s/m\]: a placeholder, see `about`.
+const FALLOFF: f64 = 0.01;
 /// A point of the road's profile at every such distance \[m\].
 const ROAD_STEP: f64 = 0.01;
 
@@ -113,6 +115,9 @@ fn about(scenes: &[StopScene]) -> Section {
         "Corner (ring-brush-corner): sprung mass, suspension and wheel of a quarter vehicle that travels straight, on the ring-and-brush \
          tire of Kaden (TU München, 2015) with the parameters of its example; no load transfer, no aerodynamics. The friction factor \
          scales the tire's dry friction, static and sliding alike. Masses and suspension are of sports-car size and placeholders.",
+        "The source's friction does not depend on the sliding speed: with it a locked wheel brakes as hard as a controlled one or harder. \
+         Here the sliding friction is divided by 1 + v · 0.01 s/m (friction_speed_falloff), a placeholder: how much shorter the stops with ABS are \
+         follows from that number. Set it to 0 in a run's file to see the source's tire.",
         "Brake (brake-hydraulics): valves, line, lag of the caliper, pads whose friction builds up after first contact (Mack 2009, \
          6.32 to 6.34). Controller (abs-controller): a rule-based stand-in that knows wheel speed and driver's pressure only. The sources \
          give neither sizes, rates nor thresholds: all parameters of brake and controller are placeholders. It is no product's ABS.",
@@ -176,10 +181,11 @@ record_every = {EVERY}
 # One after the other, each with what those before it have at the end of the interval.
 order = [{order}]
 
-# Body, suspension, wheel, tire and road.
+# Body, suspension, wheel, tire and road. The tire's source knows no fall of the sliding friction with the speed
+# (friction_speed_falloff = 0), and without it a locked wheel brakes about as hard as a controlled one.
 [component.corner]
 fmu = \"{fmus}ring-brush-corner.fmu\"
-set = {{ initial_speed = \"100 km/h\"{road} }}
+set = {{ initial_speed = \"100 km/h\", friction_speed_falloff = {FALLOFF}{road} }}
 
 # Valves, line and pads.
 [component.brake]

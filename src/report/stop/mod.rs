@@ -135,10 +135,9 @@ fn summary(scenes: &[StopScene]) -> Section {
     let names =
         scenes.first().map_or([String::new(), String::new()], |s| [0, 1].map(|i| s.runs[i].name.clone()));
     let reading = format!(
-        "The friction of this tire model depends on pressure and on whether a bristle sticks, not on its sliding speed: a \
-         locked wheel brakes about as hard as a controlled one, where measured tires lose more. The distance {} differs from \
-         that {} by {}, so do not take it for the benefit of an ABS. What differs is where the heat is made, {} of it in the \
-         contact patch against {}, and whether bristles are left that stick and could guide the wheel.",
+        "The distance {} differs from that {} by {}; how much depends on how fast the sliding friction falls with the sliding \
+         speed, see below. What differs as well is where the heat is made, {} of it in the contact patch against {}, and \
+         whether bristles are left that stick and could guide the wheel.",
         names[0],
         names[1],
         range(&difference, "±%"),
