@@ -8,6 +8,7 @@
 pub mod control;
 #[cfg(feature = "host")]
 pub mod cosimulate;
+pub mod effect;
 mod error;
 #[cfg(feature = "host")]
 mod file;

@@ -18,6 +18,7 @@ pub use native::Native;
 #[cfg(feature = "host")]
 pub(crate) use settings::line_of;
 pub use settings::{Setting, Settings};
+pub(crate) use slave::wrong_order;
 pub use slave::{Slave, Snapshot};
 pub use variable::{
     Access, Start, Variable, boolean_parameter, input, integer_parameter, local, output, parameter,

@@ -1,0 +1,501 @@
+//! [`Attached`]: a slave with effects on its ports is a slave again.
+
+use super::{Call, Effect, Memory, Port};
+use crate::model::{
+    Causality, Initial, Interface, Kind, Slave, Snapshot, Value, Variability, VariableInfo, wrong_order,
+};
+use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
+
+/// What of a variable drives an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Source {
+    /// Its value.
+    Value,
+    /// Its rate, over the last communication step; 0 at the start.
+    Rate,
+    /// Its integral over time since the start, by trapezoids.
+    Integral,
+}
+
+/// A signal that drives an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Signal {
+    /// Index of the variable in the slave without effects.
+    pub variable: usize,
+    /// What of it.
+    pub source: Source,
+}
+
+/// A value of an effect's parameter, in the unit of the machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chosen {
+    /// The value.
+    pub value: f64,
+    /// Smallest and largest value that is accepted.
+    pub range: (f64, f64),
+    /// Unit, if it has a name.
+    pub unit: Option<String>,
+}
+
+/// An effect at a place.
+#[derive(Debug, Clone)]
+pub struct Attachment {
+    /// Which.
+    pub effect: &'static Effect,
+    /// Index of the variable that it changes.
+    pub target: usize,
+    /// One for each of [`Effect::drivers`].
+    pub drivers: Vec<Signal>,
+    /// One for each of [`Effect::parameters`].
+    pub parameters: Vec<Chosen>,
+}
+
+impl Attachment {
+    /// Name of one of its parameters as a variable: `effect.sensor_delay.force_y.delay`.
+    pub fn variable(&self, interface: &Interface, parameter: usize) -> String {
+        let effect = self.effect.id.replace('-', "_");
+        let target = &interface.variables[self.target].name;
+        format!("effect.{effect}.{target}.{}", self.effect.parameters[parameter].name)
+    }
+}
+
+/// A slave with effects on its ports.
+///
+/// Its variables are those of the slave, followed by the parameters of the effects. Effects on inputs,
+/// forces and parameters see the outputs of the last communication point: a delay of one communication
+/// step. Effects on outputs see the outputs and inputs of the same point. Several effects on one
+/// variable act in the order in which they were attached.
+///
+/// What effects change has no derivatives; the slave offers no directional derivatives.
+pub struct Attached<S: Slave + ?Sized> {
+    attachments: Vec<Attachment>,
+    interface: Interface,
+    /// Number of variables of the slave itself.
+    own: usize,
+    /// Variables with effects before the step, and those after it.
+    before: Vec<Changed>,
+    after: Vec<Changed>,
+    signals: Vec<Signal>,
+    state: State,
+    inner: Box<S>,
+}
+
+/// A variable and its attachments: index, and places of the drivers in the list of signals.
+struct Changed {
+    variable: usize,
+    by: Vec<(usize, Vec<usize>)>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct State {
+    phase: Phase,
+    time: f64,
+    /// Parameters of each attachment.
+    parameters: Vec<Vec<f64>>,
+    memories: Vec<Memory>,
+    /// Of the slave's inputs and changed parameters: value and rate as the master gave them.
+    values: Vec<f64>,
+    rates: Vec<f64>,
+    /// Of the variables that are changed before the step: what the master's value was to be at the
+    /// communication point, and what the slave got there.
+    expected: Vec<(f64, f64)>,
+    /// Of the variables that are changed after the step.
+    outputs: Vec<f64>,
+    /// Of each signal: value of the variable, and rate or integral.
+    signals: Vec<(f64, f64)>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+enum Phase {
+    New,
+    Starting,
+    Running,
+}
+
+struct Saved {
+    inner: Snapshot,
+    state: State,
+}
+
+impl<S: Slave + ?Sized> Attached<S> {
+    /// A slave that was not started, with effects.
+    ///
+    /// # Errors
+    /// A target or driver that is no real variable of the right causality, or a number of drivers or
+    /// parameters that is not the effect's.
+    pub fn new(inner: Box<S>, attachments: Vec<Attachment>) -> Result<Self> {
+        let mut interface = inner.interface().clone();
+        interface.directional_derivatives = false;
+        let own = interface.variables.len();
+        let mut reference = interface.variables.iter().map(|v| v.reference).max().unwrap_or(0);
+        let mut signals: Vec<Signal> = Vec::new();
+        let (mut before, mut after): (Vec<Changed>, Vec<Changed>) = (Vec::new(), Vec::new());
+        for (k, attachment) in attachments.iter().enumerate() {
+            let effect = attachment.effect;
+            check(&interface, own, attachment).map_err(|e| e.at(format!("effect {}", effect.id)))?;
+            let drivers = attachment.drivers.iter().map(|signal| {
+                signals.iter().position(|s| s == signal).unwrap_or_else(|| {
+                    signals.push(*signal);
+                    signals.len() - 1
+                })
+            });
+            let by = (k, drivers.collect());
+            let list = if effect.port == Port::Output { &mut after } else { &mut before };
+            match list.iter_mut().find(|c| c.variable == attachment.target) {
+                Some(changed) => changed.by.push(by),
+                None => list.push(Changed { variable: attachment.target, by: vec![by] }),
+            }
+            for (i, (parameter, chosen)) in effect.parameters.iter().zip(&attachment.parameters).enumerate() {
+                reference += 1;
+                let name = attachment.variable(&interface, i);
+                if interface.index(&name).is_some() {
+                    return Err(Error::variable(format!("{name}: the effect is attached twice")));
+                }
+                interface.variables.push(VariableInfo {
+                    name,
+                    reference,
+                    description: format!("{}: {}", effect.name, parameter.description),
+                    unit: chosen.unit.clone(),
+                    kind: Kind::Real,
+                    causality: Causality::Parameter,
+                    variability: Variability::Fixed,
+                    initial: Some(Initial::Exact),
+                    start: Some(Value::Real(chosen.value)),
+                    min: Some(chosen.range.0).filter(|v| v.is_finite()),
+                    max: Some(chosen.range.1).filter(|v| v.is_finite()),
+                    nominal: None,
+                });
+            }
+        }
+        let mut attached = Self {
+            state: State {
+                phase: Phase::New,
+                time: 0.0,
+                parameters: Vec::new(),
+                memories: Vec::new(),
+                values: Vec::new(),
+                rates: Vec::new(),
+                expected: Vec::new(),
+                outputs: Vec::new(),
+                signals: Vec::new(),
+            },
+            attachments,
+            interface,
+            own,
+            before,
+            after,
+            signals,
+            inner,
+        };
+        attached.forget();
+        Ok(attached)
+    }
+
+    /// The slave without effects.
+    pub fn inner(&self) -> &S {
+        &self.inner
+    }
+
+    fn forget(&mut self) {
+        let start = |info: &VariableInfo| match info.start {
+            Some(Value::Real(v)) => v,
+            _ => 0.0,
+        };
+        self.state = State {
+            phase: Phase::New,
+            time: 0.0,
+            parameters: self
+                .attachments
+                .iter()
+                .map(|a| a.parameters.iter().map(|p| p.value).collect())
+                .collect(),
+            memories: vec![Memory::default(); self.attachments.len()],
+            values: self.interface.variables[..self.own].iter().map(start).collect(),
+            rates: vec![0.0; self.own],
+            expected: vec![(0.0, 0.0); self.before.len()],
+            outputs: vec![0.0; self.after.len()],
+            signals: vec![(0.0, 0.0); self.signals.len()],
+        };
+    }
+
+    /// The attachment and parameter behind a variable.
+    fn parameter(&self, variable: usize) -> Option<(usize, usize)> {
+        let mut rest = variable.checked_sub(self.own)?;
+        for (k, attachment) in self.attachments.iter().enumerate() {
+            let n = attachment.parameters.len();
+            if rest < n {
+                return Some((k, rest));
+            }
+            rest -= n;
+        }
+        None
+    }
+
+    /// Reads the signals at a communication point that is `dt` after the last.
+    fn sense(&mut self, dt: f64) -> Result<()> {
+        for (signal, (value, more)) in self.signals.iter().zip(&mut self.state.signals) {
+            let info = &self.interface.variables[signal.variable];
+            let now = if info.causality == Causality::Input {
+                self.state.values[signal.variable] + self.state.rates[signal.variable] * dt
+            } else {
+                self.inner.get(signal.variable)?
+            };
+            match signal.source {
+                Source::Value => {}
+                Source::Rate if dt > 0.0 => *more = (now - *value) / dt,
+                Source::Rate => *more = 0.0,
+                Source::Integral => *more += 0.5 * dt * (now + *value),
+            }
+            *value = now;
+        }
+        Ok(())
+    }
+
+    /// A number after the effects on its variable.
+    fn change(&mut self, after: bool, i: usize, mut target: f64, time: f64, dt: f64) -> f64 {
+        let changed = if after { &self.after[i] } else { &self.before[i] };
+        for (k, places) in &changed.by {
+            let mut drivers = [0.0; 3];
+            for (driver, place) in drivers.iter_mut().zip(places) {
+                let (value, more) = self.state.signals[*place];
+                *driver = if self.signals[*place].source == Source::Value { value } else { more };
+            }
+            let call = Call { time, dt, target, drivers: &drivers[..places.len().min(3)] };
+            target = (self.attachments[*k].effect.apply)(
+                &self.state.parameters[*k],
+                &mut self.state.memories[*k],
+                &call,
+            );
+        }
+        target
+    }
+
+    fn change_outputs(&mut self, time: f64, dt: f64) -> Result<()> {
+        for i in 0..self.after.len() {
+            let target = self.inner.get(self.after[i].variable)?;
+            self.state.outputs[i] = self.change(true, i, target, time, dt);
+        }
+        Ok(())
+    }
+}
+
+fn check(interface: &Interface, own: usize, attachment: &Attachment) -> Result<()> {
+    let effect = attachment.effect;
+    let target = interface.variables[..own].get(attachment.target);
+    let target = target.ok_or_else(|| Error::variable("the changed variable is not there"))?;
+    let fits = match effect.port {
+        Port::Input | Port::Force => target.causality == Causality::Input,
+        Port::Output => matches!(target.causality, Causality::Output | Causality::Local),
+        Port::Parameter => {
+            target.causality == Causality::Parameter && target.variability == Variability::Tunable
+        }
+    };
+    if !fits || target.kind != Kind::Real {
+        let needed = match effect.port {
+            Port::Input | Port::Force => "a real input",
+            Port::Output => "a real output",
+            Port::Parameter => "a tunable real parameter",
+        };
+        return Err(Error::variable(format!("it changes {needed}; {} is none", target.name)));
+    }
+    if attachment.drivers.len() != effect.drivers.len() || effect.drivers.len() > 3 {
+        return Err(Error::variable(format!("it needs {} signals", effect.drivers.len())));
+    }
+    if attachment.parameters.len() != effect.parameters.len() {
+        return Err(Error::variable(format!("it has {} parameters", effect.parameters.len())));
+    }
+    for signal in &attachment.drivers {
+        let is_real = interface.variables[..own].get(signal.variable).is_some_and(VariableInfo::is_real);
+        if !is_real {
+            return Err(Error::variable("a signal that drives it is no real variable"));
+        }
+    }
+    Ok(())
+}
+
+impl<S: Slave + ?Sized> Slave for Attached<S> {
+    fn interface(&self) -> &Interface {
+        &self.interface
+    }
+
+    fn get(&mut self, variable: usize) -> Result<f64> {
+        if let Some((k, i)) = self.parameter(variable) {
+            return Ok(self.state.parameters[k][i]);
+        }
+        if self.state.phase == Phase::Running
+            && let Some(i) = self.after.iter().position(|c| c.variable == variable)
+        {
+            return Ok(self.state.outputs[i]);
+        }
+        if self.before.iter().any(|c| c.variable == variable) {
+            return Ok(self.state.values[variable]);
+        }
+        self.inner.get(variable)
+    }
+
+    fn set(&mut self, variable: usize, value: f64) -> Result<()> {
+        if let Some((k, i)) = self.parameter(variable) {
+            if self.state.phase != Phase::New {
+                return Err(wrong_order("setting a parameter of an effect", "after the start"));
+            }
+            self.interface.variables[variable].accept(&Value::Real(value))?;
+            self.state.parameters[k][i] = value;
+            return Ok(());
+        }
+        if self.state.phase == Phase::Running && self.before.iter().any(|c| c.variable == variable) {
+            // the slave gets it changed, with the next step
+            self.interface.variables[variable].accept(&Value::Real(value))?;
+        } else {
+            self.inner.set(variable, value)?;
+        }
+        if let (Some(v), Some(r)) = (self.state.values.get_mut(variable), self.state.rates.get_mut(variable))
+        {
+            (*v, *r) = (value, 0.0);
+        }
+        Ok(())
+    }
+
+    fn text(&mut self, variable: usize) -> Result<String> {
+        self.inner.text(variable)
+    }
+
+    fn set_text(&mut self, variable: usize, text: &str) -> Result<()> {
+        self.inner.set_text(variable, text)
+    }
+
+    fn set_rate(&mut self, variable: usize, rate: f64) -> Result<()> {
+        if !self.before.iter().any(|c| c.variable == variable) || self.state.phase != Phase::Running {
+            self.inner.set_rate(variable, rate)?;
+        }
+        if let Some(r) = self.state.rates.get_mut(variable) {
+            *r = rate;
+        }
+        Ok(())
+    }
+
+    fn can_interpolate(&self) -> bool {
+        self.inner.can_interpolate()
+    }
+
+    fn start(&mut self, start: f64, stop: Option<f64>) -> Result<()> {
+        self.inner.start(start, stop)?;
+        self.state.time = start;
+        self.state.phase = Phase::Starting;
+        Ok(())
+    }
+
+    fn finish_start(&mut self) -> Result<()> {
+        let time = self.state.time;
+        self.sense(0.0)?;
+        for i in 0..self.before.len() {
+            let variable = self.before[i].variable;
+            let value = self.state.values[variable];
+            let changed = self.change(false, i, value, time, 0.0);
+            if changed != value {
+                self.inner.set(variable, changed)?;
+            }
+            self.state.expected[i] = (value, changed);
+        }
+        self.inner.finish_start()?;
+        // what the changed inputs made of the outputs
+        self.sense(0.0)?;
+        self.change_outputs(time, 0.0)?;
+        self.state.phase = Phase::Running;
+        Ok(())
+    }
+
+    fn output_derivative(&mut self, variable: usize) -> Result<f64> {
+        if self.after.iter().any(|c| c.variable == variable) {
+            let name = &self.interface.variables[variable].name;
+            return Err(Error::call(format!(
+                "the derivative of {name}, which an effect changes, is not known"
+            )));
+        }
+        self.inner.output_derivative(variable)
+    }
+
+    fn own_step(&self) -> Option<f64> {
+        self.inner.own_step()
+    }
+
+    fn warning(&self) -> Option<String> {
+        self.inner.warning()
+    }
+
+    fn step(&mut self, time: f64, length: f64) -> Result<()> {
+        let interpolates = self.inner.can_interpolate();
+        for i in 0..self.before.len() {
+            let variable = self.before[i].variable;
+            let (value, rate) = (self.state.values[variable], self.state.rates[variable]);
+            let (expected, got) = self.state.expected[i];
+            let goal = value + rate * length;
+            let changed = self.change(false, i, goal, time + length, length);
+            // a jump of the master's value passes on at once
+            let begin = if got == expected { value } else { got + (value - expected) };
+            if changed == goal && begin == value {
+                self.inner.set(variable, value)?;
+                if interpolates && rate != 0.0 {
+                    self.inner.set_rate(variable, rate)?;
+                }
+            } else if interpolates && self.interface.variables[variable].causality == Causality::Input {
+                self.inner.set(variable, begin)?;
+                self.inner.set_rate(variable, (changed - begin) / length)?;
+            } else {
+                self.inner.set(variable, changed)?;
+            }
+            self.state.expected[i] = (goal, changed);
+        }
+        self.inner.step(time, length)?;
+        self.state.time = time + length;
+        self.sense(length)?;
+        self.change_outputs(time + length, length)
+    }
+
+    fn save(&mut self) -> Result<Snapshot> {
+        Ok(Box::new(Saved { inner: self.inner.save()?, state: self.state.clone() }))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let saved = snapshot.downcast_ref::<Saved>();
+        let saved = saved.ok_or_else(|| Error::call("the snapshot is of another kind of slave"))?;
+        self.inner.restore(&saved.inner)?;
+        self.state.clone_from(&saved.state);
+        Ok(())
+    }
+
+    fn serialize(&mut self, snapshot: &Snapshot) -> Result<Vec<u8>> {
+        let saved = snapshot.downcast_ref::<Saved>();
+        let saved = saved.ok_or_else(|| Error::call("the snapshot is of another kind of slave"))?;
+        let inner = self.inner.serialize(&saved.inner)?;
+        postcard::to_stdvec(&(self.interface.fingerprint().into_bytes(), inner, &saved.state))
+            .map_err(|e| Error::call(format!("the state cannot be written: {e}")))
+    }
+
+    fn deserialize(&mut self, bytes: &[u8]) -> Result<Snapshot> {
+        let damaged = |_| Error::call("the bytes are no state of this slave, or damaged");
+        let (fingerprint, inner, state): ([u8; 16], Vec<u8>, State) =
+            postcard::from_bytes(bytes).map_err(damaged)?;
+        let like = |a: usize, b: usize| a == b;
+        let fits = fingerprint == self.interface.fingerprint().into_bytes()
+            && like(state.parameters.len(), self.attachments.len())
+            && state.parameters.iter().zip(&self.attachments).all(|(p, a)| like(p.len(), a.parameters.len()))
+            && like(state.memories.len(), self.attachments.len())
+            && like(state.values.len(), self.own)
+            && like(state.rates.len(), self.own)
+            && like(state.expected.len(), self.before.len())
+            && like(state.outputs.len(), self.after.len())
+            && like(state.signals.len(), self.signals.len());
+        if !fits {
+            return Err(Error::call("the bytes are the state of another slave"));
+        }
+        Ok(Box::new(Saved { inner: self.inner.deserialize(&inner)?, state }))
+    }
+
+    fn reset(&mut self) -> Result<()> {
+        self.inner.reset()?;
+        self.forget();
+        Ok(())
+    }
+}

@@ -1,0 +1,226 @@
+//! Physics that a model leaves out: a catalogue of named effects, and [`Attached`], a slave with effects
+//! on its ports.
+//!
+//! An effect changes one number on its way: an input before the model gets it, an output before the
+//! world sees it, a parameter in flight, or it adds a force to an input that is one. It has few
+//! parameters with an off value at which nothing changes, to the last bit, and a memory of its own.
+
+mod attached;
+pub mod catalogue;
+
+pub use attached::{Attached, Attachment, Chosen, Signal, Source};
+
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
+
+/// What kind of machine part an effect belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Family {
+    /// The tire and its contact with the road.
+    Tire,
+    /// Brake, ABS, wheel and driveline.
+    Brake,
+    /// Suspension and steering.
+    Suspension,
+    /// Test rig: fixture, frame, drum, belt, bearings.
+    Rig,
+    /// Sensor, amplifier, filter, clock.
+    Sensor,
+    /// What any mechanism has: springs, dampers, friction, play, inertia.
+    Mechanism,
+}
+
+/// What an effect changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Port {
+    /// The path of an input.
+    Input,
+    /// The path of an output.
+    Output,
+    /// A tunable parameter during the run.
+    Parameter,
+    /// An input that is a force or moment, to which it adds one.
+    Force,
+}
+
+/// What a signal is, by quantity and meaning. Roles of a model's variables come from units and names, or
+/// from the user.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// Displacement \[m\] or angle \[rad\] of a part that is not the spinning wheel.
+    Position,
+    /// Its rate \[m/s\] or \[rad/s\].
+    Velocity,
+    /// The rate of that \[m/s2\] or \[rad/s2\].
+    Acceleration,
+    /// Force \[N\] or moment \[N.m\].
+    Force,
+    /// Speed along the road or belt \[m/s\].
+    TravelSpeed,
+    /// Distance along the road or belt \[m\].
+    TravelDistance,
+    /// Spin of a wheel, drum or shaft \[rad/s\].
+    WheelSpeed,
+    /// Angle of a wheel, drum or shaft that turns on and on \[rad\].
+    WheelAngle,
+    /// Vertical load of a tire \[N\].
+    Load,
+    /// Longitudinal slip \[1\].
+    Slip,
+    /// Slip angle \[rad\].
+    SlipAngle,
+    /// Camber angle \[rad\].
+    Camber,
+    /// Pressure \[Pa\].
+    Pressure,
+    /// Temperature \[K\].
+    Temperature,
+    /// Power that friction turns into heat \[W\].
+    FrictionPower,
+    /// Anything else.
+    Other,
+}
+
+/// The dimension of an effect's parameter, and with it the size that is natural for a machine: a product
+/// of an SI unit and powers of the changed number's scale and of the drivers' scales.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale {
+    /// An SI unit: `"s"`, `"1"`.
+    pub unit: &'static str,
+    /// Power of the changed number.
+    pub target: i8,
+    /// Power of each driver.
+    pub drivers: [i8; 3],
+}
+
+impl Scale {
+    /// A plain number in an SI unit.
+    pub const fn plain(unit: &'static str) -> Self {
+        Self { unit, target: 0, drivers: [0; 3] }
+    }
+
+    /// Times the changed number's scale to the power `target` and the drivers' to `drivers`.
+    pub const fn of(unit: &'static str, target: i8, drivers: [i8; 3]) -> Self {
+        Self { unit, target, drivers }
+    }
+}
+
+/// A parameter of an effect. All numbers are in multiples of its scale.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// Name in snake case.
+    pub name: &'static str,
+    /// What it means.
+    pub description: &'static str,
+    /// Dimension and natural size.
+    pub scale: Scale,
+    /// Where nothing changes; `None` for a parameter of shape (a time constant, a threshold), which
+    /// means nothing while the others are off.
+    pub off: Option<f64>,
+    /// Smallest and largest value that is plausible for the name: outside the name is refuted. The
+    /// search goes as far as `search`.
+    pub plausible: (f64, f64),
+    /// How far a fit may go.
+    pub search: (f64, f64),
+    /// Values to try first: for an amplitude one small value, for a shape a coarse grid.
+    pub probes: &'static [f64],
+}
+
+/// One named piece of physics.
+pub struct Effect {
+    /// Kebab case, stable: files name it.
+    pub id: &'static str,
+    /// In words.
+    pub name: &'static str,
+    /// Where in the machine it belongs.
+    pub family: Family,
+    /// What it changes.
+    pub port: Port,
+    /// The equation in plain text.
+    pub equation: &'static str,
+    /// Where the equation comes from: a published source, or "standard engineering knowledge".
+    pub source: &'static str,
+    /// How it shows in a residual.
+    pub signature: &'static str,
+    /// Ids of effects that it is taken for, and what tells them apart.
+    pub confused_with: &'static [(&'static str, &'static str)],
+    /// What the changed number may be; empty: any real variable of the port.
+    pub targets: &'static [Role],
+    /// The signals that it needs besides the changed number.
+    pub drivers: &'static [Role],
+    /// Its parameters; at least one has an off value.
+    pub parameters: &'static [Parameter],
+    /// The changed number.
+    pub apply: fn(&[f64], &mut Memory, &Call<'_>) -> f64,
+}
+
+impl std::fmt::Debug for Effect {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Effect").field("id", &self.id).finish_non_exhaustive()
+    }
+}
+
+/// What an effect sees at a communication point.
+#[derive(Debug, Clone, Copy)]
+pub struct Call<'a> {
+    /// Time \[s\].
+    pub time: f64,
+    /// Time since the last call \[s\]; 0 at the start, where the memory has to be filled.
+    pub dt: f64,
+    /// The number to be changed; for [`Port::Force`] the force without the effect.
+    pub target: f64,
+    /// The drivers, in the order of [`Effect::drivers`].
+    pub drivers: &'a [f64],
+}
+
+/// What an effect remembers: plain data.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Memory {
+    /// States of any meaning; zero before the start.
+    pub states: [f64; 6],
+    /// Times and values of the past, oldest first.
+    pub past: VecDeque<(f64, f64)>,
+}
+
+impl Memory {
+    /// Adds a value to the past and drops what is older than `span` \[s\] but for one.
+    pub fn remember(&mut self, time: f64, value: f64, span: f64) {
+        self.past.push_back((time, value));
+        while self.past.len() > 2 && self.past[1].0 <= time - span {
+            self.past.pop_front();
+        }
+    }
+
+    /// The remembered value at a time, linear between the remembered ones and held outside.
+    pub fn recall(&self, time: f64) -> f64 {
+        let next = self.past.partition_point(|(t, _)| *t <= time);
+        match (next.checked_sub(1).and_then(|i| self.past.get(i)), self.past.get(next)) {
+            (Some((t0, v0)), Some((t1, v1))) => v0 + (v1 - v0) * ((time - t0) / (t1 - t0)),
+            (Some((_, v)), None) | (None, Some((_, v))) => *v,
+            (None, None) => 0.0,
+        }
+    }
+
+    /// The state `i` after moving towards `goal` with the time constant `tau` \[s\] for `dt` \[s\], the
+    /// goal running straight from its last value, which is kept in state `i + 1`. Exact for straight
+    /// goals, whatever `dt` is; with `tau <= 0` the goal itself.
+    pub fn lag(&mut self, i: usize, goal: f64, tau: f64, dt: f64) -> f64 {
+        let (y, last) = (self.states[i], self.states[i + 1]);
+        let next = if dt <= 0.0 || tau <= 0.0 {
+            goal
+        } else if tau == f64::INFINITY {
+            y
+        } else {
+            let (x, decay) = (dt / tau, (-dt / tau).exp());
+            // of the goal's rise the part that has been followed
+            let ramp = 1.0 - -(-x).exp_m1() / x;
+            y * decay + last * -(-x).exp_m1() + (goal - last) * ramp
+        };
+        self.states[i] = next;
+        self.states[i + 1] = goal;
+        next
+    }
+}
