@@ -12,6 +12,8 @@ pub mod effect;
 mod error;
 #[cfg(feature = "host")]
 mod file;
+#[cfg(feature = "host")]
+pub mod fit;
 #[allow(unsafe_code)]
 pub mod fmi;
 pub mod model;

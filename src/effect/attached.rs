@@ -198,6 +198,11 @@ impl<S: Slave + ?Sized> Attached<S> {
         &self.inner
     }
 
+    /// The slave by itself again.
+    pub fn into_inner(self) -> Box<S> {
+        self.inner
+    }
+
     fn forget(&mut self) {
         let start = |info: &VariableInfo| match info.start {
             Some(Value::Real(v)) => v,

@@ -1,0 +1,198 @@
+//! [`Bench`]: runs one kind of slave many times, on all cores.
+
+use crate::effect::{Attached, Attachment};
+use crate::model::{Interface, Slave, Value};
+use crate::{Error, Result};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+
+/// Makes a slave; every thread has its own.
+pub type Factory = Arc<dyn Fn() -> Result<Box<dyn Slave>> + Send + Sync>;
+
+/// What drives a run: an even grid of communication points and the inputs on it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drive {
+    /// First communication point \[s\].
+    pub start: f64,
+    /// Communication step \[s\].
+    pub step: f64,
+    /// Values of the driven inputs at every communication point: index of the variable and values.
+    pub inputs: Vec<(usize, Vec<f64>)>,
+    /// Number of communication points.
+    pub points: usize,
+}
+
+impl Drive {
+    /// Communication point `k` \[s\]: never a sum of steps.
+    pub fn time(&self, k: usize) -> f64 {
+        self.start + k as f64 * self.step
+    }
+}
+
+/// What is run: values of variables and attached effects.
+#[derive(Debug, Clone, Default)]
+pub struct Setup {
+    /// Values before the start, by index in the interface with effects.
+    pub values: Vec<(usize, f64)>,
+    /// Effects.
+    pub attachments: Vec<Attachment>,
+}
+
+/// Watched variables at every communication point, in the order of the watched ones.
+pub type Traces = Vec<Vec<f64>>;
+
+struct Task {
+    number: usize,
+    drive: Arc<Drive>,
+    setup: Arc<Setup>,
+    watch: Arc<[usize]>,
+    answer: Sender<(usize, Result<Traces>)>,
+}
+
+/// A pool of threads with a slave each.
+pub struct Bench {
+    tasks: Sender<Task>,
+    interface: Interface,
+    threads: usize,
+}
+
+impl Bench {
+    /// Makes the slaves. `fixed` is set in every run before the values of its setup.
+    ///
+    /// # Errors
+    /// A slave that cannot be made.
+    pub fn new(factory: &Factory, fixed: &[(usize, Value)], threads: usize) -> Result<Self> {
+        let interface = factory()?.interface().clone();
+        let (tasks, queue) = channel::<Task>();
+        let queue = Arc::new(Mutex::new(queue));
+        for _ in 0..threads.max(1) {
+            let (factory, queue, fixed) = (Arc::clone(factory), Arc::clone(&queue), fixed.to_vec());
+            thread::spawn(move || work(&factory, &fixed, &queue));
+        }
+        Ok(Self { tasks, interface, threads: threads.max(1) })
+    }
+
+    /// The interface of the slaves without effects.
+    pub fn interface(&self) -> &Interface {
+        &self.interface
+    }
+
+    /// How many runs go on at the same time.
+    pub fn threads(&self) -> usize {
+        self.threads
+    }
+
+    /// Runs every setup along every drive; the answers are in the order setup by setup. `watch` are
+    /// indices of variables.
+    ///
+    /// # Errors
+    /// One for each run that fails: values that the slave refuses, a model that leaves its validity.
+    pub fn run(
+        &self,
+        setups: &[Arc<Setup>],
+        drives: &[Arc<Drive>],
+        watch: &Arc<[usize]>,
+    ) -> Vec<Result<Traces>> {
+        let (answer, answers) = channel();
+        let mut number = 0;
+        for setup in setups {
+            for drive in drives {
+                let task = Task {
+                    number,
+                    drive: Arc::clone(drive),
+                    setup: Arc::clone(setup),
+                    watch: Arc::clone(watch),
+                    answer: answer.clone(),
+                };
+                // a pool that is gone answers nothing, which is noticed below
+                let _ = self.tasks.send(task);
+                number += 1;
+            }
+        }
+        drop(answer);
+        let mut results: Vec<Result<Traces>> =
+            (0..number).map(|_| Err(Error::numeric("the run was never done"))).collect();
+        for (number, result) in answers {
+            results[number] = result;
+        }
+        results
+    }
+}
+
+fn work(factory: &Factory, fixed: &[(usize, Value)], queue: &Mutex<Receiver<Task>>) {
+    let mut spare: Option<Box<dyn Slave>> = None;
+    loop {
+        let task = queue.lock().unwrap_or_else(PoisonError::into_inner).recv();
+        let Ok(task) = task else { return };
+        let fresh = match spare.take() {
+            Some(mut slave) => match slave.reset() {
+                Ok(()) => Ok(slave),
+                Err(_) => factory(),
+            },
+            None => factory(),
+        };
+        let result = fresh.and_then(|slave| Attached::new(slave, task.setup.attachments.clone())).and_then(
+            |mut attached| {
+                let result = drive(&mut attached, fixed, &task);
+                spare = Some(attached.into_inner());
+                result
+            },
+        );
+        let _ = task.answer.send((task.number, result));
+    }
+}
+
+fn drive(slave: &mut Attached<dyn Slave>, fixed: &[(usize, Value)], task: &Task) -> Result<Traces> {
+    let Task { drive, setup, watch, .. } = task;
+    for (variable, value) in fixed {
+        match value {
+            Value::Text(text) => slave.set_text(*variable, text)?,
+            Value::Real(v) => slave.set(*variable, *v)?,
+            Value::Integer(v) => slave.set(*variable, f64::from(*v))?,
+            Value::Boolean(v) => slave.set(*variable, f64::from(u8::from(*v)))?,
+        }
+    }
+    for (variable, value) in &setup.values {
+        slave.set(*variable, *value)?;
+    }
+    let last = drive.points.saturating_sub(1);
+    slave.start(drive.start, Some(drive.time(last)))?;
+    for (variable, values) in &drive.inputs {
+        slave.set(*variable, values[0])?;
+    }
+    slave.finish_start()?;
+    let rates = slave.can_interpolate();
+    let mut traces: Traces = watch.iter().map(|_| Vec::with_capacity(drive.points)).collect();
+    let take = |slave: &mut Attached<dyn Slave>, traces: &mut Traces| -> Result<()> {
+        for (trace, variable) in traces.iter_mut().zip(watch.iter()) {
+            let value = slave.get(*variable)?;
+            if !value.is_finite() {
+                let name = &slave.interface().variables[*variable].name;
+                return Err(Error::numeric(format!("{name} is {value}")));
+            }
+            trace.push(value);
+        }
+        Ok(())
+    };
+    take(slave, &mut traces)?;
+    for k in 0..last {
+        let now = drive.time(k);
+        let length = drive.time(k + 1) - now;
+        for (variable, values) in &drive.inputs {
+            slave.set(*variable, values[k])?;
+            if rates {
+                slave.set_rate(*variable, (values[k + 1] - values[k]) / length)?;
+            }
+        }
+        slave.step(now, length).map_err(|e| e.at(format!("{now} s")))?;
+        take(slave, &mut traces)?;
+    }
+    // an input beside a sample is the one of the sample
+    for (trace, variable) in traces.iter_mut().zip(watch.iter()) {
+        if let Some((_, values)) = drive.inputs.iter().find(|(v, _)| v == variable) {
+            trace.copy_from_slice(&values[..drive.points]);
+        }
+    }
+    Ok(traces)
+}

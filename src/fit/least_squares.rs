@@ -1,0 +1,264 @@
+//! Least squares with bounds: Levenberg and Marquardt's method on differences, with the points of a
+//! Jacobian evaluated together.
+
+use crate::{Error, Result};
+use nalgebra::{DMatrix, DVector};
+
+/// Residuals at many points at once, so that they can be computed side by side.
+pub trait Problem {
+    /// One vector of residuals per point, all of one length; `None` where the model cannot be run.
+    fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>>;
+}
+
+/// One unknown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unknown {
+    /// Where the search begins; also the mean of the prior.
+    pub start: f64,
+    /// Bounds.
+    pub low: f64,
+    /// Bounds.
+    pub high: f64,
+    /// Step of differences.
+    pub step: f64,
+    /// Standard deviation of what is known beforehand about the unknown; infinite for nothing.
+    pub prior: f64,
+}
+
+/// When to stop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Number of Jacobians.
+    pub iterations: usize,
+    /// Relative decrease of the sum of squares that is not worth another.
+    pub tolerance: f64,
+    /// How many residuals tell as much as one that is independent of its neighbours: the weight of
+    /// data against prior.
+    pub redundancy: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { iterations: 12, tolerance: 1e-4, redundancy: 1.0 }
+    }
+}
+
+/// What came out.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The unknowns.
+    pub x: Vec<f64>,
+    /// The residuals there.
+    pub residuals: Vec<f64>,
+    /// Their derivatives: rows as residuals, columns as unknowns; at or one step before the end.
+    pub jacobian: DMatrix<f64>,
+    /// Sum of squared residuals, without the prior.
+    pub cost: f64,
+}
+
+impl Fit {
+    /// Covariance of the unknowns for residuals of the variance `cost / n`, of which `redundancy` tell
+    /// as much as one.
+    pub fn covariance(&self, unknowns: &[Unknown], redundancy: f64) -> DMatrix<f64> {
+        let n = self.residuals.len().max(1) as f64;
+        let variance = (self.cost / n).max(f64::MIN_POSITIVE) * redundancy.max(1.0);
+        let mut information = self.jacobian.tr_mul(&self.jacobian) / variance;
+        for (i, unknown) in unknowns.iter().enumerate() {
+            information[(i, i)] += unknown.prior.powi(-2);
+        }
+        let size = information.nrows();
+        // directions that nothing fixes have a huge variance instead of none
+        let scale = DVector::from_fn(size, |i, _| 1.0 / information[(i, i)].sqrt().max(1e-150));
+        let scaled = DMatrix::from_fn(size, size, |i, j| information[(i, j)] * scale[i] * scale[j]);
+        let inverse = scaled.pseudo_inverse(1e-12).unwrap_or_else(|_| DMatrix::zeros(size, size));
+        DMatrix::from_fn(size, size, |i, j| inverse[(i, j)] * scale[i] * scale[j])
+    }
+}
+
+fn square(values: &[f64]) -> f64 {
+    values.iter().map(|v| v * v).sum()
+}
+
+/// The unknowns with the least sum of squares within their bounds.
+///
+/// The sum is that of the residuals over their present variance and redundancy, plus what is known
+/// beforehand.
+///
+/// # Errors
+/// The model cannot be run at the start.
+pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Options) -> Result<Fit> {
+    let n = unknowns.len();
+    let mut x: Vec<f64> = unknowns.iter().map(|u| u.start.clamp(u.low, u.high)).collect();
+    let first = problem.residuals(std::slice::from_ref(&x)).pop().flatten();
+    let mut residuals =
+        first.ok_or_else(|| Error::numeric("the model cannot be run with the start values"))?;
+    let mut jacobian = DMatrix::zeros(residuals.len(), n);
+    let mut damping = 1e-3;
+    for iteration in 0..options.iterations {
+        let steps: Vec<f64> = unknowns
+            .iter()
+            .zip(&x)
+            .map(|(u, x)| if x + u.step <= u.high { u.step } else { -u.step })
+            .collect();
+        let mut points: Vec<Vec<f64>> = Vec::with_capacity(n);
+        for (i, step) in steps.iter().enumerate() {
+            let mut point = x.clone();
+            point[i] += step;
+            points.push(point);
+        }
+        for (i, moved) in problem.residuals(&points).into_iter().enumerate() {
+            // where the model cannot be run the unknown stays
+            let moved = moved.unwrap_or_else(|| residuals.clone());
+            for (k, (a, b)) in moved.iter().zip(&residuals).enumerate() {
+                jacobian[(k, i)] = (a - b) / steps[i];
+            }
+        }
+        if n == 0 || iteration + 1 == options.iterations {
+            break;
+        }
+        let cost = square(&residuals);
+        let variance = (cost / residuals.len().max(1) as f64).max(f64::MIN_POSITIVE) * options.redundancy;
+        let prior = |x: &[f64]| -> f64 {
+            unknowns.iter().zip(x).map(|(u, x)| ((x - u.start) / u.prior).powi(2)).sum()
+        };
+        let total = cost / variance + prior(&x);
+        let mut normal = jacobian.tr_mul(&jacobian) / variance;
+        let mut gradient = jacobian.tr_mul(&DVector::from_column_slice(&residuals)) / variance;
+        for (i, u) in unknowns.iter().enumerate() {
+            normal[(i, i)] += u.prior.powi(-2);
+            gradient[i] += (x[i] - u.start) / u.prior.powi(2);
+        }
+        // several dampings are tried side by side
+        let tries: Vec<f64> = [0.1, 1.0, 10.0, 100.0].iter().map(|f| damping * f).collect();
+        let points: Vec<Vec<f64>> =
+            tries.iter().map(|d| bounded_step(&normal, &gradient, &x, unknowns, *d)).collect();
+        let best = problem
+            .residuals(&points)
+            .into_iter()
+            .enumerate()
+            .filter_map(|(i, r)| r.map(|r| (i, square(&r) / variance + prior(&points[i]), r)))
+            .filter(|(_, t, _)| t.is_finite())
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        match best {
+            Some((i, better, r)) if better < total => {
+                x.clone_from(&points[i]);
+                residuals = r;
+                damping = tries[i].clamp(1e-9, 1e6);
+                if total - better < options.tolerance * total {
+                    break;
+                }
+            }
+            _ if damping < 1e5 => damping *= 1e3,
+            _ => break,
+        }
+    }
+    let cost = square(&residuals);
+    Ok(Fit { x, residuals, jacobian, cost })
+}
+
+/// A damped Gauss-Newton step; unknowns that would leave their bounds stop there and the others are
+/// computed again.
+fn bounded_step(
+    normal: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    x: &[f64],
+    unknowns: &[Unknown],
+    damping: f64,
+) -> Vec<f64> {
+    let n = x.len();
+    let mut fixed: Vec<Option<f64>> = vec![None; n];
+    for _ in 0..=n {
+        let free: Vec<usize> = (0..n).filter(|i| fixed[*i].is_none()).collect();
+        if free.is_empty() {
+            break;
+        }
+        let a = DMatrix::from_fn(free.len(), free.len(), |i, j| {
+            let v = normal[(free[i], free[j])];
+            if i == j { v * (1.0 + damping) + 1e-300 } else { v }
+        });
+        let b = DVector::from_fn(free.len(), |i, _| {
+            let known: f64 = (0..n).filter_map(|j| fixed[j].map(|d| normal[(free[i], j)] * d)).sum();
+            -gradient[free[i]] - known
+        });
+        let Some(step) = a.cholesky().map(|c| c.solve(&b)) else { return x.to_vec() };
+        let mut moved = false;
+        for (i, s) in free.iter().zip(step.iter()) {
+            let to = x[*i] + s;
+            let bound = to.clamp(unknowns[*i].low, unknowns[*i].high);
+            if bound != to {
+                fixed[*i] = Some(bound - x[*i]);
+                moved = true;
+            }
+        }
+        if !moved {
+            for (i, s) in free.iter().zip(step.iter()) {
+                fixed[*i] = Some(*s);
+            }
+            break;
+        }
+    }
+    x.iter()
+        .zip(&fixed)
+        .zip(unknowns)
+        .map(|((x, d), u)| (x + d.unwrap_or(0.0)).clamp(u.low, u.high))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Residuals of an exponential, with a hole where the rate is negative.
+    struct Decay {
+        data: Vec<f64>,
+    }
+
+    fn decay(x: &[f64]) -> Vec<f64> {
+        (0..50).map(|i| x[0] * (-x[1] * f64::from(i) * 0.1).exp()).collect()
+    }
+
+    impl Problem for Decay {
+        fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+            points
+                .iter()
+                .map(|x| (x[1] > 0.0).then(|| decay(x).iter().zip(&self.data).map(|(a, b)| a - b).collect()))
+                .collect()
+        }
+    }
+
+    fn unknown(start: f64, low: f64, high: f64) -> Unknown {
+        Unknown { start, low, high, step: 1e-6, prior: f64::INFINITY }
+    }
+
+    #[test]
+    fn finds_the_truth_from_afar_and_stops_at_bounds() {
+        let problem = Decay { data: decay(&[3.0, 0.7]) };
+        let free = [unknown(1.0, 0.0, 10.0), unknown(3.0, -1.0, 5.0)];
+        let options = Options { iterations: 40, tolerance: 1e-14, ..Options::default() };
+        let fit = least_squares(&problem, &free, options).unwrap();
+        assert!((fit.x[0] - 3.0).abs() < 1e-6 && (fit.x[1] - 0.7).abs() < 1e-6, "{:?}", fit.x);
+        // with a bound the other unknown is the best for that bound: a linear problem
+        let bound = [unknown(1.0, 0.0, 10.0), unknown(3.0, 1.0, 5.0)];
+        let fit = least_squares(&problem, &bound, options).unwrap();
+        let (truth, shape) = (decay(&[3.0, 0.7]), decay(&[1.0, 1.0]));
+        let best: f64 = truth.iter().zip(&shape).map(|(a, b)| a * b).sum::<f64>() / square(&shape);
+        assert!((fit.x[1] - 1.0).abs() < 1e-9 && (fit.x[0] - best).abs() < 1e-6, "{:?} {best}", fit.x);
+    }
+
+    #[test]
+    fn covariance_is_that_of_a_line() {
+        // y = a: the variance of a mean
+        struct Mean;
+        impl Problem for Mean {
+            fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+                let noise = |i: i32| if i % 2 == 0 { 1.0 } else { -1.0 };
+                points.iter().map(|x| Some((0..100).map(|i| x[0] - noise(i)).collect())).collect()
+            }
+        }
+        let unknowns = [unknown(5.0, -10.0, 10.0)];
+        let fit = least_squares(&Mean, &unknowns, Options::default()).unwrap();
+        assert!(fit.x[0].abs() < 1e-6);
+        assert!((fit.covariance(&unknowns, 1.0)[(0, 0)] - 0.01).abs() < 1e-9);
+        assert!((fit.covariance(&unknowns, 4.0)[(0, 0)] - 0.04).abs() < 1e-9);
+    }
+}
