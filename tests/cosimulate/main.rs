@@ -267,6 +267,15 @@ fn an_interval_that_is_refused_is_halved() {
 }
 
 #[test]
+fn a_shorter_last_interval_is_recorded_at_its_own_time() {
+    for every in [1, 2, 5] {
+        let head = format!("stop = 9.5e-3\nstep = 1e-3\nrecord_every = {every}");
+        let (_, outcome) = run(&on_a_spring(&head, 400.0));
+        assert_eq!(outcome.recording.time.last(), Some(&9.5e-3), "every {every}");
+    }
+}
+
+#[test]
 fn a_coupling_that_makes_energy_is_warned_of() {
     let warnings = |step: f64| {
         let (system, _) =
