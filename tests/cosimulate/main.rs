@@ -276,6 +276,18 @@ fn a_shorter_last_interval_is_recorded_at_its_own_time() {
 }
 
 #[test]
+fn halving_ends_where_a_component_refuses_every_interval() {
+    let text = pair(&format!("step = 8e-3\nhalvings = {}", u32::MAX), false)
+        .replace("damping = 0.5, step", "moves_at_most = -1.0, damping = 0.5, step");
+    let (plan, mut system) = wire(&text).unwrap();
+    let experiment = plan.experiment(&system, None, None, None).unwrap();
+    let outcome = latsch::cosimulate::cosimulate(&mut system, &experiment, |_| ()).unwrap();
+    assert_eq!(system.coupling.halvings, 30);
+    assert!(outcome.stopped.unwrap().to_string().contains("right"));
+    assert!(outcome.halved <= 31, "{}", outcome.halved);
+}
+
+#[test]
 fn a_coupling_that_makes_energy_is_warned_of() {
     let warnings = |step: f64| {
         let (system, _) =
