@@ -305,3 +305,16 @@ fn a_drop_takes_the_wheel_off_the_road_and_a_ramp_lifts_the_vehicle() {
     let rolling = 130.0 * get(&mut corner, "vehicle_distance");
     assert!((0.0..1.2 * rolling).contains(&paid), "{paid} J beyond the height, rolling took about {rolling}");
 }
+
+#[test]
+fn on_a_road_without_grip_wheels_start_at_the_speed_of_rolling() {
+    for factor in [0.0, 1e-6, 1e-4, 1e-3, 0.01] {
+        let mut corner: Corner = started(&[("initial_speed", 20.0), ("friction_factor", factor)]);
+        let mut wheel: Wheel = started(&[("initial_speed", 20.0), ("friction_factor", factor)]);
+        assert_close("corner", get(&mut corner, "wheel_speed"), 20.0 / 0.328, 0.05);
+        assert_close("wheel", get(&mut wheel, "wheel_speed"), 20.0 / 0.328, 0.05);
+        advance(&mut corner, 1e-3, 0, 100);
+        advance(&mut wheel, 1e-3, 0, 100);
+        assert_close("speed", get(&mut corner, "vehicle_speed"), 20.0, 1e-3);
+    }
+}

@@ -166,7 +166,9 @@ impl BrakeHydraulics {
         if to_limit < rest {
             (Ramp { start, rate, duration: to_limit }, limit)
         } else {
-            (Ramp { start, rate, duration: rest }, start + rate * rest)
+            // rounding must not carry it past the limit, below 0 least of all
+            let end = start + rate * rest;
+            (Ramp { start, rate, duration: rest }, if rate < 0.0 { end.max(limit) } else { end.min(limit) })
         }
     }
 
@@ -310,6 +312,16 @@ mod tests {
         set(&mut brake, &[("driver_pressure", 3e6), ("caliper_lag", 0.0)]);
         brake.step(1.0, 0.11 + 1e4 / 1.2e8).unwrap();
         close(get(&mut brake, "pad_friction"), 0.4 * (0.25 + 0.75 * 0.5));
+    }
+
+    #[test]
+    fn a_ramp_that_ends_at_its_limit_does_not_pass_it_by_rounding() {
+        // 9e7 Pa/s over this time are more than this pressure by the last bit
+        let (line, time) = (51652.92783614738, 0.0005739214204016376);
+        let mut brake = brake(&[("driver_pressure", line)]);
+        set(&mut brake, &[("inlet_valve", 0.0), ("outlet_valve", 1.0)]);
+        brake.step(0.0, time).unwrap();
+        assert_eq!(get(&mut brake, "pressure"), 0.0);
     }
 
     #[test]

@@ -11,6 +11,9 @@ const SETTLED: f64 = 1e-12;
 const MAX_EXCHANGES: usize = 200;
 /// An iterated interval has converged when no exchanged value changes by more than this share.
 const CONVERGED: f64 = 1e-10;
+/// An interval is not halved more often than this: each halving is a level of recursion, and a component that
+/// refuses a billionth of the interval has a fault that shorter ones do not cure.
+const MAX_HALVINGS: u32 = 30;
 
 /// How the components of a system are coupled.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -22,7 +25,8 @@ pub struct Coupling {
     /// How often an interval is repeated at most, from saved states and with the outputs at its end, until
     /// the exchanged values agree. 0: each interval is run once.
     pub iterate: usize,
-    /// How often an interval is halved at most, from saved states, when a component refuses a step.
+    /// How often an interval is halved at most, from saved states, when a component refuses a step. More
+    /// than 30 are taken for 30.
     pub halvings: u32,
 }
 
@@ -145,6 +149,7 @@ impl System {
                 bond.reset(self.exchange.flows[i].applied.0);
             }
         }
+        self.coupling.halvings = self.coupling.halvings.min(MAX_HALVINGS);
         if self.coupling.iterate > 0 || self.coupling.halvings > 0 {
             self.try_saving();
         }

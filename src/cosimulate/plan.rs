@@ -210,7 +210,7 @@ impl Plan {
     /// Loads the components and wires them. This runs the FMUs' code.
     ///
     /// # Errors
-    /// Components that cannot be loaded, names that are not there, connections that do not fit; each with
+    /// No components, some that cannot be loaded, names that are not there, connections that do not fit; each with
     /// its place in the file.
     pub fn load(&self) -> Result<System> {
         self.wire(add)
@@ -225,6 +225,9 @@ impl Plan {
         &self,
         mut add: impl FnMut(&mut System, &PlannedComponent) -> Result<usize>,
     ) -> Result<System> {
+        if self.components.is_empty() {
+            return Err(Error::file(format!("{}: there are no components", self.source)));
+        }
         let mut system =
             System::new(Coupling { order: None, iterate: self.iterate, halvings: self.halvings });
         for warning in &self.warnings {

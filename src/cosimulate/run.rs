@@ -111,9 +111,12 @@ pub fn cosimulate(
     for k in 0..schedule.steps {
         let (now, next) = (schedule.point(k), schedule.point(k + 1));
         let sample = (k + 1) / every;
-        // no sum of steps, so that the samples do not drift
-        let time =
-            if every == 1 { next } else { schedule.start + sample as f64 * (every as f64 * schedule.step) };
+        // no sum of steps, so that the samples do not drift; the last interval may be a shorter one
+        let time = if every == 1 || k + 1 == schedule.steps {
+            next
+        } else {
+            schedule.start + sample as f64 * (every as f64 * schedule.step)
+        };
         let step = system.advance(now, next - now).and_then(|()| match (k + 1) % every {
             0 => recorder.take(system, time),
             _ => Ok(()),

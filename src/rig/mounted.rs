@@ -6,6 +6,10 @@ use crate::{Result, clone_in_place};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+/// The slip at which a free wheel starts is looked for up to here. It is a few thousandths; beyond, the
+/// moment of the tire no longer depends on it and tells nothing about where it vanishes.
+const MAX_START_SLIP: f64 = 0.05;
+
 /// The ring-and-brush tire with its rim and what is measured between them.
 #[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct MountedTire {
@@ -103,7 +107,8 @@ impl MountedTire {
 
     /// [`start`](Self::start) free of torque, at the height at which the tire carries `load` \[N\], the
     /// force on the rim along the road's normal. Height and spin rate of `rim` do not matter; those found
-    /// are in the field `rim` afterwards.
+    /// are in the field `rim` afterwards. Where the road's friction cannot turn the wheel against its
+    /// rolling resistance, it starts at the speed of rolling and is not free of torque.
     ///
     /// # Errors
     /// As [`start`](Self::start).
@@ -129,7 +134,12 @@ impl MountedTire {
         let (mut spins, mut change) = (on_plane.rates.y, -1e-4 * on_plane.rates.y);
         let mut before = moment(spins)?;
         for _ in 0..3 {
-            spins += change;
+            let next = spins + change;
+            if (next - on_plane.rates.y).abs() > MAX_START_SLIP * on_plane.rates.y.abs() {
+                spins = on_plane.rates.y;
+                break;
+            }
+            spins = next;
             let now = moment(spins)?;
             if change == 0.0 || now == before {
                 break;

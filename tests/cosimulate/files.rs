@@ -146,3 +146,11 @@ fn the_documentation_has_all_keys_right() {
         plan.connections.iter().map(|c| (c.transfer.linear, c.transfer.derivative)).collect();
     assert_eq!(transfers, [(None, false), (None, false), (Some((-1.0, 0.0)), false), (None, true)]);
 }
+
+#[test]
+fn a_file_without_components_is_refused() {
+    let plan =
+        latsch::cosimulate::parse_toml("stop = 1\nstep = 1e-3", "s.toml", std::path::Path::new("")).unwrap();
+    let message = plan.load().err().unwrap().to_string();
+    assert!(message.contains("s.toml") && message.contains("no components"), "{message}");
+}

@@ -267,6 +267,27 @@ fn an_interval_that_is_refused_is_halved() {
 }
 
 #[test]
+fn a_shorter_last_interval_is_recorded_at_its_own_time() {
+    for every in [1, 2, 5] {
+        let head = format!("stop = 9.5e-3\nstep = 1e-3\nrecord_every = {every}");
+        let (_, outcome) = run(&on_a_spring(&head, 400.0));
+        assert_eq!(outcome.recording.time.last(), Some(&9.5e-3), "every {every}");
+    }
+}
+
+#[test]
+fn halving_ends_where_a_component_refuses_every_interval() {
+    let text = pair(&format!("step = 8e-3\nhalvings = {}", u32::MAX), false)
+        .replace("damping = 0.5, step", "moves_at_most = -1.0, damping = 0.5, step");
+    let (plan, mut system) = wire(&text).unwrap();
+    let experiment = plan.experiment(&system, None, None, None).unwrap();
+    let outcome = latsch::cosimulate::cosimulate(&mut system, &experiment, |_| ()).unwrap();
+    assert_eq!(system.coupling.halvings, 30);
+    assert!(outcome.stopped.unwrap().to_string().contains("right"));
+    assert!(outcome.halved <= 31, "{}", outcome.halved);
+}
+
+#[test]
 fn a_coupling_that_makes_energy_is_warned_of() {
     let warnings = |step: f64| {
         let (system, _) =
