@@ -1,11 +1,11 @@
-//! How fast the flat track is: `cargo bench`. Every figure is the median of several runs, in turn, in
+//! How fast the tire's models are: `cargo bench`. Every figure is the median of several runs, in turn, in
 //! one process; ratios are what to compare between machines.
 #![allow(clippy::unwrap_used)]
 
 use latsch::fmi::archive::ModelLibrary;
 use latsch::fmi::import::ImportedFmu;
 use latsch::model::{Model, Native, Settings, Slave};
-use latsch::rig::RingBrushFlatTrack;
+use latsch::rig::{RingBrushCorner, RingBrushFlatTrack, RingBrushWheel};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -30,7 +30,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 /// Rolling at combined slip under 4 kN, `bristles` per stripe of a total stiffness that stays.
 fn start(slave: &mut dyn Slave, speed: f64, bristles: f64) {
     let scale = 30.0 / bristles;
-    for (name, value) in [
+    let values = [
         ("path_speed", speed),
         ("slip", 0.03),
         ("slip_angle", 0.03),
@@ -38,9 +38,14 @@ fn start(slave: &mut dyn Slave, speed: f64, bristles: f64) {
         ("bristle_length", 0.014 * scale),
         ("bristle_stiffness", 4e4 * scale),
         ("bristle_damping", 0.65 * scale),
-    ] {
+    ];
+    start_with(slave, &values);
+}
+
+fn start_with(slave: &mut dyn Slave, values: &[(&str, f64)]) {
+    for (name, value) in values {
         let index = slave.find(name).unwrap();
-        slave.set(index, value).unwrap();
+        slave.set(index, *value).unwrap();
     }
     slave.start(0.0, None).unwrap();
     slave.finish_start().unwrap();
@@ -51,6 +56,49 @@ fn run(slave: &mut dyn Slave) {
     for k in 0..STEPS {
         slave.step(k as f64 * COMMUNICATION_STEP, COMMUNICATION_STEP).unwrap();
         black_box(slave.get(force).unwrap());
+    }
+}
+
+/// Seconds per simulated second of the flat track, then of corner and wheel, in turn in each round: these
+/// brake from 100 km/h, on a flat road and on one of ISO 8608, with the model's 30 bristles per stripe.
+fn vehicle_units(rounds: usize) {
+    const ROADS: [(&str, f64); 2] = [("flat", 1.0), ("ISO 8608", 6.0)];
+    // the wheel by itself is pushed with what it brakes with
+    const CORNER: [(&str, f64); 1] = [("brake_torque", 1000.0)];
+    const WHEEL: [(&str, f64); 3] =
+        [("initial_speed", 27.8), ("brake_torque", 1000.0), ("axle_force_x", 3000.0)];
+    let mut seconds = vec![Vec::new(); 5];
+    for _ in 0..rounds {
+        let mut measure = |row: usize, slave: &mut dyn Slave| {
+            let taken = time(|| run(slave)) / (STEPS as f64 * COMMUNICATION_STEP);
+            seconds[row].push(taken);
+        };
+        let mut rig = FlatTrack::new(&Settings::default()).unwrap();
+        start(&mut rig, 27.8, 30.0);
+        measure(0, &mut rig);
+        for (k, (_, kind)) in ROADS.iter().enumerate() {
+            let values = |of: &[(&'static str, f64)]| [of, &[("road_kind", *kind)]].concat();
+            let mut corner = Native::<RingBrushCorner>::new(&Settings::default()).unwrap();
+            start_with(&mut corner, &values(&CORNER));
+            measure(1 + k, &mut corner);
+            let mut wheel = Native::<RingBrushWheel>::new(&Settings::default()).unwrap();
+            start_with(&mut wheel, &values(&WHEEL));
+            measure(3 + k, &mut wheel);
+        }
+    }
+    println!("\ncorner and wheel braking from 27.8 m/s at 1 kHz, 6x30 bristles, model step 0.1 ms");
+    println!("  model        road       communication step   times real time   of the flat track");
+    let ratio = |row: usize| median(seconds[row].iter().zip(&seconds[0]).map(|(a, b)| a / b).collect());
+    let names = ["flat track", "corner", "corner", "wheel", "wheel"];
+    for (row, name) in names.iter().enumerate() {
+        let road = if row == 0 { ROADS[0].0 } else { ROADS[(row - 1) % 2].0 };
+        let second = median(seconds[row].clone());
+        println!(
+            "  {name:<12} {road:<10} {:15.1} us   {:15.1}   {:17.2}",
+            second * COMMUNICATION_STEP * 1e6,
+            1.0 / second,
+            ratio(row)
+        );
     }
 }
 
@@ -101,6 +149,8 @@ fn main() {
             simulated / seconds
         );
     }
+
+    vehicle_units(rounds);
 
     let library = match ModelLibrary::shipped() {
         Ok(library) => library,

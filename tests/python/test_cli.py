@@ -6,6 +6,7 @@ import pty
 import subprocess
 import zipfile
 
+import numpy as np
 import pytest
 
 from conftest import INPUTS, MODEL, MODELS, PROGRAM, latsch, read_results
@@ -55,6 +56,81 @@ def test_units_are_converted(tmp_path):
     assert results["path_speed"][50] == pytest.approx(15, rel=1e-12)
     assert results["slip_angle"][-1] == pytest.approx(0.0523598775598, rel=1e-9)
     assert results["force_y"][-1] < -500
+
+
+CORNER = "ring-brush-corner"
+ON_PROFILE = ["--set", "road_kind=profile", "--set", "road_start=5", "--set", "initial_speed=36 km/h"]
+
+
+def drive(folder, *arguments):
+    """The corner along a road for a second, with the wheel force by distance."""
+    done = latsch("simulate", CORNER, *ON_PROFILE, *arguments, "--stop", "1", "--output", folder / "out.csv", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return {name: np.array(column) for name, column in read_results(folder / "out.csv").items()}
+
+
+def test_a_road_from_a_file(tmp_path):
+    """A ramp of 10 mm over half a metre, 5 m ahead, as a German spreadsheet writes it."""
+    write(tmp_path / "ramp.csv", "x [cm];z [mm]", "0;0", "50;10", "300;10")
+    results = drive(tmp_path, "--set", "road_profile=@ramp.csv")
+    place, force, height = (results[name] for name in ("vehicle_distance", "force_z", "road_elevation"))
+    # half the length of the filter before the ramp, the wheel knows nothing of it
+    before, after = place < 4.85, place > 5.65
+    assert before.sum() > 400 and np.abs(force[before] - force[0]).max() < 1e-3 * force[0]
+    assert not height[before].any() and np.abs(height[after] - 0.01).max() < 1e-12
+    # then it climbs: 20 mm per metre at 10 m/s are 0.2 m/s, which damper and tire answer, and is over
+    first = place[np.argmax(np.abs(force - force[0]) > 50)]
+    assert 4.9 < first < 5.1
+    on = (place > 5) & (place < 5.6)
+    assert force[on].max() > 1.1 * force[0]
+    assert height[np.argmin(np.abs(place - 5.25))] == pytest.approx(0.005, abs=2e-4)
+    # the same as its points on the command line, and where it is looked for does not matter
+    text = "road_profile=0 0; 0.5 0.01; 3 0.01"
+    for other in (text, f"road_profile=@{tmp_path / 'ramp.csv'}"):
+        again = drive(tmp_path, "--set", other)
+        assert all(np.array_equal(results[name], again[name]) for name in results)
+    # in systems and tire files it is looked for beside them
+    folder = tmp_path / "system"
+    folder.mkdir()
+    (tmp_path / "ramp.csv").rename(folder / "ramp.csv")
+    values = 'road_kind = "profile", road_start = 5, initial_speed = 10, road_profile = "@ramp.csv"'
+    write(folder / "s.toml", "stop = 1", "step = 1e-3", "[component.corner]", f'model = "{CORNER}"', f"set = {{ {values} }}")
+    done = latsch("cosimulate", folder / "s.toml", "--output", tmp_path / "s.csv", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert np.array_equal(read_results(tmp_path / "s.csv")["corner.force_z"], force)
+    write(folder / "p.toml", "[parameters]", *values.split(", "))
+    done = latsch("export", CORNER, "--parameters", folder / "p.toml", "--output", tmp_path / "corner.fmu", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    done = latsch("simulate", tmp_path / "corner.fmu", "--stop", "1", "--output", tmp_path / "f.csv")
+    assert done.returncode == 0, done.stderr
+    assert np.array_equal(read_results(tmp_path / "f.csv")["force_z"], force)
+
+
+@pytest.mark.parametrize(
+    "lines, words",
+    [
+        (["x [m],z [m]", "0,0", "1,high"], ["road.csv:3", "z", "high"]),
+        (["x [m],z [m]", "0,0", "1,0", "0.5,0"], ["road.csv:4", "x", "must not decrease"]),
+        (["x [m],z [m]", "0,0", "1"], ["road.csv:3"]),
+        (["x [m],z [kg]", "0,0", "1,0"], ["road.csv", "kg"]),
+        (["time [s],z [m]", "0,0", "1,0"], ["road.csv:1", "x [m]"]),
+        (None, ["road.csv", "No such file"]),
+    ],
+)
+def test_wrong_roads_from_files(tmp_path, lines, words):
+    if lines:
+        write(tmp_path / "road.csv", *lines)
+    write(tmp_path / "s.toml", "stop = 1", "step = 1e-3", "[component.corner]", f'model = "{CORNER}"',
+          'set = { road_kind = "profile", road_profile = "@road.csv" }')
+    output = tmp_path / "out.csv"
+    for arguments, place in (
+        (["simulate", CORNER, *ON_PROFILE, "--set", "road_profile=@road.csv"], "--set road_profile"),
+        (["cosimulate", "s.toml"], "s.toml:5"),
+    ):
+        done = latsch(*arguments, "--stop", "1", "--output", output, cwd=tmp_path)
+        assert done.returncode == 2 and not output.exists()
+        for word in (place, *words):
+            assert word in done.stderr, done.stderr
 
 
 @pytest.mark.parametrize(
