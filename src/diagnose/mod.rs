@@ -1,0 +1,7 @@
+//! Diagnosis: where recordings and simulation differ, and why.
+
+pub mod loads;
+mod result;
+pub mod spectrum;
+
+pub use result::*;
