@@ -71,36 +71,25 @@ pub(super) fn mode(memory: &mut Memory, i: usize, goal: f64, hertz: f64, damping
     memory.states[i]
 }
 
-/// A hysteresis that is stiff after every turn and follows its input over a distance `length`, between
-/// -1 and 1; the parts of the state are `i` (value) and `i + 1` (last input).
-fn follow(memory: &mut Memory, i: usize, x: f64, length: f64, dt: f64, law: fn(f64, f64) -> f64) -> f64 {
-    let way = if dt > 0.0 && length > 0.0 { (x - memory.states[i + 1]) / length } else { 0.0 };
-    memory.states[i + 1] = x;
-    if way != 0.0 {
-        memory.states[i] = law(memory.states[i], way);
-    }
-    memory.states[i]
-}
-
-/// Dahl's hysteresis: dz = dx - |dx| z / length, as z / length.
-pub(super) fn dahl(memory: &mut Memory, i: usize, x: f64, length: f64, dt: f64) -> f64 {
-    follow(memory, i, x, length, dt, |z, way| {
-        let end = way.signum();
-        end + (z - end) * (-way.abs()).exp()
-    })
-}
-
-/// Bouc and Wen's hysteresis with exponent 1 and beta = gamma: straight while unloading, exponential
-/// while loading.
+/// Bouc and Wen's hysteresis with exponent 1 and beta = gamma over a distance `length`, between -1 and 1:
+/// straight while unloading, exponential while loading. Value and last input are the states `i` and
+/// `i + 1`.
 pub(super) fn bouc_wen(memory: &mut Memory, i: usize, x: f64, length: f64, dt: f64) -> f64 {
-    follow(memory, i, x, length, dt, |z, way| {
-        let loading = if z * way < 0.0 { way.abs() - z.abs() } else { way.abs() };
-        if loading <= 0.0 {
-            return z + way;
-        }
-        let begin = if z * way < 0.0 { 0.0 } else { z.abs() };
+    let (z, last) = (memory.states[i], memory.states[i + 1]);
+    memory.states[i + 1] = x;
+    if dt <= 0.0 || length <= 0.0 || x == last {
+        return z;
+    }
+    let way = (x - last) / length;
+    let unloads = z * way < 0.0;
+    let loading = if unloads { way.abs() - z.abs() } else { way.abs() };
+    memory.states[i] = if loading <= 0.0 {
+        z + way
+    } else {
+        let begin = if unloads { 0.0 } else { z.abs() };
         way.signum() * (1.0 - (1.0 - begin) * (-loading).exp())
-    })
+    };
+    memory.states[i]
 }
 
 /// Berg's friction of rubber: from the last turn on a hyperbola towards -1 or 1, half of which is
