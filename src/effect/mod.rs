@@ -84,6 +84,18 @@ pub enum Role {
     Other,
 }
 
+impl Role {
+    /// True if a signal with this role can be what an effect needs as a driver: [`Role::Other`] takes any
+    /// signal, [`Role::Slip`] a slip angle too, [`Role::Velocity`] the spin of a wheel or shaft too.
+    pub fn serves(self, needed: Self) -> bool {
+        self == needed
+            || matches!(
+                (needed, self),
+                (Self::Other, _) | (Self::Slip, Self::SlipAngle) | (Self::Velocity, Self::WheelSpeed)
+            )
+    }
+}
+
 /// The dimension of an effect's parameter, and with it the size that is natural for a machine: a product
 /// of an SI unit and powers of the changed number's scale and of the drivers' scales.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -127,6 +139,32 @@ pub struct Parameter {
     pub search: (f64, f64),
     /// Values to try first: for an amplitude one small value, for a shape a coarse grid.
     pub probes: &'static [f64],
+}
+
+impl Parameter {
+    /// A parameter that is off at 0.
+    pub const fn amplitude(
+        name: &'static str,
+        description: &'static str,
+        scale: Scale,
+        plausible: (f64, f64),
+        search: (f64, f64),
+        probes: &'static [f64],
+    ) -> Self {
+        Self { name, description, scale, off: Some(0.0), plausible, search, probes }
+    }
+
+    /// A parameter of shape.
+    pub const fn shape(
+        name: &'static str,
+        description: &'static str,
+        scale: Scale,
+        plausible: (f64, f64),
+        search: (f64, f64),
+        probes: &'static [f64],
+    ) -> Self {
+        Self { name, description, scale, off: None, plausible, search, probes }
+    }
 }
 
 /// One named piece of physics.
