@@ -7,6 +7,7 @@
 
 mod attached;
 pub mod catalogue;
+pub mod empirical;
 
 pub use attached::{Attached, Attachment, Chosen, Signal, Source};
 

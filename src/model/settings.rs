@@ -21,6 +21,10 @@ use toml::Spanned;
 ///
 /// [inputs]                        # start values of inputs
 /// deflection = 0.02
+///
+/// [fit]                           # what `latsch diagnose` may change; nothing else reads it
+/// vertical_stiffness = true
+/// belt_mass = { min = 5, max = 15 }
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Settings {
@@ -30,6 +34,27 @@ pub struct Settings {
     pub version: Option<String>,
     /// Values by name of variable, in the order of the file's sections and names.
     pub values: Vec<Setting>,
+    /// Parameters that a fit may change, with their bounds where the file gives them.
+    pub fit: Vec<Free>,
+}
+
+/// A parameter that a fit may change.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Free {
+    /// Name of the parameter.
+    pub name: String,
+    /// Smallest and largest value, if given.
+    pub range: Option<(f64, f64)>,
+    /// `file:line`, for messages.
+    pub place: String,
+}
+
+/// One entry of the section `fit`.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum FitEntry {
+    Switch(bool),
+    Range { min: f64, max: f64 },
 }
 
 /// One value and where it came from.
@@ -54,6 +79,8 @@ struct File {
     parameters: BTreeMap<Spanned<String>, toml::Value>,
     #[serde(default)]
     inputs: BTreeMap<Spanned<String>, toml::Value>,
+    #[serde(default)]
+    fit: BTreeMap<Spanned<String>, FitEntry>,
 }
 
 impl Settings {
@@ -78,7 +105,23 @@ impl Settings {
                 values.push(Setting { name, value, causality, place });
             }
         }
-        Ok(Self { model: file.model, version: file.version, values })
+        let mut fit = Vec::new();
+        for (name, entry) in file.fit {
+            let place = format!("{place}:{}", line_of(text, name.span().start));
+            let name = name.into_inner();
+            let range = match entry {
+                FitEntry::Switch(false) => continue,
+                FitEntry::Switch(true) => None,
+                FitEntry::Range { min, max } if min < max => Some((min, max)),
+                FitEntry::Range { min, max } => {
+                    return Err(Error::file(format!(
+                        "{place}: {name}: min = {min} has to be below max = {max}"
+                    )));
+                }
+            };
+            fit.push(Free { name, range, place });
+        }
+        Ok(Self { model: file.model, version: file.version, values, fit })
     }
 
     /// Checks the values against a model's interface and gives them with the variables' indices.
