@@ -32,7 +32,7 @@ impl Model for Oscillator {
         parameter("stiffness", "N/m", real!(stiffness), 4000.0, "Stiffness of the spring (placeholder)")
             .range(100.0, 1e5)
             .tunable(),
-        parameter("damping", "N.s/m", real!(damping), 40.0, "Damping (placeholder)")
+        parameter("damping", "N.s/m", real!(damping), 80.0, "Damping (placeholder)")
             .range(0.0, 1e4)
             .tunable(),
         input("force", "N", real!(force), 0.0, "Force on the mass").range(-1e6, 1e6),
@@ -81,7 +81,7 @@ mod tests {
         slave.step(0.0, 1e-3).unwrap();
         let (x0, v0) = (get(&mut slave, "position"), get(&mut slave, "velocity"));
         slave.step(1e-3, 1.5).unwrap();
-        let (decay, natural) = (40.0 / 20.0, 400.0_f64);
+        let (decay, natural) = (80.0 / 20.0, 400.0_f64);
         let omega = (natural - decay * decay).sqrt();
         let wave = x0 * (omega * 1.5).cos() + (v0 + decay * x0) / omega * (omega * 1.5).sin();
         close(get(&mut slave, "position"), (-decay * 1.5_f64).exp() * wave, 1e-9);

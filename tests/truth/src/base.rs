@@ -152,7 +152,7 @@ impl Base {
     pub fn parameters(self) -> &'static [Row] {
         match self {
             Self::Oscillator => {
-                &[("mass", "kg", 10.0), ("stiffness", "N/m", 4000.0), ("damping", "N.s/m", 40.0)]
+                &[("mass", "kg", 10.0), ("stiffness", "N/m", 4000.0), ("damping", "N.s/m", 80.0)]
             }
             Self::QuarterCar => &[
                 ("body_mass", "kg", 350.0),

@@ -47,7 +47,7 @@ impl Tables {
         let runs: Vec<usize> = (0..self.stamps.len()).collect();
         let most = runs.iter().map(|r| range(&self.columns[*r][column])).fold(0.0, f64::max);
         let busy: Vec<usize> =
-            runs.into_iter().filter(|r| range(&self.columns[*r][column]) > 0.4 * most).collect();
+            runs.into_iter().filter(|r| range(&self.columns[*r][column]) >= 0.4 * most).collect();
         random.pick(&busy)
     }
 

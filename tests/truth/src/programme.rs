@@ -199,14 +199,14 @@ fn waves(
             let wave = if resting {
                 Wave::Rest
             } else {
-                Wave::of(index % 5, random, 110.0 * level, (0.3, top), duration)
+                Wave::of(index % 5, random, 65.0 * level, (0.3, top), duration)
             };
             vec![(0.0, wave, ANY)]
         }
         Base::QuarterCar => {
             let top = 12.0 * region.band;
             let kind = index % 5;
-            let height = if kind == 0 || kind == 4 { 0.014 } else { 0.025 };
+            let height = if kind == 0 || kind == 4 { 0.009 } else { 0.02 };
             let road = if resting {
                 Wave::Rest
             } else {

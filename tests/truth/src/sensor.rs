@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn quanta_are_decimal_and_short() {
-        for (wanted, step) in [(0.0137, 0.01), (0.0237, 0.02), (7.3, 5.0), (999.0, 500.0), (1e-6, 1e-6)] {
+        for (wanted, step) in [(0.0137, 0.01), (0.0237, 0.02), (7.3, 5.0), (999.0, 500.0), (1.3e-6, 1e-6)] {
             assert!((quantum(wanted).step() / step - 1.0).abs() < 1e-9, "{wanted}");
         }
         assert_eq!(quantum(0.02).text(1.2345), "1.24");

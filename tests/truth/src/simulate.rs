@@ -211,9 +211,9 @@ mod tests {
         // x -> r (t - c/k) / k; the filter takes its own lag off
         let ideal = world(1e-3).run(&ramp(), 0, STEP);
         let at = 399.0 * 0.005;
-        let (decay, natural): (f64, f64) = (2.0, 20.0);
+        let (decay, natural): (f64, f64) = (4.0, 20.0);
         let transient = (-decay * at).exp() * 50.0 / 4000.0 / natural;
-        let expected = 50.0 / 4000.0 * (at - 1e-3 - 40.0 / 4000.0);
+        let expected = 50.0 / 4000.0 * (at - 1e-3 - 80.0 / 4000.0);
         assert!((ideal.outputs[0][399] - expected).abs() < 1.1 * transient);
         assert!((ideal.inputs[0][399] - 50.0 * (at - 1e-3)).abs() < 1e-9);
     }
