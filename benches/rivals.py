@@ -11,7 +11,7 @@ Prints a Markdown table: root mean square of measured minus simulated over all c
 - refit: its parameters by scipy's least squares, nothing else;
 - SINDy: the refitted model plus terms that PySINDy finds in what it leaves (sequentially thresholded least squares,
   polynomials to the third degree in the columns named in the table; the threshold is the one of a list with the
-  smallest free-run error on the last third of the fit runs, the final coefficients are from all of them);
+  smallest free-run error on every third of the fit runs, the final coefficients are from all of them);
 - NARX: sysidentpy's FROLS, polynomials to the third degree in the last two outputs and inputs, least squares; degree
   and number of terms are chosen as the threshold above (BIC, which judges one step ahead, chooses worse ones). It is
   started with the measured output of its first two samples.
@@ -172,6 +172,12 @@ SETS = {
 }
 
 
+def thirds(runs):
+    """Two of three runs to learn from, every third to choose settings by: all operating conditions are in both."""
+    judge = runs[1::3]
+    return [r for r in runs if r not in judge], judge
+
+
 def refit(model, start, runs):
     size = np.array(model.size)
 
@@ -183,8 +189,7 @@ def refit(model, start, runs):
 
 def sindy(model, p, fit):
     """Terms in units of the columns, and how they were found."""
-    part = max(1, len(fit) // 3)
-    train, judge = fit[:-part], fit[-part:]
+    train, judge = thirds(fit)
     scales = np.abs(np.concatenate([model.features(r) for r in fit])).max(axis=0)
     size = np.std(np.concatenate([model.discrepancy(r, p) for r in fit]))
 
@@ -252,10 +257,10 @@ def narx(model, fit, check):
             out.append(np.full(len(y), np.nan) if bad else np.ravel(simulated - y))
         return out
 
-    part = max(1, len(fit) // 3)
+    train, judge = thirds(fit)
     best = (DIVERGED, None)
     for degree, terms in [(1, 4), (2, 4), (2, 8), (2, 14), (3, 4), (3, 8), (3, 16)]:
-        error = rms(errors(learn(fit[:-part], degree, terms), fit[-part:]))
+        error = rms(errors(learn(train, degree, terms), judge))
         if error < best[0]:
             best = (error, (degree, terms))
     if best[1] is None:
