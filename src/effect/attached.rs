@@ -64,8 +64,8 @@ impl Attachment {
 /// A slave with effects on its ports.
 ///
 /// Its variables are those of the slave, followed by the parameters of the effects. Effects on inputs,
-/// forces and parameters see the outputs of the last communication point: a delay of one communication
-/// step. Effects on outputs see the outputs and inputs of the same point. Several effects on one
+/// forces and parameters see outputs that run on from the last communication point as they did over the
+/// last step: an error of second order in the communication step. Effects on outputs see the outputs and inputs of the same point. Several effects on one
 /// variable act in the order in which they were attached.
 ///
 /// What effects change has no derivatives; the slave offers no directional derivatives.
@@ -103,8 +103,8 @@ struct State {
     expected: Vec<(f64, f64)>,
     /// Of the variables that are changed after the step.
     outputs: Vec<f64>,
-    /// Of each signal: value of the variable, and rate or integral.
-    signals: Vec<(f64, f64)>,
+    /// Of each signal: value of the variable, rate or integral, and rate of the value.
+    signals: Vec<(f64, f64, f64)>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -221,7 +221,7 @@ impl<S: Slave + ?Sized> Attached<S> {
             rates: vec![0.0; self.own],
             expected: vec![(0.0, 0.0); self.before.len()],
             outputs: vec![0.0; self.after.len()],
-            signals: vec![(0.0, 0.0); self.signals.len()],
+            signals: vec![(0.0, 0.0, 0.0); self.signals.len()],
         };
     }
 
@@ -240,13 +240,14 @@ impl<S: Slave + ?Sized> Attached<S> {
 
     /// Reads the signals at a communication point that is `dt` after the last.
     fn sense(&mut self, dt: f64) -> Result<()> {
-        for (signal, (value, more)) in self.signals.iter().zip(&mut self.state.signals) {
+        for (signal, (value, more, slope)) in self.signals.iter().zip(&mut self.state.signals) {
             let info = &self.interface.variables[signal.variable];
             let now = if info.causality == Causality::Input {
                 self.state.values[signal.variable] + self.state.rates[signal.variable] * dt
             } else {
                 self.inner.get(signal.variable)?
             };
+            *slope = if dt > 0.0 { (now - *value) / dt } else { 0.0 };
             match signal.source {
                 Source::Value => {}
                 Source::Rate if dt > 0.0 => *more = (now - *value) / dt,
@@ -264,8 +265,14 @@ impl<S: Slave + ?Sized> Attached<S> {
         for (k, places) in &changed.by {
             let mut drivers = [0.0; 3];
             for (driver, place) in drivers.iter_mut().zip(places) {
-                let (value, more) = self.state.signals[*place];
-                *driver = if self.signals[*place].source == Source::Value { value } else { more };
+                let (value, more, slope) = self.state.signals[*place];
+                // before a step the end of the step is not known: signals run on as they did
+                let ahead = if after { 0.0 } else { dt };
+                *driver = match self.signals[*place].source {
+                    Source::Value => value + slope * ahead,
+                    Source::Rate => more,
+                    Source::Integral => more + (value + 0.5 * slope * ahead) * ahead,
+                };
             }
             let call = Call { time, dt, target, drivers: &drivers[..places.len().min(3)] };
             target = (self.attachments[*k].effect.apply)(
