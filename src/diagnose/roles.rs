@@ -65,7 +65,8 @@ impl Roles {
             (0..self.of.len())
                 .filter(|v| {
                     let causality = interface.variables[*v].causality;
-                    matches!(causality, Causality::Input | Causality::Output) && self.is(*v, role)
+                    matches!(causality, Causality::Input | Causality::Output)
+                        && self.of[*v].iter().any(|own| own.serves(role))
                 })
                 .map(|variable| Signal { variable, source })
                 .collect()
