@@ -55,6 +55,34 @@ pub fn turning_points(values: &[f64]) -> Vec<f64> {
     points
 }
 
+/// The turning points without those between which the values move by less than `gate`: what noise adds to
+/// a count. Values that are not finite are left out.
+pub fn large_turning_points(values: &[f64], gate: f64) -> Vec<f64> {
+    let mut kept: Vec<f64> = Vec::new();
+    // the extreme that the values have reached since the last kept point
+    let mut reached: Option<f64> = None;
+    for point in turning_points(values) {
+        match (kept.last().copied(), reached) {
+            (None, _) => kept.push(point),
+            (Some(start), None) => {
+                if (point - start).abs() >= gate {
+                    reached = Some(point);
+                }
+            }
+            (Some(start), Some(extreme)) => {
+                if (extreme > start) == (point > extreme) {
+                    reached = Some(point);
+                } else if (point - extreme).abs() >= gate {
+                    kept.push(extreme);
+                    reached = Some(point);
+                }
+            }
+        }
+    }
+    kept.extend(reached);
+    kept
+}
+
 /// A closed cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cycle {
@@ -257,6 +285,17 @@ mod tests {
         assert_eq!(turning_points(&[1.0, 1.0, 2.0, 3.0, 3.0, f64::NAN, 2.0, 2.0, 2.5]), [1.0, 3.0, 2.0, 2.5]);
         assert_eq!(turning_points(&[4.0, 4.0]), [4.0]);
         assert_eq!(rainflow(&[]), Rainflow::default());
+    }
+
+    #[test]
+    fn small_turns_are_left_out_and_extremes_kept() {
+        let noisy = [0.0, 0.2, 0.1, 3.0, 2.9, 5.0, 4.8, 5.1, 1.0, 1.3, -2.0, -1.9, 4.0];
+        assert_eq!(large_turning_points(&noisy, 1.0), [0.0, 5.1, -2.0, 4.0]);
+        assert_eq!(large_turning_points(&noisy, 0.0), turning_points(&noisy));
+        assert_eq!(large_turning_points(&noisy, 100.0), [0.0]);
+        assert_eq!(large_turning_points(&[], 1.0), Vec::<f64>::new());
+        // the example's ranges but the 3 at its start and the 4 inside
+        assert_eq!(large_turning_points(&ASTM, 4.5), [-2.0, 5.0, -4.0, 4.0, -2.0]);
     }
 
     #[test]
