@@ -344,7 +344,7 @@ mod tests {
             for w in values.windows(2) {
                 finer.extend((1..=parts).map(|i| {
                     let share = i as f64 / parts as f64;
-                    w[0] * (1.0 - share) + w[1] * share
+                    w[0] + share * (w[1] - w[0])
                 }));
             }
             prop_assert_eq!(rainflow(&finer), rainflow(&values));

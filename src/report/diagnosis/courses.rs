@@ -148,14 +148,17 @@ fn errors(runs: &[Compared]) -> Html {
 fn one(run: &Compared, columns: usize, open: bool) -> Html {
     let mut plots = String::new();
     for trace in run.traces.iter().take(MAX_CHANNELS) {
+        // a grid of its own: each channel begins a row
+        plots.push_str("<div class=\"grid\">\n");
         for plot in of_trace(run, trace, columns) {
             plots.push_str(plot.as_str());
         }
+        plots.push_str("</div>\n");
     }
     let mut html = String::new();
     let _ = write!(
         html,
-        "<details{}><summary>{}<span>{}</span></summary>\n<div class=\"grid\">\n{plots}</div>\n</details>\n",
+        "<details{}><summary>{}<span>{}</span></summary>\n{plots}</details>\n",
         if open { " open" } else { "" },
         escape(&run.run.name),
         escape(&run.traces.iter().map(|t| t.name).collect::<Vec<_>>().join(", ")),

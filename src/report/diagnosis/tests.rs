@@ -365,6 +365,8 @@ fn text_stays_text() {
     }
     spoil(&mut value, bad);
     let mut spoiled: Diagnosis = serde_json::from_value(value).unwrap();
+    // all have the same name now
+    spoiled.check.truncate(1);
     let mut runs = runs(1, 1);
     runs[0].name = bad.into();
     for recording in recordings(&mut runs[0]) {
