@@ -108,7 +108,7 @@ fn found(finding: &Finding) -> String {
             number(p.value),
             interval(p.low, p.high)
         );
-        row("", &text.replace("  ", " "));
+        row("with", &text.replace("  ", " "));
     }
     html.push_str("</tbody></table>\n");
     if !finding.evidence.is_empty() {

@@ -170,9 +170,12 @@ fn rotation(run: &CheckRun, named: Vec<&str>) -> Option<(String, Vec<f64>)> {
 mod tests {
     use super::*;
 
-    fn run(channels: &[(&str, &str, &dyn Fn(f64) -> f64)]) -> CheckRun {
+    /// Name, unit, course.
+    type Course<'a> = (&'a str, &'a str, &'a dyn Fn(f64) -> f64);
+
+    fn run(channels: &[Course]) -> CheckRun {
         let time: Vec<f64> = (0..1000).map(|i| f64::from(i) * 0.01).collect();
-        let channel = |(name, unit, f): &(&str, &str, &dyn Fn(f64) -> f64)| Channel {
+        let channel = |(name, unit, f): &Course| Channel {
             name: (*name).into(),
             unit: (*unit).into(),
             values: time.iter().map(|t| f(*t)).collect(),
@@ -187,7 +190,7 @@ mod tests {
 
     #[test]
     fn what_turns_is_found() {
-        let steer: (&str, &str, &dyn Fn(f64) -> f64) = ("steer", "deg", &|t| 30.0 * t.sin());
+        let steer: Course = ("steer", "deg", &|t| 30.0 * t.sin());
         let found =
             |channels: &[_]| rotation(&run(channels), Vec::new()).map(|(name, angle)| (name, angle[999]));
         assert_eq!(found(&[steer]), None);

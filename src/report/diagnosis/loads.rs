@@ -1,6 +1,7 @@
 //! What of the check runs matters for damage: extremes, level crossings, range pairs, rainflow.
 
 use super::compare::{Compared, Trace};
+use crate::diagnose::Diagnosis;
 use crate::diagnose::loads::{
     Rainflow, Residue, extremes, large_turning_points, level_crossings, rainflow, rainflow_matrix,
     range_pairs,
@@ -11,11 +12,17 @@ use crate::report::plot::{Axis, Plot, Size, Tone};
 const MAX_CHANNELS: usize = 6;
 /// Movements below this share of the measured span are left out: noise, which is not simulated, has a huge number.
 const GATE: f64 = 0.05;
+/// The same in multiples of the noise's root mean square, and as a share of the span at most.
+const GATE_NOISE: f64 = 6.0;
+const GATE_MOST: f64 = 0.5;
 /// Classes of levels and ranges, and of a side of the rainflow matrix.
 const CLASSES: usize = 60;
 const MATRIX: usize = 16;
 /// Slope of the S-N line for the equivalent range.
 const SLOPE: f64 = 5.0;
+
+/// x and y of a line.
+type Points = (Vec<f64>, Vec<f64>);
 
 /// One course of a channel in all runs.
 struct Counted {
@@ -27,7 +34,7 @@ struct Counted {
 }
 
 impl Counted {
-    fn new(courses: &[&[f64]], span: (f64, f64)) -> Self {
+    fn new(courses: &[&[f64]], span: (f64, f64), gate: f64) -> Self {
         let (low, high) = span;
         let width = (high - low) / CLASSES as f64;
         let levels: Vec<f64> = (0..CLASSES).map(|i| low + (i as f64 + 0.5) * width).collect();
@@ -40,7 +47,7 @@ impl Counted {
             matrix: vec![0.0; MATRIX * MATRIX],
         };
         for course in courses {
-            let points = large_turning_points(course, GATE * (high - low));
+            let points = large_turning_points(course, gate);
             let counted = rainflow(&points);
             all.extremes = match (all.extremes, extremes(course)) {
                 (Some((a, b)), Some((c, d))) => Some((a.min(c), b.max(d))),
@@ -86,7 +93,7 @@ fn add<T: std::ops::AddAssign>(sums: &mut [T], more: Vec<T>) {
     }
 }
 
-pub(super) fn section(runs: &[Compared]) -> Section {
+pub(super) fn section(diagnosis: &Diagnosis, runs: &[Compared]) -> Section {
     let section = Section::new("Loads");
     let mut names: Vec<(&str, &str)> = Vec::new();
     for trace in runs.iter().flat_map(|r| &r.traces) {
@@ -96,15 +103,15 @@ pub(super) fn section(runs: &[Compared]) -> Section {
     }
     let mut table = Table::new(&[
         "channel",
-        "unit",
         "",
         "smallest",
         "largest",
         "cycles",
         "largest range",
-        "crossings of the middle",
-        "damage, measured = 1",
-        "rainflow classes alike [%]",
+        "middle crossed",
+        "damage",
+        "alike [%]",
+        "gate",
     ]);
     let mut plots = Vec::new();
     for (i, (name, unit)) in names.into_iter().enumerate() {
@@ -113,17 +120,19 @@ pub(super) fn section(runs: &[Compared]) -> Section {
         let measured: Vec<&[f64]> = traces.iter().map(|t| t.measured.as_slice()).collect();
         let all: Vec<f64> = measured.concat();
         let Some(span) = extremes(&all).filter(|(low, high)| high > low) else { continue };
-        let measured = Counted::new(&measured, span);
-        let before = Counted::new(&traces.iter().map(|t| t.before.as_slice()).collect::<Vec<_>>(), span);
+        let noise = diagnosis.check.iter().find(|c| c.channel == name).and_then(|c| c.noise).unwrap_or(0.0);
+        let gate = (GATE_NOISE * noise).min(GATE_MOST * (span.1 - span.0)).max(GATE * (span.1 - span.0));
+        let measured = Counted::new(&measured, span, gate);
+        let before =
+            Counted::new(&traces.iter().map(|t| t.before.as_slice()).collect::<Vec<_>>(), span, gate);
         let after: Option<Vec<&[f64]>> = traces.iter().map(|t| t.after.as_deref()).collect();
-        let after = after.map(|a| Counted::new(&a, span));
+        let after = after.map(|a| Counted::new(&a, span, gate));
         for (what, c) in [("measured", Some(&measured)), ("before", Some(&before)), ("after", after.as_ref())]
         {
             let Some(c) = c else { continue };
             let (low, high) = c.extremes.unwrap_or((f64::NAN, f64::NAN));
             table = table.row([
-                name.into(),
-                unit.into(),
+                format!("{name} [{unit}]"),
                 what.into(),
                 number(low),
                 number(high),
@@ -132,6 +141,7 @@ pub(super) fn section(runs: &[Compared]) -> Section {
                 c.crossings[CLASSES / 2].to_string(),
                 number(c.damage(&measured)),
                 format!("{:.0}", 100.0 * c.alike(&measured)),
+                number(gate),
             ]);
         }
         if i < MAX_CHANNELS {
@@ -144,10 +154,11 @@ pub(super) fn section(runs: &[Compared]) -> Section {
     section
         .with(table.html())
         .with(Html::note(&format!(
-            "All check runs together. Movements below {:.0} % of the measured span are left out. Cycles by \
-             rainflow (four-point method), each range of the residue as half a cycle; damage is the sum of \
-             range to the power {SLOPE}; alike are the measured cycles that have a partner in the same of {MATRIX} \
-             by {MATRIX} classes of the rainflow matrix. Crossings are upwards.",
+            "All check runs together. Movements smaller than the gate are left out: {:.0} % of the measured span, or \
+             {GATE_NOISE} times the noise (at most half of the span), which no simulation has. Cycles by rainflow \
+             (four-point method), each range of the residue as half a cycle. Damage is the sum of range to the power \
+             {SLOPE}, relative to the measured one. Alike are the measured cycles that have a partner in the same of \
+             {MATRIX} by {MATRIX} classes of the rainflow matrix. Crossings are upwards.",
             100.0 * GATE
         )))
         .side_by_side(plots)
@@ -163,7 +174,7 @@ fn plotted(
     after: Option<&Counted>,
 ) -> [Html; 2] {
     let width = (high - low) / CLASSES as f64;
-    let plot = |x: &str, y: &str, course: &dyn Fn(&Counted) -> (Vec<f64>, Vec<f64>)| {
+    let plot = |x: &str, y: &str, course: &dyn Fn(&Counted) -> Points| {
         let mut plot =
             Plot::new(name, Axis::new(x, "1"), Axis::new(y, unit)).size(Size::Half).columns(CLASSES * 2);
         for (what, tone, counted) in [("before", Tone::Before, Some(before)), ("after", Tone::After, after)] {

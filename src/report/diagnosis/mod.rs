@@ -39,7 +39,7 @@ pub fn diagnosis_report(diagnosis: &Diagnosis, runs: &[CheckRun]) -> Result<Stri
         courses::section(&compared),
         tables::candidates(diagnosis),
         tables::parameters(diagnosis),
-        loads::section(&compared),
+        loads::section(diagnosis, &compared),
         tables::unexplained(diagnosis, &compared),
         next(diagnosis),
         tables::recordings(diagnosis),

@@ -19,6 +19,12 @@ pub(super) fn interval(low: Option<f64>, high: Option<f64>) -> String {
     }
 }
 
+/// A change with one decimal and its sign.
+fn signed(change: f64) -> String {
+    let text = format!("{change:+.1}").replace('-', "−");
+    if matches!(text.as_str(), "+0.0" | "−0.0") { "0".into() } else { text }
+}
+
 /// A share as percent.
 fn percent(share: Option<f64>) -> String {
     share.map_or_else(
@@ -89,8 +95,7 @@ pub(super) fn parameters(diagnosis: &Diagnosis) -> Section {
     let mut own = Table::new(&["model's parameter", "start", "value", "unit", "95 % interval", "change [%]"]);
     for p in &diagnosis.parameters {
         let change = 100.0 * (p.value / p.start - 1.0);
-        let change =
-            if change.is_finite() { format!("{change:+.1}").replace('-', "−") } else { number(f64::NAN) };
+        let change = if change.is_finite() { signed(change) } else { number(f64::NAN) };
         own = own.row([
             p.name.clone(),
             number(p.start),
