@@ -58,28 +58,34 @@ pub fn turning_points(values: &[f64]) -> Vec<f64> {
 /// The turning points without those between which the values move by less than `gate`: what noise adds to
 /// a count. Values that are not finite are left out.
 pub fn large_turning_points(values: &[f64], gate: f64) -> Vec<f64> {
+    let points = turning_points(values);
+    let Some(first) = points.first().copied() else { return points };
     let mut kept: Vec<f64> = Vec::new();
-    // the extreme that the values have reached since the last kept point
-    let mut reached: Option<f64> = None;
-    for point in turning_points(values) {
-        match (kept.last().copied(), reached) {
-            (None, _) => kept.push(point),
-            (Some(start), None) => {
-                if (point - start).abs() >= gate {
-                    reached = Some(point);
-                }
+    // before the first large movement: what the values have reached on both sides
+    let (mut low, mut high) = (first, first);
+    // after it: the extreme since the last kept point
+    let mut reached = first;
+    for point in points.into_iter().skip(1) {
+        match kept.last() {
+            None if point - low >= gate => {
+                kept.push(low);
+                reached = point;
             }
-            (Some(start), Some(extreme)) => {
-                if (extreme > start) == (point > extreme) {
-                    reached = Some(point);
-                } else if (point - extreme).abs() >= gate {
-                    kept.push(extreme);
-                    reached = Some(point);
+            None if high - point >= gate => {
+                kept.push(high);
+                reached = point;
+            }
+            None => (low, high) = (low.min(point), high.max(point)),
+            Some(start) if (reached > *start) == (point > reached) => reached = point,
+            Some(_) => {
+                if (point - reached).abs() >= gate {
+                    kept.push(reached);
+                    reached = point;
                 }
             }
         }
     }
-    kept.extend(reached);
+    kept.push(reached);
     kept
 }
 
@@ -294,8 +300,10 @@ mod tests {
         assert_eq!(large_turning_points(&noisy, 0.0), turning_points(&noisy));
         assert_eq!(large_turning_points(&noisy, 100.0), [0.0]);
         assert_eq!(large_turning_points(&[], 1.0), Vec::<f64>::new());
-        // the example's ranges but the 3 at its start and the 4 inside
-        assert_eq!(large_turning_points(&ASTM, 4.5), [-2.0, 5.0, -4.0, 4.0, -2.0]);
+        // the example's without the 3 and 4 at its start and the 4 inside
+        assert_eq!(large_turning_points(&ASTM, 4.5), [-3.0, 5.0, -4.0, 4.0, -2.0]);
+        // a start in the middle hides nothing
+        assert_eq!(large_turning_points(&[0.0, 3.0, -3.0, 3.0, 0.0], 5.0), [3.0, -3.0, 3.0]);
     }
 
     #[test]

@@ -289,6 +289,19 @@ fn errors_of_the_runs_are_those_of_the_courses() {
 }
 
 #[test]
+fn loads_count_what_is_no_noise() {
+    // force_z: a ripple of 120 N, in 10 s 42.4 turns of the wheel at 8 m/s, under noise of 30 N
+    let html = diagnosis_report(&diagnosis(), &runs(1, 4)).unwrap();
+    for what in ["measured", "before", "after"] {
+        let row = html.split(&format!("<td>force_z [N]</td><td>{what}</td>")).nth(1).unwrap();
+        let numbers: Vec<&str> =
+            row.split("\"number\">").skip(1).take(8).filter_map(|n| n.split('<').next()).collect();
+        let cycles: f64 = numbers[2].parse().unwrap();
+        assert!((41.5..=43.0).contains(&cycles), "{what}: {numbers:?}");
+    }
+}
+
+#[test]
 fn a_rotation_gives_orders() {
     let mut diagnosis = diagnosis();
     diagnosis.check.push(ChannelCheck {
