@@ -55,6 +55,40 @@ pub fn turning_points(values: &[f64]) -> Vec<f64> {
     points
 }
 
+/// The turning points without those between which the values move by less than `gate`: what noise adds to
+/// a count. Values that are not finite are left out.
+pub fn large_turning_points(values: &[f64], gate: f64) -> Vec<f64> {
+    let points = turning_points(values);
+    let Some(first) = points.first().copied() else { return points };
+    let mut kept: Vec<f64> = Vec::new();
+    // before the first large movement: what the values have reached on both sides
+    let (mut low, mut high) = (first, first);
+    // after it: the extreme since the last kept point
+    let mut reached = first;
+    for point in points.into_iter().skip(1) {
+        match kept.last() {
+            None if point - low >= gate => {
+                kept.push(low);
+                reached = point;
+            }
+            None if high - point >= gate => {
+                kept.push(high);
+                reached = point;
+            }
+            None => (low, high) = (low.min(point), high.max(point)),
+            Some(start) if (reached > *start) == (point > reached) => reached = point,
+            Some(_) => {
+                if (point - reached).abs() >= gate {
+                    kept.push(reached);
+                    reached = point;
+                }
+            }
+        }
+    }
+    kept.push(reached);
+    kept
+}
+
 /// A closed cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cycle {
@@ -260,6 +294,19 @@ mod tests {
     }
 
     #[test]
+    fn small_turns_are_left_out_and_extremes_kept() {
+        let noisy = [0.0, 0.2, 0.1, 3.0, 2.9, 5.0, 4.8, 5.1, 1.0, 1.3, -2.0, -1.9, 4.0];
+        assert_eq!(large_turning_points(&noisy, 1.0), [0.0, 5.1, -2.0, 4.0]);
+        assert_eq!(large_turning_points(&noisy, 0.0), turning_points(&noisy));
+        assert_eq!(large_turning_points(&noisy, 100.0), [0.0]);
+        assert_eq!(large_turning_points(&[], 1.0), Vec::<f64>::new());
+        // the example's without the 3 and 4 at its start and the 4 inside
+        assert_eq!(large_turning_points(&ASTM, 4.5), [-3.0, 5.0, -4.0, 4.0, -2.0]);
+        // a start in the middle hides nothing
+        assert_eq!(large_turning_points(&[0.0, 3.0, -3.0, 3.0, 0.0], 5.0), [3.0, -3.0, 3.0]);
+    }
+
+    #[test]
     fn the_equivalent_range_of_equal_cycles_is_theirs() {
         let wave: Vec<f64> = (0..21).map(|i| if i % 2 == 0 { -1.5 } else { 1.5 }).collect();
         let counted = rainflow(&wave);
@@ -305,7 +352,7 @@ mod tests {
             for w in values.windows(2) {
                 finer.extend((1..=parts).map(|i| {
                     let share = i as f64 / parts as f64;
-                    w[0] * (1.0 - share) + w[1] * share
+                    w[0] + share * (w[1] - w[0])
                 }));
             }
             prop_assert_eq!(rainflow(&finer), rainflow(&values));

@@ -116,7 +116,7 @@ fn finite(places: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
 fn resample(places: &[f64], values: &[f64], step: f64) -> Option<Vec<f64>> {
     let (first, last) = (*places.first()?, *places.last()?);
     let count = (last - first) / step * (1.0 + 1e-12);
-    if !(count < MOST_SAMPLES as f64) {
+    if count.is_nan() || count >= MOST_SAMPLES as f64 {
         return None;
     }
     let even: Vec<f64> = (0..=count as usize)
