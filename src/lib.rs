@@ -8,6 +8,8 @@
 pub mod control;
 #[cfg(feature = "host")]
 pub mod cosimulate;
+#[cfg(feature = "host")]
+pub mod diagnose;
 mod error;
 #[cfg(feature = "host")]
 mod file;

@@ -1,0 +1,3 @@
+//! Diagnosis: where recordings and simulation differ, and why.
+
+pub mod hygiene;
