@@ -33,6 +33,10 @@ pub struct Fit {
 const FEWEST: usize = 60;
 /// Samples that are looked at, at most; the simulation keeps its resolution.
 const MOST: usize = 1500;
+/// And for the first search over delays.
+const MOST_COARSE: usize = 250;
+/// By how much a delay beyond half a period of the mean frequency has to be better than a shorter one.
+const FAR_DELAY: f64 = 2.0;
 
 impl<'a> Pair<'a> {
     /// The channel `name` of run number `run`, if both sides have it, of the same length, finite and not
@@ -67,10 +71,21 @@ impl<'a> Pair<'a> {
     }
 
     /// Calls `each` with the measured value, the simulated one `delay` before, and the time.
-    pub fn visit(&self, from: usize, to: usize, delay: f64, reach: f64, mut each: impl FnMut(f64, f64, f64)) {
+    pub fn visit(&self, from: usize, to: usize, delay: f64, reach: f64, each: impl FnMut(f64, f64, f64)) {
+        self.visit_some(MOST, (from, to), delay, reach, each);
+    }
+
+    fn visit_some(
+        &self,
+        most: usize,
+        (from, to): (usize, usize),
+        delay: f64,
+        reach: f64,
+        mut each: impl FnMut(f64, f64, f64),
+    ) {
         let n = self.time.len();
         let to = to.min(n);
-        let stride = (to.saturating_sub(from) / MOST).max(1);
+        let stride = to.saturating_sub(from).div_ceil(most).max(1);
         let (first, last) = (self.time[0] + reach, self.time[n - 1] - reach);
         let mut k = 0;
         for i in (from..to).step_by(stride) {
@@ -93,10 +108,14 @@ impl<'a> Pair<'a> {
 
     /// Offset and gain for one delay. `reach` \[s\] at both ends are left out.
     pub fn at(&self, from: usize, to: usize, delay: f64, reach: f64) -> Option<Fit> {
+        self.at_some(MOST, (from, to), delay, reach)
+    }
+
+    fn at_some(&self, most: usize, (from, to): (usize, usize), delay: f64, reach: f64) -> Option<Fit> {
         let (mut n, mut y1, mut s1, mut yy, mut ss, mut ys) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
         // about the first values, so that large means do not cost digits
         let (y0, s0) = (self.measured[from.min(self.measured.len() - 1)], self.simulated[0]);
-        self.visit(from, to, delay, reach, |y, s, _| {
+        self.visit_some(most, (from, to), delay, reach, |y, s, _| {
             let (y, s) = (y - y0, s - s0);
             n += 1.0;
             y1 += y;
@@ -118,9 +137,12 @@ impl<'a> Pair<'a> {
     pub fn best_in(&self, from: usize, to: usize, reach: f64, sign: f64) -> Option<Fit> {
         let step = self.interval().max(self.period() / 20.0).min(reach / 2.0);
         let count = (reach / step).floor() as i32;
-        // of equals, the smaller delay: periodic signals come round again
-        let cost = |fit: &Fit| fit.error * (1.0 + 0.02 * fit.delay.abs() / reach);
-        let try_at = |delay: f64| self.at(from, to, delay, reach).filter(|fit| fit.gain * sign > 0.0);
+        // periodic signals come round again: a delay of half a period or more has to be far better
+        let far = 0.45 * self.period();
+        let cost = |fit: &Fit| fit.error * if fit.delay.abs() > far { FAR_DELAY } else { 1.0 };
+        let try_at = |most: usize, delay: f64| {
+            self.at_some(most, (from, to), delay, reach).filter(|fit| fit.gain * sign > 0.0)
+        };
         let mut best: Option<Fit> = None;
         let better = |fit: Option<Fit>, best: &mut Option<Fit>| {
             if let Some(fit) = fit
@@ -130,9 +152,10 @@ impl<'a> Pair<'a> {
             }
         };
         for k in -count..=count {
-            better(try_at(f64::from(k) * step), &mut best);
+            better(try_at(MOST_COARSE, f64::from(k) * step), &mut best);
         }
-        // between the grid's delays, thrice three times finer
+        best = try_at(MOST, best?.delay).or(best);
+        // between the grid's delays, four times three times finer
         let mut width = step;
         for _ in 0..4 {
             width /= 3.0;
@@ -140,7 +163,7 @@ impl<'a> Pair<'a> {
             for k in [-2.0, -1.0, 1.0, 2.0] {
                 let delay: f64 = centre + k * width;
                 if delay.abs() <= reach {
-                    better(try_at(delay), &mut best);
+                    better(try_at(MOST, delay), &mut best);
                 }
             }
         }
@@ -171,6 +194,16 @@ impl<'a> Pair<'a> {
     pub fn amplitude(&self) -> f64 {
         amplitude(&self.measured)
     }
+}
+
+/// The width of a signal's spectrum: 0 for a sine, 1 for white noise (Longuet-Higgins,
+/// `sqrt(1 - m2^2 / (m0 m4))` with the spectral moments m).
+pub fn bandwidth(time: &[f64], values: &[f64]) -> f64 {
+    let slopes: Vec<f64> =
+        (1..values.len()).map(|i| (values[i] - values[i - 1]) / (time[i] - time[i - 1])).collect();
+    let middles: Vec<f64> = time.windows(2).map(|w| (w[0] + w[1]) / 2.0).collect();
+    let ratio = period(&middles, &slopes) / period(time, values);
+    (1.0 - ratio * ratio).max(0.0).sqrt()
 }
 
 /// Period \[s\] of the mean frequency of a signal, infinite for a constant.

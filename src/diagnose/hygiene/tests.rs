@@ -98,9 +98,9 @@ impl Rig {
         Self { stiffness: 4000.0, damping: 60.0, mass: 10.0, peak: 1.0, gain: 1.0, ..Self::default() }
     }
 
-    /// The outputs at `times`, by semi-implicit Euler at 2 ms.
+    /// The outputs at `times`, by semi-implicit Euler at 4 ms.
     fn run(&self, programme: &Programme, times: &[f64], length: f64) -> [Vec<f64>; 3] {
-        const STEP: f64 = 0.002;
+        const STEP: f64 = 0.004;
         let (mut x, mut v, mut lagged, mut slow, mut heat, mut z, mut angle) =
             (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
         x += programme.at(0.0, length).0 / self.stiffness;
