@@ -106,11 +106,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// Offset and gain for one delay. `reach` \[s\] at both ends are left out.
-    pub fn at(&self, from: usize, to: usize, delay: f64, reach: f64) -> Option<Fit> {
-        self.at_some(MOST, (from, to), delay, reach)
-    }
-
+    /// Offset and gain for one delay, from `most` samples. `reach` \[s\] at both ends are left out.
     fn at_some(&self, most: usize, (from, to): (usize, usize), delay: f64, reach: f64) -> Option<Fit> {
         let (mut n, mut y1, mut s1, mut yy, mut ss, mut ys) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
         // about the first values, so that large means do not cost digits

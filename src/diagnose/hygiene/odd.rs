@@ -27,11 +27,17 @@ const AS_OTHERS: f64 = 1.6;
 /// The halves' numbers over that of the run.
 const HALVES: std::ops::Range<f64> = 0.5..1.7;
 /// A condition explains a deviation if a line through all runs has this correlation.
-const EXPLAINED: f64 = 0.9;
+const EXPLAINED: f64 = 0.95;
 
 /// Runs with a spectrum narrower than this are taken as single sines: there a delay is no more than a phase,
 /// which a wrong parameter shifts as well.
 const NARROW: f64 = 0.35;
+
+/// A delay of about a period or more may be a smaller one that came round: it has to undo nearly all.
+const ROUND: f64 = 0.25;
+
+/// Gains over the usual one that are a reversed sign.
+const REVERSED: std::ops::Range<f64> = -1.5..-0.6;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum What {
@@ -76,7 +82,7 @@ fn odd_in(table: &mut Table, channel: usize) -> Vec<Fault> {
     };
     let offsets: Vec<f64> = fits.iter().map(|(p, _)| offset(p, &usual, 0, p.time.len())).collect();
     let usual = Fit { offset: median(&offsets), ..usual };
-    let seen: Vec<Seen> = fits.iter().map(|(pair, _)| look(pair, &usual)).collect();
+    let seen: Vec<Seen> = fits.iter().map(|(pair, fit)| look(pair, &usual, fit.delay)).collect();
     let amplitude = median(&fits.iter().map(|(p, _)| p.amplitude()).collect::<Vec<_>>());
     let interval = median(&fits.iter().map(|(p, _)| p.interval()).collect::<Vec<_>>());
 
@@ -104,7 +110,9 @@ fn odd_in(table: &mut Table, channel: usize) -> Vec<Fault> {
         let away = value - median(&values);
         let out = away.abs() > least && away.abs() > SIGMAS * (1.0 + 3.0 / seen.len() as f64) * scatter;
         let pair = fits[i].0;
-        let phase = what == What::Delay && bandwidth(pair.time, pair.simulated) < NARROW;
+        let phase = what == What::Delay
+            && (bandwidth(pair.time, pair.simulated) < NARROW
+                || (away.abs() > 0.4 * pair.period() && left > ROUND * this.usual_error));
         if out
             && !phase
             && halves_agree(pair, what, &usual, away)
@@ -163,11 +171,10 @@ fn gain(pair: &Pair, usual: &Fit, from: usize, to: usize) -> f64 {
     if pp > 0.0 { yp / pp } else { 1.0 }
 }
 
-fn look(pair: &Pair, usual: &Fit) -> Seen {
+fn look(pair: &Pair, usual: &Fit, own_delay: f64) -> Seen {
     let end = pair.time.len();
     let own_offset = offset(pair, usual, 0, end);
     let own_gain = gain(pair, usual, 0, end);
-    let own_delay = delay(pair, usual, 0, end);
     Seen {
         run: pair.run,
         usual_error: pair.error(usual.offset, usual.gain, usual.delay),
@@ -197,10 +204,13 @@ fn halves_agree(pair: &Pair, what: What, usual: &Fit, away: f64) -> bool {
     })
 }
 
+/// Times and values of a channel.
+type Course = (Vec<f64>, Vec<f64>);
+
 /// Whether a line over one operating condition explains the deviation of run number `odd`.
 fn explained(table: &Table, pairs: &[&Pair], values: &[f64], odd: usize) -> bool {
     let mut conditions: Vec<Vec<f64>> = Vec::new();
-    let mut add = |of: &dyn Fn(&Pair) -> Option<(Vec<f64>, Vec<f64>)>| {
+    let mut add = |of: &dyn Fn(&Pair) -> Option<Course>| {
         let columns: Option<Vec<[f64; 3]>> = pairs
             .iter()
             .map(|pair| of(pair).map(|(t, v)| [mean(&v), deviation(&v), 1.0 / period(&t, &v)]))
@@ -243,6 +253,13 @@ fn fault(table: &Table, channel: usize, what: What, hits: &[(usize, f64)], looke
             channel_unit,
             "an offset",
             "Zero the sensor and repeat these runs, or subtract the offset.",
+        ),
+        What::Gain if REVERSED.contains(&(1.0 + value)) => (
+            FaultKind::WrongSign,
+            1.0 + value,
+            "1",
+            "a gain",
+            "Check the sensor's direction, and reverse the channel in these runs.",
         ),
         What::Gain => (
             FaultKind::GainInSomeRuns,

@@ -2,7 +2,7 @@
 
 use super::against::Table;
 use super::align::Fit;
-use super::robust::{mean, median, spread};
+use super::robust::{deviation, mean, median, spread};
 use super::{Fault, FaultKind, Severity, run_name, short};
 
 /// Ratios of units: how many of the recorded unit make one of the named unit, and what that would be.
@@ -56,6 +56,8 @@ pub fn units_and_signs(table: &mut Table) -> Vec<Fault> {
 
 fn signs(table: &mut Table, channel: usize) -> Option<Fault> {
     let mut hits = Vec::new();
+    // sines, which a delay of half a period explains as well
+    let mut open = Vec::new();
     let mut looked_at = 0;
     for pair in table.pairs[channel].iter().flatten() {
         looked_at += 1;
@@ -63,18 +65,24 @@ fn signs(table: &mut Table, channel: usize) -> Option<Fault> {
         let Some(reversed) = pair.best_in(0, end, pair.reach().min(pair.period() / 8.0), -1.0) else {
             continue;
         };
-        let upright = pair.best().map_or(size, |fit| fit.error);
-        let (m, s) = (mean(&pair.measured), mean(pair.simulated));
+        let (m, s, moves) = (mean(&pair.measured), mean(pair.simulated), deviation(pair.simulated));
         // a mean that is there and reversed, too, tells a sine's sign
-        let mean_flips = s.abs() > 0.3 * super::robust::deviation(pair.simulated)
-            && (-3.0..-0.33).contains(&(m / (s * reversed.gain.abs())));
-        let mean_stays = s.abs() > super::robust::deviation(pair.simulated) && m * s > 0.0;
-        if reversed.error < SIGN_LEFT * size
-            && (reversed.error < SIGN_BETTER * upright || mean_flips)
-            && !mean_stays
-        {
-            hits.push((pair.run, reversed));
+        let mean_flips = s.abs() > 0.3 * moves && (-3.0..-0.33).contains(&(m / (s * reversed.gain.abs())));
+        let mean_stays = s.abs() > moves && m * s > 0.0;
+        if reversed.error > SIGN_LEFT * size || mean_stays {
+            continue;
         }
+        let upright = pair.best().map_or(size, |fit| fit.error);
+        if reversed.error < SIGN_BETTER * upright || mean_flips {
+            hits.push((pair.run, reversed));
+        } else {
+            open.push((pair.run, reversed));
+        }
+    }
+    // they go with the others, if nearly all of those are reversed
+    if hits.len() + open.len() == looked_at && !hits.is_empty() {
+        hits.append(&mut open);
+        hits.sort_by_key(|h| h.0);
     }
     if hits.is_empty() {
         return None;
@@ -106,6 +114,9 @@ fn signs(table: &mut Table, channel: usize) -> Option<Fault> {
     })
 }
 
+/// Runs and their gains.
+type Runs = Vec<(usize, f64)>;
+
 fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
     let fits: Vec<(usize, Fit, f64)> = table.pairs[channel]
         .iter()
@@ -121,7 +132,7 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
     let right: Vec<f64> = gains.iter().copied().filter(|g| (0.6..1.67).contains(g)).collect();
     let usual = if right.is_empty() { 1.0 } else { median(&right) };
     let steady = spread(&gains.iter().map(|g| g.ln()).collect::<Vec<_>>()) < NEAR_SCATTER;
-    let mut by_factor: Vec<(f64, &str, Vec<(usize, f64)>)> = Vec::new();
+    let mut by_factor: Vec<(f64, &str, Runs)> = Vec::new();
     for (run, fit, size) in &fits {
         let Some((factor, what)) = factor(fit.gain / usual) else { continue };
         let far = is_far(factor);
