@@ -1,6 +1,7 @@
 //! Diagnosis: where recordings and simulation differ, and why.
 
 mod blocks;
+pub mod hygiene;
 pub mod loads;
 mod pipeline;
 mod placement;
