@@ -38,7 +38,7 @@ delay = { value = 7.5, unit = "ms", low = 7, high = 8, max = 20 }
 id = "coulomb-friction"
 target = "axle_force_z"
 drivers = ["rate(position_z)"]
-parameters = { force = { value = 40.0, unit = "N" }, velocity = 0.01 }
+parameters = { force = { value = 40.0, unit = "N" }, velocity = 0.1 }
 "#;
 
 const INTEGRATOR: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
@@ -373,7 +373,7 @@ fn the_file_of_a_fit_gives_the_same_fmu() {
     let parameters = [("hub_mass".to_string(), 31.5)];
     let direct = export_corrected(&base, &parameters, &effects, &library, &[]).unwrap();
     let fitted = [Fitted { name: "hub_mass".into(), value: 31.5, interval: Some((30.0, 33.0)) }];
-    let intervals = [vec![Some((0.19, 0.21))], vec![], vec![None, Some((0.009, 0.011))]];
+    let intervals = [vec![Some((0.19, 0.21))], vec![], vec![None, Some((0.09, 0.11))]];
     let text = corrected_text(&interface, &fitted, &effects, &intervals).unwrap();
     assert!(text.contains("hub_mass = { value = 31.5, low = 30.0, high = 33.0 } # "), "{text}");
     assert!(text.contains(
@@ -495,4 +495,29 @@ fn resources_that_do_not_belong_together_are_refused() {
             }
         }
     }
+}
+
+#[test]
+fn inputs_with_effects_run_on_with_their_rates() {
+    let text = "[[effect]]\nid = \"coulomb-friction\"\ntarget = \"axle_force_z\"\ndrivers = [\"velocity_z\"]\n\
+                parameters = { force = 0.0, velocity = 0.1 }";
+    let mut plain = Native::<RingBrushWheel>::new(&Settings::default()).unwrap();
+    let inner = Native::<RingBrushWheel>::new(&Settings::default()).unwrap();
+    let effects = attachments(inner.interface(), text);
+    let mut with = Attached::new(Box::new(inner), effects).unwrap();
+    let (force, height) = (plain.find("axle_force_z").unwrap(), plain.find("position_z").unwrap());
+    let slaves: [&mut dyn Slave; 2] = [&mut plain, &mut with];
+    let ends = slaves.map(|slave| {
+        begin(slave);
+        // the order of the two does not matter
+        slave.set_rate(force, 20_000.0).unwrap();
+        slave.set(force, -4000.0).unwrap();
+        for k in 0..20 {
+            slave.step(f64::from(k) * 1e-3, 1e-3).unwrap();
+        }
+        (slave.get(force).unwrap(), slave.get(height).unwrap())
+    });
+    assert!((ends[1].0 - -3600.0).abs() < 1e-6, "{ends:?}");
+    assert!((ends[0].0 - ends[1].0).abs() < 1e-6 && (ends[0].1 - ends[1].1).abs() < 1e-12, "{ends:?}");
+    assert!(with.set_rate(force, f64::NAN).is_err() && with.set_rate(height, 1.0).is_err());
 }

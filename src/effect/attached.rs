@@ -99,6 +99,8 @@ struct State {
     /// Of the slave's inputs and changed parameters: value and rate as the master gave them.
     values: Vec<f64>,
     rates: Vec<f64>,
+    /// The rate was given after the last step: a value that follows does not end it.
+    fresh: Vec<bool>,
     /// Of the variables that are changed before the step: what the master's value was to be at the
     /// communication point, and what the slave got there.
     expected: Vec<(f64, f64)>,
@@ -155,6 +157,7 @@ impl<S: Slave + ?Sized> Attached<S> {
                 memories: Vec::new(),
                 values: Vec::new(),
                 rates: Vec::new(),
+                fresh: Vec::new(),
                 expected: Vec::new(),
                 outputs: Vec::new(),
                 stepped: false,
@@ -193,6 +196,7 @@ impl<S: Slave + ?Sized> Attached<S> {
             memories: vec![Memory::default(); self.attachments.len()],
             values: self.interface.variables[..self.own].iter().map(start).collect(),
             rates: vec![0.0; self.own],
+            fresh: vec![false; self.own],
             expected: vec![(0.0, 0.0); self.before.len()],
             outputs: vec![(0.0, 0.0); self.after.len()],
             stepped: false,
@@ -218,7 +222,7 @@ impl<S: Slave + ?Sized> Attached<S> {
         for (signal, (value, more)) in self.signals.iter().zip(&mut self.state.signals) {
             let info = &self.interface.variables[signal.variable];
             let now = if info.causality == Causality::Input {
-                self.state.values[signal.variable] + self.state.rates[signal.variable] * dt
+                self.state.values[signal.variable]
             } else {
                 self.inner.get(signal.variable)?
             };
@@ -370,9 +374,11 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
         } else {
             self.inner.set(variable, value)?;
         }
-        if let (Some(v), Some(r)) = (self.state.values.get_mut(variable), self.state.rates.get_mut(variable))
-        {
-            (*v, *r) = (value, 0.0);
+        if variable < self.own {
+            self.state.values[variable] = value;
+            if !self.state.fresh[variable] {
+                self.state.rates[variable] = 0.0;
+            }
         }
         Ok(())
     }
@@ -386,11 +392,18 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
     }
 
     fn set_rate(&mut self, variable: usize, rate: f64) -> Result<()> {
-        if !self.before.iter().any(|c| c.variable == variable) || self.state.phase != Phase::Running {
+        let info = self.interface.variables.get(variable);
+        let later = self.state.phase == Phase::Running
+            && self.before.iter().any(|c| c.variable == variable)
+            && info.is_some_and(|info| info.causality == Causality::Input)
+            && rate.is_finite()
+            && self.inner.can_interpolate();
+        if !later {
+            // also where it is refused: in the slave's words
             self.inner.set_rate(variable, rate)?;
         }
-        if let Some(r) = self.state.rates.get_mut(variable) {
-            *r = rate;
+        if variable < self.own {
+            (self.state.rates[variable], self.state.fresh[variable]) = (rate, true);
         }
         Ok(())
     }
@@ -485,6 +498,11 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
         self.inner.step(time, length)?;
         self.state.time = time + length;
         self.state.stepped = true;
+        // what the master does not set again runs on
+        for (value, rate) in self.state.values.iter_mut().zip(&self.state.rates) {
+            *value += rate * length;
+        }
+        self.state.fresh.fill(false);
         self.sense(length)?;
         self.change_outputs(time + length, length)
     }
@@ -520,6 +538,7 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
             && like(state.memories.len(), self.attachments.len())
             && like(state.values.len(), self.own)
             && like(state.rates.len(), self.own)
+            && like(state.fresh.len(), self.own)
             && like(state.expected.len(), self.before.len())
             && like(state.outputs.len(), self.after.len())
             && like(state.signals.len(), self.signals.len());
