@@ -16,6 +16,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
+use zip::CompressionMethod;
 use zip::write::{SimpleFileOptions, ZipWriter};
 
 const WHEEL: &str = r#"
@@ -476,7 +477,8 @@ fn resources_that_do_not_belong_together_are_refused() {
     ] {
         let mut zip = ZipWriter::new(File::create(folder.path().join("spoiled.fmu")).unwrap());
         for (i, (name, content)) in names.iter().zip(&files).enumerate() {
-            zip.start_file(*name, SimpleFileOptions::default()).unwrap();
+            let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+            zip.start_file(*name, stored).unwrap();
             let mut content = content.clone();
             if i == spoiled && i < 4 {
                 content = String::from_utf8(content).unwrap().replacen(from, to, 1).into_bytes();

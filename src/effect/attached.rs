@@ -455,7 +455,7 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
         if !self.state.stepped
             && let Ok(saved) = self.save()
         {
-            let length = self.own_step().unwrap_or(self.interface.communication_step);
+            let length = self.interface.communication_step;
             let rate = self.step(self.state.time, length).map(|()| self.state.outputs[i].1);
             self.restore(&saved)?;
             // e.g. at the stop time
