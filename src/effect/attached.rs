@@ -68,7 +68,8 @@ impl Attachment {
 /// last step: an error of second order in the communication step. Effects on outputs see the outputs and inputs of the same point. Several effects on one
 /// variable act in the order in which they were attached.
 ///
-/// What effects change has no derivatives; the slave offers no directional derivatives.
+/// The derivative of an output that an effect changes is the difference over the last communication step.
+/// There are no directional derivatives.
 pub struct Attached<S: Slave + ?Sized> {
     attachments: Vec<Attachment>,
     interface: Interface,
@@ -98,11 +99,15 @@ struct State {
     /// Of the slave's inputs and changed parameters: value and rate as the master gave them.
     values: Vec<f64>,
     rates: Vec<f64>,
+    /// The rate was given after the last step: a value that follows does not end it.
+    fresh: Vec<bool>,
     /// Of the variables that are changed before the step: what the master's value was to be at the
     /// communication point, and what the slave got there.
     expected: Vec<(f64, f64)>,
-    /// Of the variables that are changed after the step.
-    outputs: Vec<f64>,
+    /// Of the variables that are changed after the step: value, and rate over the last step.
+    outputs: Vec<(f64, f64)>,
+    /// A step was made.
+    stepped: bool,
     /// Of each signal: value of the variable, rate or integral, and rate of the value.
     signals: Vec<(f64, f64, f64)>,
 }
@@ -126,15 +131,11 @@ impl<S: Slave + ?Sized> Attached<S> {
     /// A target or driver that is no real variable of the right causality, or a number of drivers or
     /// parameters that is not the effect's.
     pub fn new(inner: Box<S>, attachments: Vec<Attachment>) -> Result<Self> {
-        let mut interface = inner.interface().clone();
-        interface.directional_derivatives = false;
-        let own = interface.variables.len();
-        let mut reference = interface.variables.iter().map(|v| v.reference).max().unwrap_or(0);
+        let interface = attached_interface(inner.interface(), &attachments)?;
+        let own = inner.interface().variables.len();
         let mut signals: Vec<Signal> = Vec::new();
         let (mut before, mut after): (Vec<Changed>, Vec<Changed>) = (Vec::new(), Vec::new());
         for (k, attachment) in attachments.iter().enumerate() {
-            let effect = attachment.effect;
-            check(&interface, own, attachment).map_err(|e| e.at(format!("effect {}", effect.id)))?;
             let drivers = attachment.drivers.iter().map(|signal| {
                 signals.iter().position(|s| s == signal).unwrap_or_else(|| {
                     signals.push(*signal);
@@ -142,31 +143,10 @@ impl<S: Slave + ?Sized> Attached<S> {
                 })
             });
             let by = (k, drivers.collect());
-            let list = if effect.port == Port::Output { &mut after } else { &mut before };
+            let list = if attachment.effect.port == Port::Output { &mut after } else { &mut before };
             match list.iter_mut().find(|c| c.variable == attachment.target) {
                 Some(changed) => changed.by.push(by),
                 None => list.push(Changed { variable: attachment.target, by: vec![by] }),
-            }
-            for (i, (parameter, chosen)) in effect.parameters.iter().zip(&attachment.parameters).enumerate() {
-                reference += 1;
-                let name = attachment.variable(&interface, i);
-                if interface.index(&name).is_some() {
-                    return Err(Error::variable(format!("{name}: the effect is attached twice")));
-                }
-                interface.variables.push(VariableInfo {
-                    name,
-                    reference,
-                    description: format!("{}: {}", effect.name, parameter.description),
-                    unit: chosen.unit.clone(),
-                    kind: Kind::Real,
-                    causality: Causality::Parameter,
-                    variability: Variability::Fixed,
-                    initial: Some(Initial::Exact),
-                    start: Some(Value::Real(chosen.value)),
-                    min: Some(chosen.range.0).filter(|v| v.is_finite()),
-                    max: Some(chosen.range.1).filter(|v| v.is_finite()),
-                    nominal: None,
-                });
             }
         }
         let mut attached = Self {
@@ -177,8 +157,10 @@ impl<S: Slave + ?Sized> Attached<S> {
                 memories: Vec::new(),
                 values: Vec::new(),
                 rates: Vec::new(),
+                fresh: Vec::new(),
                 expected: Vec::new(),
                 outputs: Vec::new(),
+                stepped: false,
                 signals: Vec::new(),
             },
             attachments,
@@ -219,8 +201,10 @@ impl<S: Slave + ?Sized> Attached<S> {
             memories: vec![Memory::default(); self.attachments.len()],
             values: self.interface.variables[..self.own].iter().map(start).collect(),
             rates: vec![0.0; self.own],
+            fresh: vec![false; self.own],
             expected: vec![(0.0, 0.0); self.before.len()],
-            outputs: vec![0.0; self.after.len()],
+            outputs: vec![(0.0, 0.0); self.after.len()],
+            stepped: false,
             signals: vec![(0.0, 0.0, 0.0); self.signals.len()],
         };
     }
@@ -243,7 +227,7 @@ impl<S: Slave + ?Sized> Attached<S> {
         for (signal, (value, more, slope)) in self.signals.iter().zip(&mut self.state.signals) {
             let info = &self.interface.variables[signal.variable];
             let now = if info.causality == Causality::Input {
-                self.state.values[signal.variable] + self.state.rates[signal.variable] * dt
+                self.state.values[signal.variable]
             } else {
                 self.inner.get(signal.variable)?
             };
@@ -287,10 +271,50 @@ impl<S: Slave + ?Sized> Attached<S> {
     fn change_outputs(&mut self, time: f64, dt: f64) -> Result<()> {
         for i in 0..self.after.len() {
             let target = self.inner.get(self.after[i].variable)?;
-            self.state.outputs[i] = self.change(true, i, target, time, dt);
+            let last = self.state.outputs[i].0;
+            let now = self.change(true, i, target, time, dt);
+            self.state.outputs[i] = (now, if dt > 0.0 { (now - last) / dt } else { 0.0 });
         }
         Ok(())
     }
+}
+
+/// The interface of a slave with effects: its own, then the parameters of the effects.
+///
+/// # Errors
+/// As [`Attached::new`].
+pub fn attached_interface(inner: &Interface, attachments: &[Attachment]) -> Result<Interface> {
+    let mut interface = inner.clone();
+    interface.directional_derivatives = false;
+    let own = interface.variables.len();
+    let mut reference = interface.variables.iter().map(|v| v.reference).max().unwrap_or(0);
+    for attachment in attachments {
+        let effect = attachment.effect;
+        check(&interface, own, attachment).map_err(|e| e.at(format!("effect {}", effect.id)))?;
+        for (i, (parameter, chosen)) in effect.parameters.iter().zip(&attachment.parameters).enumerate() {
+            // a foreign slave may have the largest reference there is; who needs them unique, renumbers
+            reference = reference.wrapping_add(1);
+            let name = attachment.variable(&interface, i);
+            if interface.index(&name).is_some() {
+                return Err(Error::variable(format!("{name}: the effect is attached twice")));
+            }
+            interface.variables.push(VariableInfo {
+                name,
+                reference,
+                description: format!("{}: {}", effect.name, parameter.description),
+                unit: chosen.unit.clone(),
+                kind: Kind::Real,
+                causality: Causality::Parameter,
+                variability: Variability::Fixed,
+                initial: Some(Initial::Exact),
+                start: Some(Value::Real(chosen.value)),
+                min: Some(chosen.range.0).filter(|v| v.is_finite()),
+                max: Some(chosen.range.1).filter(|v| v.is_finite()),
+                nominal: None,
+            });
+        }
+    }
+    Ok(interface)
 }
 
 fn check(interface: &Interface, own: usize, attachment: &Attachment) -> Result<()> {
@@ -339,7 +363,7 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
         if self.state.phase == Phase::Running
             && let Some(i) = self.after.iter().position(|c| c.variable == variable)
         {
-            return Ok(self.state.outputs[i]);
+            return Ok(self.state.outputs[i].0);
         }
         if self.before.iter().any(|c| c.variable == variable) {
             return Ok(self.state.values[variable]);
@@ -349,8 +373,8 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
 
     fn set(&mut self, variable: usize, value: f64) -> Result<()> {
         if let Some((k, i)) = self.parameter(variable) {
-            if self.state.phase != Phase::New {
-                return Err(wrong_order("setting a parameter of an effect", "after the start"));
+            if self.state.phase == Phase::Running {
+                return Err(wrong_order("setting a parameter of an effect", "after initialization"));
             }
             self.interface.variables[variable].accept(&Value::Real(value))?;
             self.state.parameters[k][i] = value;
@@ -362,9 +386,11 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
         } else {
             self.inner.set(variable, value)?;
         }
-        if let (Some(v), Some(r)) = (self.state.values.get_mut(variable), self.state.rates.get_mut(variable))
-        {
-            (*v, *r) = (value, 0.0);
+        if variable < self.own {
+            self.state.values[variable] = value;
+            if !self.state.fresh[variable] {
+                self.state.rates[variable] = 0.0;
+            }
         }
         Ok(())
     }
@@ -378,11 +404,18 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
     }
 
     fn set_rate(&mut self, variable: usize, rate: f64) -> Result<()> {
-        if !self.before.iter().any(|c| c.variable == variable) || self.state.phase != Phase::Running {
+        let info = self.interface.variables.get(variable);
+        let later = self.state.phase == Phase::Running
+            && self.before.iter().any(|c| c.variable == variable)
+            && info.is_some_and(|info| info.causality == Causality::Input)
+            && rate.is_finite()
+            && self.inner.can_interpolate();
+        if !later {
+            // also where it is refused: in the slave's words
             self.inner.set_rate(variable, rate)?;
         }
-        if let Some(r) = self.state.rates.get_mut(variable) {
-            *r = rate;
+        if variable < self.own {
+            (self.state.rates[variable], self.state.fresh[variable]) = (rate, true);
         }
         Ok(())
     }
@@ -418,14 +451,29 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
         Ok(())
     }
 
+    /// Of an output that an effect changes: the difference over the last communication step. Before the
+    /// first step it is taken over a step that is tried and taken back; 0 where the slave cannot.
     fn output_derivative(&mut self, variable: usize) -> Result<f64> {
-        if self.after.iter().any(|c| c.variable == variable) {
+        let Some(i) = self.after.iter().position(|c| c.variable == variable) else {
+            return self.inner.output_derivative(variable);
+        };
+        if self.state.phase != Phase::Running {
             let name = &self.interface.variables[variable].name;
-            return Err(Error::call(format!(
-                "the derivative of {name}, which an effect changes, is not known"
-            )));
+            return Err(wrong_order(
+                &format!("the derivative of {name}"),
+                "before the end of initialization",
+            ));
         }
-        self.inner.output_derivative(variable)
+        if !self.state.stepped
+            && let Ok(saved) = self.save()
+        {
+            let length = self.interface.communication_step;
+            let rate = self.step(self.state.time, length).map(|()| self.state.outputs[i].1);
+            self.restore(&saved)?;
+            // e.g. at the stop time
+            return Ok(rate.unwrap_or(0.0));
+        }
+        Ok(self.state.outputs[i].1)
     }
 
     fn own_step(&self) -> Option<f64> {
@@ -461,6 +509,12 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
         }
         self.inner.step(time, length)?;
         self.state.time = time + length;
+        self.state.stepped = true;
+        // what the master does not set again runs on
+        for (value, rate) in self.state.values.iter_mut().zip(&self.state.rates) {
+            *value += rate * length;
+        }
+        self.state.fresh.fill(false);
         self.sense(length)?;
         self.change_outputs(time + length, length)
     }
@@ -496,6 +550,7 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
             && like(state.memories.len(), self.attachments.len())
             && like(state.values.len(), self.own)
             && like(state.rates.len(), self.own)
+            && like(state.fresh.len(), self.own)
             && like(state.expected.len(), self.before.len())
             && like(state.outputs.len(), self.after.len())
             && like(state.signals.len(), self.signals.len());

@@ -8,8 +8,9 @@
 mod attached;
 pub mod catalogue;
 pub mod empirical;
+pub mod file;
 
-pub use attached::{Attached, Attachment, Chosen, Signal, Source};
+pub use attached::{Attached, Attachment, Chosen, Signal, Source, attached_interface};
 
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;

@@ -19,6 +19,8 @@ use toml::Spanned;
 /// belt_mass = 8.8                 # SI units
 /// vertical_stiffness = "170 N/mm" # or with a unit, which is converted
 ///
+/// belt_stiffness = { value = 9e4, low = 8e4, high = 1e5 } # as a fit writes it, with its interval
+///
 /// [inputs]                        # start values of inputs
 /// deflection = 0.02
 ///
@@ -81,6 +83,11 @@ struct File {
     inputs: BTreeMap<Spanned<String>, toml::Value>,
     #[serde(default)]
     fit: BTreeMap<Spanned<String>, FitEntry>,
+    /// What makes a model a corrected one; read by `effect::file`.
+    #[serde(default)]
+    original: bool,
+    #[serde(default)]
+    effect: Vec<toml::Value>,
 }
 
 impl Settings {
@@ -90,6 +97,20 @@ impl Settings {
     /// Not TOML, unknown sections, or values that are neither number, switch nor text. Names and
     /// ranges are checked by [`check`](Settings::check).
     pub fn parse(text: &str, place: &str) -> Result<Self> {
+        let (settings, corrected) = Self::parse_corrected(text, place)?;
+        match corrected {
+            false => Ok(settings),
+            true => Err(Error::file(format!(
+                "{place}: there are effects ([[effect]]): this is a corrected model, not only parameters; `latsch export` takes it with --effects"
+            ))),
+        }
+    }
+
+    /// As [`parse`](Settings::parse), for a file that may also describe effects; `true` if it does.
+    ///
+    /// # Errors
+    /// As [`parse`](Settings::parse).
+    pub(crate) fn parse_corrected(text: &str, place: &str) -> Result<(Self, bool)> {
         let file: File = toml::from_str(text).map_err(|e| {
             let line = e.span().map_or(1, |span| line_of(text, span.start));
             Error::file(format!("{place}:{line}: {}", e.message()))
@@ -100,8 +121,9 @@ impl Settings {
             for (name, value) in section {
                 let place = format!("{place}:{}", line_of(text, name.span().start));
                 let name = name.into_inner();
-                let value =
-                    Value::from_toml(&value).map_err(|e| Error::file(format!("{place}: {name} {e}")))?;
+                let value = fitted(&value)
+                    .and_then(Value::from_toml)
+                    .map_err(|e| Error::file(format!("{place}: {name} {e}")))?;
                 values.push(Setting { name, value, causality, place });
             }
         }
@@ -121,7 +143,8 @@ impl Settings {
             };
             fit.push(Free { name, range, place });
         }
-        Ok(Self { model: file.model, version: file.version, values, fit })
+        let corrected = file.original || !file.effect.is_empty();
+        Ok((Self { model: file.model, version: file.version, values, fit }, corrected))
     }
 
     /// Checks the values against a model's interface and gives them with the variables' indices.
@@ -185,6 +208,16 @@ impl Settings {
         }
         Ok(text)
     }
+}
+
+/// The value of a parameter that was fitted and has an interval: `{ value = 8.8, low = 8.1, high = 9.3 }`.
+/// The interval is for readers.
+fn fitted(value: &toml::Value) -> std::result::Result<&toml::Value, String> {
+    let toml::Value::Table(table) = value else { return Ok(value) };
+    if let Some(key) = table.keys().find(|k| !matches!(k.as_str(), "value" | "low" | "high")) {
+        return Err(format!("has the unknown key {key}; there are value, low, high"));
+    }
+    table.get("value").ok_or_else(|| "has no value".into())
 }
 
 impl Value {

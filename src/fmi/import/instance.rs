@@ -128,6 +128,11 @@ impl Instance {
         self.foundation.log.drain()
     }
 
+    /// Where the messages go.
+    pub(super) fn log(&self) -> Arc<Log> {
+        self.foundation.log.clone()
+    }
+
     /// Calls `function`, unless the instance is dead, and judges its status.
     fn call(&mut self, what: impl Display, function: impl FnOnce(&Library, Component) -> c_int) -> Outcome {
         if self.health == Health::Dead {
@@ -242,6 +247,17 @@ impl Instance {
             unsafe { set(c, &reference, 1, &1, &rate) }
         });
         Some(outcome.map_err(Error::from))
+    }
+
+    /// The first derivative of an output; `None` where the library has no such function.
+    pub(super) fn get_rate(&mut self, variable: &str, reference: u32) -> Option<Result<f64>> {
+        let get = self.foundation.library.get_derivatives?;
+        let mut rate = 0.0;
+        let outcome = self.call(format_args!("reading the derivative of {variable}"), |_, c| {
+            // SAFETY: a living instance; one reference, one order, room for one value.
+            unsafe { get(c, &reference, 1, &1, &mut rate) }
+        });
+        Some(outcome.map(|()| rate).map_err(Error::from))
     }
 
     pub(super) fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<()> {

@@ -21,7 +21,7 @@ pub struct Message {
 
 /// The messages of one instance. FMUs may log from any thread.
 #[derive(Debug, Default)]
-pub(super) struct Log {
+pub(in crate::fmi) struct Log {
     messages: Mutex<Messages>,
 }
 
@@ -44,7 +44,7 @@ impl Log {
     }
 
     /// All messages; they are then forgotten.
-    pub(super) fn drain(&self) -> Vec<Message> {
+    pub(in crate::fmi) fn drain(&self) -> Vec<Message> {
         self.lock().kept.drain(..).collect()
     }
 
