@@ -32,6 +32,8 @@ const MIN_GAIN: f64 = 0.01;
 /// A rest that an empirical function explains, as a share of what the named effects explain, above which
 /// the names are not enough.
 const LEFT_OVER: f64 = 0.2;
+/// A lag of all channels up to this share of the sampling interval is the recorder's filter, no finding.
+const RECORDER_LAG: f64 = 0.3;
 /// A rival is as good if chance makes such a difference with more than this probability.
 const TIE: f64 = 0.05;
 
@@ -119,16 +121,18 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         fit_runs: with(Use::Fit),
         check_runs: with(Use::Check),
         free: Vec::new(),
+        lag: 0.0,
         weights: Vec::new(),
         redundancy: 1.0,
     };
     let check_runs = study.check_runs.clone();
     let fit_runs = study.fit_runs.clone();
     study.weights = first_weights(&fit_runs);
+    study.lag = RECORDER_LAG * shortest_interval(&fit_runs);
 
     progress("fitting the model's own parameters", 0.05);
     study.choose_free(&subject.free)?;
-    let nominal = Model { parameters: vec![1.0; study.free.len()], effects: Vec::new() };
+    let nominal = study.nominal();
     let mut base = study.fit(&nominal, 8)?;
     for _ in 0..2 {
         let rest = study.rest(&base.model, &fit_runs)?;
@@ -206,7 +210,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let check = traces(&study, &subject, &base_model, &current.model, &recordings, &names)?;
     let parameters =
         study.free.iter().zip(&current.model.parameters).map(|(p, x)| (p.variable, p.nominal * x)).collect();
-    let attachments = current.model.effects.iter().map(|(p, v)| p.attach(v)).collect();
+    let attachments = current.model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect();
     Ok(Outcome { diagnosis, parameters, attachments, check, subject })
 }
 
@@ -249,6 +253,17 @@ fn same_channels(subject: &Subject, runs: &[(Run, Use)]) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// The shortest of the runs' median sampling intervals \[s\].
+fn shortest_interval(runs: &[&Run]) -> f64 {
+    let median = |run: &&Run| {
+        let mut all: Vec<f64> = run.time.windows(2).map(|w| w[1] - w[0]).collect();
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() / 2).copied().unwrap_or(0.0)
+    };
+    let least = runs.iter().map(median).fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
 }
 
 fn differences(a: &[f64], b: &[f64]) -> Vec<f64> {
@@ -309,7 +324,7 @@ fn screen<'a>(
             .model
             .effects
             .iter()
-            .any(|(p, _)| p.effect.id == placement.effect.id && p.target == placement.target)
+            .any(|(p, _)| p.effect.id == placement.effect.id && p.targets == placement.targets)
     };
     let placements: Vec<Placement> = catalogue::EFFECTS
         .iter()
@@ -376,21 +391,20 @@ fn try_out(
 ) -> Option<Tried> {
     let mut model = current.clone();
     model.effects.push((screened.placement.clone(), screened.values.clone()));
-    let mut fitted = study.fit(&model, 6).ok();
-    // the linear prediction may be far off: from near the off value as well
-    let near: Vec<f64> = screened
-        .placement
-        .effect
-        .parameters
-        .iter()
-        .zip(&screened.values)
-        .map(|(p, v)| p.off.map_or(*v, |off| off + 0.3 * (v - off)))
-        .collect();
+    // from near the off value, so that the parameters move along; from the linear prediction if that fails
+    if let Some((placement, values)) = model.effects.last_mut() {
+        for (value, parameter) in values.iter_mut().zip(placement.effect.parameters) {
+            if let Some(off) = parameter.off {
+                *value = off + 0.1 * (*value - off);
+            }
+        }
+    }
+    let mut fitted = study.fit(&model, 8).ok();
     if fitted.as_ref().is_none_or(|f| f.fit.cost > current_fit.total * (1.0 - 0.5 * screened.gain)) {
         if let Some((_, values)) = model.effects.last_mut() {
-            *values = near;
+            values.clone_from(&screened.values);
         }
-        let other = study.fit(&model, 6).ok();
+        let other = study.fit(&model, 8).ok();
         fitted = match (fitted, other) {
             (Some(a), Some(b)) => Some(if a.fit.cost <= b.fit.cost { a } else { b }),
             (a, b) => a.or(b),
@@ -717,7 +731,7 @@ fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, f64)) -> St
 fn next_experiment(diagnosis: &Diagnosis) -> String {
     let Some(first) = diagnosis.findings.first() else { return String::new() };
     let lead = |id: &str, other: &str| {
-        let effect = catalogue::find(id)?;
+        let effect = crate::effect::find(id)?;
         effect
             .confused_with
             .iter()

@@ -15,8 +15,10 @@ const MAX_COMBINATIONS: usize = 6;
 pub struct Placement {
     /// Which effect.
     pub effect: &'static Effect,
-    /// Index of the changed variable.
-    pub target: usize,
+    /// What it changes there.
+    pub port: Port,
+    /// Indices of the changed variables: one, or several that it changes with the same parameters.
+    pub targets: Vec<usize>,
     /// What drives it.
     pub drivers: Vec<Signal>,
     /// Size of one unit of each parameter, in the units of the machine.
@@ -28,33 +30,36 @@ pub struct Placement {
 impl Placement {
     /// Where it is, in words: `output force_y`.
     pub fn place(&self, interface: &Interface) -> String {
-        let name = &interface.variables[self.target].name;
-        match self.effect.port {
-            Port::Input => format!("input {name}"),
-            Port::Output => format!("output {name}"),
-            Port::Parameter => format!("parameter {name}"),
-            Port::Force => format!("force at {name}"),
+        let names: Vec<&str> = self.targets.iter().map(|v| interface.variables[*v].name.as_str()).collect();
+        let (names, plural) = (names.join(", "), if names.len() > 1 { "s" } else { "" });
+        match self.port {
+            Port::Input => format!("input{plural} {names}"),
+            Port::Output => format!("output{plural} {names}"),
+            Port::Parameter => format!("parameter{plural} {names}"),
+            Port::Force => format!("force at {names}"),
         }
     }
 
     /// The effect attached here with parameters in multiples of their scales.
-    pub fn attach(&self, values: &[f64]) -> Attachment {
+    pub fn attach(&self, values: &[f64]) -> Vec<Attachment> {
         let chosen = |((parameter, scale), (value, unit)): ((&Parameter, &f64), (&f64, &Option<String>))| {
             Chosen { value: value * scale, range: range(parameter, *scale), unit: unit.clone() }
         };
-        Attachment {
+        let parameters: Vec<Chosen> = self
+            .effect
+            .parameters
+            .iter()
+            .zip(&self.scales)
+            .zip(values.iter().zip(&self.units))
+            .map(chosen)
+            .collect();
+        let at = |target: &usize| Attachment {
             effect: self.effect,
-            target: self.target,
+            target: *target,
             drivers: self.drivers.clone(),
-            parameters: self
-                .effect
-                .parameters
-                .iter()
-                .zip(&self.scales)
-                .zip(values.iter().zip(&self.units))
-                .map(chosen)
-                .collect(),
-        }
+            parameters: parameters.clone(),
+        };
+        self.targets.iter().map(at).collect()
     }
 
     /// Names of what it depends on.
@@ -108,38 +113,46 @@ impl Site<'_> {
         }
     }
 
-    fn targets(&self, effect: &Effect) -> Vec<usize> {
+    /// Groups of variables that an effect can change together, with the port.
+    fn targets(&self, effect: &Effect) -> Vec<(Port, Vec<usize>)> {
         let fits = |v: &usize| {
             effect.targets.is_empty() || effect.targets.iter().any(|role| self.roles.is(*v, *role))
         };
+        let forces = (0..self.interface.variables.len()).filter(|v| {
+            let info = &self.interface.variables[*v];
+            info.causality == Causality::Input && info.kind == Kind::Real && self.roles.is(*v, Role::Force)
+        });
         let all: Vec<usize> = match effect.port {
             Port::Output => self.measured.to_vec(),
             Port::Input => self.driven.clone(),
             Port::Parameter => self.tunable.clone(),
-            Port::Force => (0..self.interface.variables.len())
-                .filter(|v| {
-                    let info = &self.interface.variables[*v];
-                    info.causality == Causality::Input
-                        && info.kind == Kind::Real
-                        && self.roles.is(*v, Role::Force)
-                })
-                .collect(),
+            Port::Force => forces.collect(),
         };
-        all.into_iter().filter(fits).collect()
+        let mut groups: Vec<(Port, Vec<usize>)> =
+            all.into_iter().filter(fits).map(|v| (effect.port, vec![v])).collect();
+        // what is one cause, such as the friction of a tire or the clock of a recorder, changes all outputs alike
+        let is_relative = effect.parameters.iter().all(|p| p.scale.target == 0);
+        if effect.port == Port::Output && is_relative && groups.len() > 1 {
+            groups.push((effect.port, groups.iter().flat_map(|g| g.1.clone()).collect()));
+        }
+        if effect.on_parameters {
+            groups.extend(self.tunable.iter().map(|v| (Port::Parameter, vec![*v])));
+        }
+        groups
     }
 
     /// Every place where an effect can sit.
     pub fn placements(&self, effect: &'static Effect) -> Vec<Placement> {
         let mut placements = Vec::new();
-        for target in self.targets(effect) {
+        for (port, targets) in self.targets(effect) {
             let lists: Vec<Vec<Signal>> =
-                effect.drivers.iter().map(|role| self.drivers(effect, *role, target)).collect();
+                effect.drivers.iter().map(|role| self.drivers(port, *role, &targets)).collect();
             for drivers in combinations(&lists, self.interface) {
                 let sizes: Vec<f64> = drivers.iter().map(|s| self.size_of(s)).collect();
                 if sizes.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
                     continue;
                 }
-                let own = self.size[target];
+                let own = self.size[targets[0]];
                 let scale = |parameter: &Parameter| {
                     let factor = own.powi(i32::from(parameter.scale.target));
                     sizes
@@ -151,25 +164,25 @@ impl Site<'_> {
                 if scales.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
                     continue;
                 }
-                let units = effect.parameters.iter().map(|p| self.unit(p, target, &drivers)).collect();
-                placements.push(Placement { effect, target, drivers, scales, units });
+                let units = effect.parameters.iter().map(|p| self.unit(p, targets[0], &drivers)).collect();
+                placements.push(Placement { effect, port, targets: targets.clone(), drivers, scales, units });
             }
         }
         placements
     }
 
-    fn drivers(&self, effect: &Effect, role: Role, target: usize) -> Vec<Signal> {
+    fn drivers(&self, port: Port, role: Role, targets: &[usize]) -> Vec<Signal> {
         let mut signals = if role == Role::Other {
             // anything that moves
-            let moves = |v: &usize| self.size[*v] > 0.0 && *v != target;
+            let moves = |v: &usize| self.size[*v] > 0.0 && !targets.contains(v);
             let variables = self.driven.iter().chain(self.measured).filter(|v| moves(v));
             variables.map(|v| Signal { variable: *v, source: Source::Value }).collect()
         } else {
             self.roles.signals(self.interface, role)
         };
         // an output that is changed is no driver of its own change
-        if effect.port == Port::Output {
-            signals.retain(|s| s.variable != target || s.source != Source::Value);
+        if port == Port::Output {
+            signals.retain(|s| !targets.contains(&s.variable) || s.source != Source::Value);
         }
         signals.retain(|s| self.size_of(s) > 0.0);
         signals

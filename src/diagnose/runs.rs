@@ -14,6 +14,9 @@ use std::sync::Arc;
 
 /// Names that tell the use of recordings.
 const RUNS_FILE: &str = "runs.toml";
+/// Communication steps per sample at most: inputs are straight between samples, and the model has a step
+/// of its own.
+const MAX_PARTS: f64 = 4.0;
 /// Communication steps in one run at most.
 const MAX_POINTS: usize = 2_000_000;
 
@@ -132,9 +135,9 @@ pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: O
     intervals.sort_by(f64::total_cmp);
     let interval = intervals.get(intervals.len() / 2).copied().unwrap_or(interface.communication_step);
     let step = step.unwrap_or_else(|| {
-        let whole = interval / interface.communication_step;
+        let whole = (interval / interface.communication_step - 1e-6).ceil();
         // a whole part of the interval between samples, unless the model's step is longer than that
-        if whole > 1.0 { interval / (whole - 1e-6).ceil() } else { interface.communication_step }
+        if whole > 1.0 { interval / whole.min(MAX_PARTS) } else { interface.communication_step }
     });
     let points = ((last - first) / step - 1e-6).ceil() as usize + 1;
     if points > MAX_POINTS {

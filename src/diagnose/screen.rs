@@ -187,16 +187,14 @@ impl<'a> Screen<'a> {
         let mut of_setup = Vec::new();
         for (k, job) in jobs.iter().enumerate() {
             let placement = &placements[probes[job.0].0];
-            let behind = self
-                .model
-                .effects
-                .iter()
-                .any(|(p, _)| p.effect.port == Port::Output && p.target == placement.target);
-            if placement.effect.port == Port::Output && !behind {
+            let behind = self.model.effects.iter().any(|(p, _)| {
+                p.port == Port::Output && p.targets.iter().any(|v| placement.targets.contains(v))
+            });
+            if placement.port == Port::Output && !behind {
                 columns[k] = Some(self.replayed(interface, &attach(job)) / step_of(job));
             } else {
                 let mut setup = self.setup.clone();
-                setup.attachments.push(attach(job));
+                setup.attachments.extend(attach(job));
                 setups.push(Arc::new(setup));
                 of_setup.push(k);
             }
@@ -219,8 +217,9 @@ impl<'a> Screen<'a> {
                         let Some(column) = self.watch.iter().position(|v| *v == channel.variable) else {
                             continue;
                         };
-                        let before = run.sample(&base[column]);
-                        change.extend(run.sample(trace).iter().zip(before).map(|(a, b)| weight * (a - b)));
+                        let before = run.sample(&base[column], 0.0);
+                        change
+                            .extend(run.sample(trace, 0.0).iter().zip(before).map(|(a, b)| weight * (a - b)));
                     }
                 }
                 if complete {
@@ -239,19 +238,19 @@ impl<'a> Screen<'a> {
     }
 
     /// The change that an effect on an output makes, from the traces: nothing has to be simulated.
-    fn replayed(&self, interface: &Interface, attachment: &crate::effect::Attachment) -> DVector<f64> {
+    fn replayed(&self, interface: &Interface, attachments: &[crate::effect::Attachment]) -> DVector<f64> {
         let mut change = Vec::new();
         for (run, traces) in self.runs.iter().zip(&self.traces) {
-            let changed = replay(interface, attachment, &run.drive, &self.watch, traces);
             for (channel, weight) in run.channels.iter().zip(self.weights) {
-                match (&changed, channel.variable == attachment.target) {
-                    (Some(changed), true) => {
-                        let column = self.watch.iter().position(|v| *v == channel.variable);
-                        let before = column.map(|c| run.sample(&traces[c])).unwrap_or_default();
-                        change.extend(run.sample(changed).iter().zip(before).map(|(a, b)| weight * (a - b)));
-                    }
-                    _ => change.extend(std::iter::repeat_n(0.0, channel.values.len())),
-                }
+                let own = attachments.iter().find(|a| a.target == channel.variable);
+                let changed = own.and_then(|a| replay(interface, a, &run.drive, &self.watch, traces));
+                let Some(changed) = changed else {
+                    change.extend(std::iter::repeat_n(0.0, channel.values.len()));
+                    continue;
+                };
+                let column = self.watch.iter().position(|v| *v == channel.variable);
+                let before = column.map(|c| run.sample(&traces[c], 0.0)).unwrap_or_default();
+                change.extend(run.sample(&changed, 0.0).iter().zip(before).map(|(a, b)| weight * (a - b)));
             }
         }
         self.thin(&change)

@@ -27,6 +27,8 @@ pub struct Study<'a> {
     pub check_runs: Vec<&'a Run>,
     /// Parameters that are fitted.
     pub free: Vec<FreeParameter>,
+    /// Largest lag of all channels \[s\] that filters of a recorder may make, and no physics.
+    pub lag: f64,
     /// Weight of each measured channel.
     pub weights: Vec<f64>,
     /// How many neighbouring samples tell as much as one.
@@ -36,7 +38,7 @@ pub struct Study<'a> {
 /// Effects at places with their fitted parameters, and the fitted parameters of the model.
 #[derive(Debug, Clone)]
 pub struct Model {
-    /// Values of the free parameters, as multiples of their nominal values.
+    /// Values of the free parameters, as multiples of their nominal values, and of the recorder's lag.
     pub parameters: Vec<f64>,
     /// Effects, with parameters as multiples of their scales.
     pub effects: Vec<(Placement, Vec<f64>)>,
@@ -67,17 +69,21 @@ impl Study<'_> {
     pub(super) fn problem<'b>(&'b self, model: &Model, runs: Vec<&'b Run>) -> OutputError<'b> {
         let knob = |p: &FreeParameter| Knob::Parameter(p.variable, p.nominal);
         let mut knobs: Vec<Knob> = self.free.iter().map(knob).collect();
-        for (i, (placement, _)) in model.effects.iter().enumerate() {
+        knobs.push(Knob::Lag(self.lag));
+        let mut first = 0;
+        for (placement, _) in &model.effects {
+            let end = first + placement.targets.len();
             for (k, scale) in placement.scales.iter().enumerate() {
-                knobs.push(Knob::Effect(i, k, *scale));
+                knobs.push(Knob::Effect(first, end, k, *scale));
             }
+            first = end;
         }
         OutputError {
             bench: self.bench,
             runs,
             knobs,
             values: Vec::new(),
-            attachments: model.effects.iter().map(|(p, v)| p.attach(v)).collect(),
+            attachments: model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect(),
             weights: self.weights.clone(),
         }
     }
@@ -91,6 +97,7 @@ impl Study<'_> {
                 Unknown { start: 1.0, mean: 1.0, low: a.min(b), high: a.max(b), step: STEP, prior: PRIOR }
             })
             .collect();
+        unknowns.push(Unknown { start: 0.0, mean: 0.0, low: 0.0, high: 1.0, step: 0.05, prior: 1.0 });
         for (placement, _) in &model.effects {
             for parameter in placement.effect.parameters {
                 let (low, high) = parameter.search;
@@ -110,6 +117,13 @@ impl Study<'_> {
         model.parameters.iter().chain(model.effects.iter().flat_map(|(_, v)| v)).copied().collect()
     }
 
+    /// The model as it is given.
+    pub fn nominal(&self) -> Model {
+        let mut parameters = vec![1.0; self.free.len()];
+        parameters.push(0.0);
+        Model { parameters, effects: Vec::new() }
+    }
+
     /// Fits a model to the fit runs, beginning where it stands.
     ///
     /// # Errors
@@ -122,8 +136,9 @@ impl Study<'_> {
         }
         let options = Options { iterations, redundancy: self.redundancy, ..Options::default() };
         let fit = least_squares(&problem, &unknowns, options)?;
-        let parameters = fit.x[..self.free.len()].to_vec();
-        let mut rest = fit.x[self.free.len()..].iter();
+        let own = self.free.len() + 1;
+        let parameters = fit.x[..own].to_vec();
+        let mut rest = fit.x[own..].iter();
         let effects = model
             .effects
             .iter()
@@ -165,7 +180,7 @@ impl Study<'_> {
     /// The model cannot be run with its nominal values.
     pub fn choose_free(&mut self, candidates: &[FreeParameter]) -> Result<()> {
         self.free = candidates.to_vec();
-        let model = Model { parameters: vec![1.0; self.free.len()], effects: Vec::new() };
+        let model = self.nominal();
         let problem = self.problem(&model, self.fit_runs.clone());
         let mut points = vec![model.parameters.clone()];
         for (i, p) in self.free.iter().enumerate() {

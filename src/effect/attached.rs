@@ -53,6 +53,13 @@ pub struct Attachment {
 }
 
 impl Attachment {
+    /// What it changes at its place: a factor may sit on a tunable parameter instead of its own port.
+    pub fn port(&self, interface: &Interface) -> Port {
+        let target = interface.variables.get(self.target);
+        let on_parameter = target.is_some_and(|v| v.causality == Causality::Parameter);
+        if self.effect.on_parameters && on_parameter { Port::Parameter } else { self.effect.port }
+    }
+
     /// Name of one of its parameters as a variable: `effect.sensor_delay.force_y.delay`.
     pub fn variable(&self, interface: &Interface, parameter: usize) -> String {
         let effect = self.effect.id.replace('-', "_");
@@ -143,7 +150,7 @@ impl<S: Slave + ?Sized> Attached<S> {
                 })
             });
             let by = (k, drivers.collect());
-            let list = if attachment.effect.port == Port::Output { &mut after } else { &mut before };
+            let list = if attachment.port(&interface) == Port::Output { &mut after } else { &mut before };
             match list.iter_mut().find(|c| c.variable == attachment.target) {
                 Some(changed) => changed.by.push(by),
                 None => list.push(Changed { variable: attachment.target, by: vec![by] }),
@@ -321,7 +328,8 @@ fn check(interface: &Interface, own: usize, attachment: &Attachment) -> Result<(
     let effect = attachment.effect;
     let target = interface.variables[..own].get(attachment.target);
     let target = target.ok_or_else(|| Error::variable("the changed variable is not there"))?;
-    let fits = match effect.port {
+    let port = attachment.port(interface);
+    let fits = match port {
         Port::Input | Port::Force => target.causality == Causality::Input,
         Port::Output => matches!(target.causality, Causality::Output | Causality::Local),
         Port::Parameter => {
@@ -329,7 +337,7 @@ fn check(interface: &Interface, own: usize, attachment: &Attachment) -> Result<(
         }
     };
     if !fits || target.kind != Kind::Real {
-        let needed = match effect.port {
+        let needed = match port {
             Port::Input | Port::Force => "a real input",
             Port::Output => "a real output",
             Port::Parameter => "a tunable real parameter",

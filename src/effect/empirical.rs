@@ -18,11 +18,6 @@ pub fn is(effect: &Effect) -> bool {
     EFFECTS.iter().any(|e| e.id == effect.id)
 }
 
-/// The effect with this id.
-pub fn find(id: &str) -> Option<&'static Effect> {
-    EFFECTS.iter().find(|e| e.id == id)
-}
-
 const SIGNATURE: &str = "whatever the function shows";
 const SOURCE: &str = "none: a function fitted to the recordings";
 
@@ -64,6 +59,7 @@ const fn function(port: Port, id: &'static str, name: &'static str, targets: &'s
         name,
         family: Family::Mechanism,
         port,
+        on_parameters: false,
         equation: "y + a x + b x^2 + c x^3 + d |x| + e tanh(x / w)",
         source: SOURCE,
         signature: SIGNATURE,
@@ -107,6 +103,7 @@ const fn modulation() -> Effect {
         name: "A parameter depends on a signal",
         family: Family::Mechanism,
         port: Port::Parameter,
+        on_parameters: false,
         equation: "p (1 + a x + b x^2 + c |x|)",
         source: SOURCE,
         signature: SIGNATURE,
@@ -137,6 +134,7 @@ const fn history() -> Effect {
         name: "An output depends on the past of a signal",
         family: Family::Mechanism,
         port: Port::Output,
+        on_parameters: false,
         equation: "y + a x_1 + b x_2 + c x_3, x_i behind first-order lags of 0.02, 0.15 and 1 s",
         source: SOURCE,
         signature: SIGNATURE,
@@ -191,6 +189,7 @@ const fn course() -> Effect {
         name: "An output changes over the run",
         family: Family::Mechanism,
         port: Port::Output,
+        on_parameters: false,
         equation: "y (1 + a t + b t^2) + c t, t since the start",
         source: SOURCE,
         signature: SIGNATURE,

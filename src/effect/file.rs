@@ -19,7 +19,7 @@
 //! a fit gave and are for readers; `min` and `max` are what the parameter accepts. A parameter may also be
 //! a plain number, or a text with a unit: `length = "45 cm"`.
 
-use super::{Attachment, Chosen, Effect, Parameter, Signal, Source, catalogue};
+use super::{Attachment, Chosen, Effect, Parameter, Signal, Source};
 use crate::model::unit::{Unit, quantity};
 use crate::model::{Causality, Interface, Settings, VariableInfo, line_of};
 use crate::{Error, Result};
@@ -134,8 +134,8 @@ impl Corrections {
 impl Named {
     fn resolve(&self, interface: &Interface) -> Result<Attachment> {
         let at = |e: Error| Error::file(e.to_string()).at(format!("{}: effect {}", self.place, self.effect));
-        let effect = find(&self.effect).ok_or_else(|| {
-            let ids: Vec<&str> = catalogue::EFFECTS.iter().map(|e| e.id).collect();
+        let effect = super::find(&self.effect).ok_or_else(|| {
+            let ids: Vec<&str> = super::catalogue::EFFECTS.iter().map(|e| e.id).collect();
             at(Error::variable(format!("there is no such effect; there is {}", ids.join(", "))))
         })?;
         let target = interface.find(&self.target).map_err(at)?;

@@ -15,6 +15,11 @@ pub use attached::{Attached, Attachment, Chosen, Signal, Source, attached_interf
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
+/// The effect with this id, named or empirical.
+pub fn find(id: &str) -> Option<&'static Effect> {
+    catalogue::EFFECTS.iter().chain(empirical::EFFECTS).find(|e| e.id == id)
+}
+
 /// What kind of machine part an effect belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -179,6 +184,8 @@ pub struct Effect {
     pub family: Family,
     /// What it changes.
     pub port: Port,
+    /// It is a factor on what it changes, and may as well be one on a tunable parameter.
+    pub on_parameters: bool,
     /// The equation in plain text.
     pub equation: &'static str,
     /// Where the equation comes from: a published source, or "standard engineering knowledge".

@@ -9,6 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Air drag",
     family: Family::Mechanism,
     port: Port::Output,
+    on_parameters: false,
     equation: "F = F_0 - c V |V|",
     source: "standard engineering knowledge",
     signature: "grows with the square of the speed of travel, with the tire lifted too",

@@ -8,6 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Camber thrust",
     family: Family::Tire,
     port: Port::Output,
+    on_parameters: false,
     equation: "F = F_0 + C camber",
     source: "MF-Tyre/MF-Swift 6.2 equation manual (linear part)",
     signature: "in phase with the camber, at any slip angle",

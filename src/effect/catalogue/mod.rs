@@ -149,8 +149,3 @@ pub const EFFECTS: &[Effect] = &[
     frictional_heating::EFFECT,
     aero_drag::EFFECT,
 ];
-
-/// The effect with this id.
-pub fn find(id: &str) -> Option<&'static Effect> {
-    EFFECTS.iter().find(|e| e.id == id)
-}

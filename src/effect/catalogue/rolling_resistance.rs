@@ -9,6 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Rolling resistance",
     family: Family::Tire,
     port: Port::Output,
+    on_parameters: false,
     equation: "F = F_0 - f |Fz| tanh(V / 0.1 m/s)",
     source: "TST 6(3):163 (in proportion to the load)",
     signature: "an offset of the longitudinal force or the wheel moment that goes with the load and turns with the direction",

@@ -3,6 +3,7 @@
 use crate::fmi::c::{ComponentEnvironment, Logger, Text};
 use std::collections::VecDeque;
 use std::ffi::{CStr, c_int};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// So many messages are kept; older ones give way.
@@ -23,6 +24,8 @@ pub struct Message {
 #[derive(Debug, Default)]
 pub(in crate::fmi) struct Log {
     messages: Mutex<Messages>,
+    /// There was a message since the last call began.
+    noted: AtomicBool,
 }
 
 #[derive(Debug, Default)]
@@ -35,7 +38,10 @@ struct Messages {
 impl Log {
     /// Forgets which message was the worst, before a call.
     pub(super) fn begin_call(&self) {
-        self.lock().worst = None;
+        // a lock for every call would take as long as a small model's step
+        if self.noted.swap(false, Ordering::Relaxed) {
+            self.lock().worst = None;
+        }
     }
 
     /// The text that explains best why the call that just ended failed.
@@ -50,6 +56,7 @@ impl Log {
 
     fn push(&self, message: Message) {
         let mut messages = self.lock();
+        self.noted.store(true, Ordering::Relaxed);
         if messages.worst.as_ref().is_none_or(|w| message.status >= w.status) {
             messages.worst = Some(message.clone());
         }
