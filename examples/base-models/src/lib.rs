@@ -1,4 +1,5 @@
 //! Base models for trying and proving `latsch diagnose`, as FMUs.
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod brake;
 mod magic_formula;

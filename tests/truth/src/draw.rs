@@ -595,16 +595,28 @@ fn size(
         let now = largest(&left);
         return (now.is_finite() && now > least && now < 3.0 * least).then_some(left);
     }
-    for _ in 0..7 {
-        let now = largest(&left);
-        if !now.is_finite() || now <= 0.0 {
+    // some effects begin with a threshold: keep what is known to be too small and too large
+    let (mut small, mut large) = (0.0, f64::INFINITY);
+    for _ in 0..12 {
+        let (now, at) = (largest(&left), effect.size.abs());
+        if !now.is_finite() {
             return None;
         }
         if (now / target - 1.0).abs() < 0.05 {
             return Some(left);
         }
-        let size = effect.size.abs() * (target / now).clamp(0.05, 20.0);
-        effect.size = sign * size.min(most(effect.law));
+        if now < target {
+            small = at;
+        } else {
+            large = at;
+        }
+        if small >= most(effect.law) {
+            break;
+        }
+        let wish = if now > 0.0 { at * (target / now).clamp(0.05, 20.0) } else { 2.0 * at };
+        let inside = wish > small && wish < large;
+        let next = if inside || small <= 0.0 || large.is_infinite() { wish } else { (small * large).sqrt() };
+        effect.size = sign * next.min(most(effect.law));
         left = measure(effect);
     }
     let now = largest(&left);

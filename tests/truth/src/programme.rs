@@ -225,7 +225,7 @@ fn waves(
             let lifted = resting && !wheel;
             let load = if lifted { 0.0 } else { load };
             let sideways = index % 3 != 1;
-            let along = index % 3 != 0;
+            let along = !index.is_multiple_of(3);
             let side =
                 if sideways { Wave::draw(random, 0.12 * level, (0.2, top), duration) } else { Wave::Rest };
             let camber = if index % 4 == 1 || index % 5 == 2 {

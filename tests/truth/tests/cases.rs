@@ -35,7 +35,7 @@ fn a_seed_gives_the_same_bytes_and_another_one_others() {
 
 #[test]
 fn recordings_are_what_they_shall_be() {
-    for number in 0..6 {
+    for number in 0..4 {
         let recorded = case(SEED, number).unwrap();
         let csv: Vec<_> = recorded.files.iter().filter(|(name, _)| name.ends_with(".csv")).collect();
         assert!((5..=20).contains(&csv.len()));
@@ -93,7 +93,7 @@ fn clear_effects_stand_out_and_faint_ones_do_not() {
             .enumerate()
             .filter(|(_, k)| k.name() == kind)
             .map(|(n, _)| n)
-            .take(6)
+            .take(3)
             .collect();
         for number in numbers {
             let case = draw(SEED, number).unwrap();
@@ -112,5 +112,5 @@ fn the_bytes_of_a_case_do_not_depend_on_the_machine() {
     // found on x86-64; another machine has to get them too
     let number = first(|k| matches!(k, Kind::Mack(1)));
     let text: String = case(SEED, number).unwrap().files.into_iter().map(|(_, text)| text).collect();
-    assert_eq!(hash(&text), 0, "{:#x}", hash(&text));
+    assert_eq!(hash(&text), 0x9c63_8d63_16b0_c7ac, "{:#x}", hash(&text));
 }
