@@ -356,14 +356,7 @@ pub fn corrected_text(
                     format!("{{ value = {:?}, low = {low:?}, high = {high:?} }}", fitted.value)
                 }
             };
-            let unit = variable.unit.as_deref().map(|u| format!(" [{u}]")).unwrap_or_default();
-            let _ = writeln!(
-                lines,
-                "{} = {value} # {}{}",
-                key(&fitted.name),
-                comment(&variable.description),
-                comment(&unit)
-            );
+            let _ = writeln!(lines, "{} = {value}{}", key(&fitted.name), meaning(variable));
         }
         if !lines.is_empty() {
             let _ = write!(text, "\n[{section}]\n{lines}");
@@ -383,7 +376,15 @@ pub(crate) fn key(name: &str) -> String {
     }
 }
 
+/// Description and unit of a variable as a comment behind its value; nothing where it has neither.
+pub(crate) fn meaning(variable: &VariableInfo) -> String {
+    let unit = variable.unit.as_deref().map(|u| format!("[{u}]"));
+    let parts = [Some(variable.description.clone()), unit];
+    let parts: Vec<String> = parts.into_iter().flatten().filter(|part| !part.is_empty()).collect();
+    if parts.is_empty() { String::new() } else { format!(" # {}", comment(&parts.join(" "))) }
+}
+
 /// A text for a comment: on one line.
-pub(crate) fn comment(text: &str) -> String {
+fn comment(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }

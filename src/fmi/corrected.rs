@@ -6,7 +6,7 @@ use super::documentation;
 use super::entry::guid;
 use super::import::{Archive, Capabilities, Description, MAX_LENGTH};
 use super::make::{ORIGINAL, ORIGINAL_DESCRIPTION, corrected_interface};
-use crate::effect::file::{Corrections, comment, effects_text, key};
+use crate::effect::file::{Corrections, effects_text, key, meaning};
 use crate::effect::{Attachment, attached_interface};
 use crate::model::{Causality, Interface, Kind, Setting, Settings, Value};
 use crate::page::escape;
@@ -217,15 +217,7 @@ fn carrier_file(interface: &Interface, settings: &Settings) -> Result<String> {
         }
         for (index, value) in lines {
             let variable = &interface.variables[*index];
-            let unit = variable.unit.as_deref().map(|u| format!(" [{u}]")).unwrap_or_default();
-            let _ = writeln!(
-                text,
-                "{} = {} # {}{}",
-                key(&variable.name),
-                value_text(value),
-                comment(&variable.description),
-                comment(&unit)
-            );
+            let _ = writeln!(text, "{} = {}{}", key(&variable.name), value_text(value), meaning(variable));
         }
     }
     Ok(text)
