@@ -23,10 +23,14 @@ use std::sync::Arc;
 const NAMED: usize = 7;
 /// Empirical functions that are fitted as rivals.
 const UNNAMED: usize = 3;
+/// Runs that effects are screened with.
+const SCREENED: usize = 4;
 /// Effects that are found one after the other.
 const MAX_EFFECTS: usize = 3;
 /// Probability of chance below which a gain on the check runs counts, for all that were fitted together.
 const LEVEL: f64 = 0.02;
+/// An effect that promises less of the squared error of the fit runs is not fitted.
+const MIN_PROMISE: f64 = 0.005;
 /// A gain on the check runs below this share of the squared error is not worth a name.
 const MIN_GAIN: f64 = 0.01;
 /// A rest that an empirical function explains, as a share of what the named effects explain, above which
@@ -255,6 +259,12 @@ fn same_channels(subject: &Subject, runs: &[(Run, Use)]) -> Result<()> {
     Ok(())
 }
 
+/// Runs for screening: a few, spread evenly.
+fn some_of<'a>(runs: &[&'a Run]) -> Vec<&'a Run> {
+    let n = runs.len().min(SCREENED);
+    (0..n).map(|i| runs[(2 * i + 1) * runs.len() / (2 * n)]).collect()
+}
+
 /// The shortest of the runs' median sampling intervals \[s\].
 fn shortest_interval(runs: &[&Run]) -> f64 {
     let median = |run: &&Run| {
@@ -278,7 +288,7 @@ fn screen<'a>(
     current: &'a Fitted,
 ) -> Result<Vec<Screened>> {
     let interface = &subject.interface;
-    let runs = &study.fit_runs;
+    let runs = &some_of(&study.fit_runs);
     let watch: Arc<[usize]> = interface
         .variables
         .iter()
@@ -367,7 +377,7 @@ fn choose(screened: &[Screened]) -> Vec<Screened> {
         for s in screened.iter().filter(|s| empirical::is(s.placement.effect) != named) {
             let best =
                 screened.iter().find(|s| empirical::is(s.placement.effect) != named).map_or(0.0, |b| b.gain);
-            if count == limit || s.gain < 0.05 * best || s.gain <= 0.0 {
+            if count == limit || s.gain < 0.1 * best || s.gain < MIN_PROMISE {
                 break;
             }
             // other places of the same effect only if they are about as good
@@ -399,12 +409,12 @@ fn try_out(
             }
         }
     }
-    let mut fitted = study.fit(&model, 8).ok();
+    let mut fitted = study.fit(&model, 6).ok();
     if fitted.as_ref().is_none_or(|f| f.fit.cost > current_fit.total * (1.0 - 0.5 * screened.gain)) {
         if let Some((_, values)) = model.effects.last_mut() {
             values.clone_from(&screened.values);
         }
-        let other = study.fit(&model, 8).ok();
+        let other = study.fit(&model, 5).ok();
         fitted = match (fitted, other) {
             (Some(a), Some(b)) => Some(if a.fit.cost <= b.fit.cost { a } else { b }),
             (a, b) => a.or(b),

@@ -16,7 +16,7 @@ use std::sync::Arc;
 const RUNS_FILE: &str = "runs.toml";
 /// Communication steps per sample at most: inputs are straight between samples, and the model has a step
 /// of its own.
-const MAX_PARTS: f64 = 4.0;
+const MAX_PARTS: f64 = 2.0;
 /// Communication steps in one run at most.
 const MAX_POINTS: usize = 2_000_000;
 

@@ -403,6 +403,49 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
         Ok(())
     }
 
+    fn get_all(&mut self, variables: &[usize], values: &mut [f64]) -> Result<()> {
+        if variables.iter().any(|v| *v >= self.own) {
+            for (variable, value) in variables.iter().zip(values) {
+                *value = self.get(*variable)?;
+            }
+            return Ok(());
+        }
+        self.inner.get_all(variables, values)?;
+        if self.state.phase == Phase::Running {
+            for (changed, output) in self.after.iter().zip(&self.state.outputs) {
+                if let Some(i) = variables.iter().position(|v| *v == changed.variable) {
+                    values[i] = output.0;
+                }
+            }
+        }
+        for changed in &self.before {
+            if let Some(i) = variables.iter().position(|v| *v == changed.variable) {
+                values[i] = self.state.values[changed.variable];
+            }
+        }
+        Ok(())
+    }
+
+    fn set_all(&mut self, variables: &[usize], values: &[f64], rates: &[f64]) -> Result<()> {
+        let interpolates = self.inner.can_interpolate();
+        let apart = |v: &usize| *v >= self.own || self.before.iter().any(|c| c.variable == *v);
+        if variables.iter().any(apart) {
+            for ((variable, value), rate) in variables.iter().zip(values).zip(rates) {
+                self.set(*variable, *value)?;
+                if interpolates {
+                    self.set_rate(*variable, *rate)?;
+                }
+            }
+            return Ok(());
+        }
+        self.inner.set_all(variables, values, rates)?;
+        for ((variable, value), rate) in variables.iter().zip(values).zip(rates) {
+            self.state.values[*variable] = *value;
+            self.state.rates[*variable] = if interpolates { *rate } else { 0.0 };
+        }
+        Ok(())
+    }
+
     fn text(&mut self, variable: usize) -> Result<String> {
         self.inner.text(variable)
     }

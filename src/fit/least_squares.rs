@@ -41,7 +41,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { iterations: 12, tolerance: 1e-4, redundancy: 1.0 }
+        Self { iterations: 12, tolerance: 1e-3, redundancy: 1.0 }
     }
 }
 

@@ -180,6 +180,38 @@ impl Instance {
         Ok(value)
     }
 
+    /// Values of several real variables.
+    pub(super) fn get_reals(&mut self, references: &[u32], values: &mut [f64]) -> Result<()> {
+        let n = references.len().min(values.len());
+        Ok(self.call("reading several variables", |f, c| {
+            // SAFETY: a living instance; n references and room for n values.
+            unsafe { (f.get_real)(c, references.as_ptr(), n, values.as_mut_ptr()) }
+        })?)
+    }
+
+    /// Sets several real variables and, where the library has that function, their derivatives.
+    pub(super) fn set_reals(
+        &mut self,
+        references: &[u32],
+        values: &[f64],
+        rates: Option<&[f64]>,
+    ) -> Result<()> {
+        let n = references.len().min(values.len());
+        self.call("setting several variables", |f, c| {
+            // SAFETY: a living instance; n references and n values.
+            unsafe { (f.set_real)(c, references.as_ptr(), n, values.as_ptr()) }
+        })?;
+        let (Some(rates), Some(set)) = (rates, self.foundation.library.set_derivatives) else {
+            return Ok(());
+        };
+        let n = n.min(rates.len());
+        let orders = vec![1; n];
+        Ok(self.call("setting several derivatives", |_, c| {
+            // SAFETY: a living instance; n references, n orders, n values.
+            unsafe { set(c, references.as_ptr(), n, orders.as_ptr(), rates.as_ptr()) }
+        })?)
+    }
+
     pub(super) fn get_integer(&mut self, variable: &str, reference: u32) -> Result<i32> {
         let mut value = 0;
         self.call(format_args!("reading {variable}"), |f, c| {

@@ -318,6 +318,34 @@ impl Slave for ImportedFmu {
         })
     }
 
+    fn get_all(&mut self, variables: &[usize], values: &mut [f64]) -> Result<()> {
+        let mut references = Vec::with_capacity(variables.len());
+        for variable in variables {
+            self.readable(*variable)?;
+            let info = &self.description.interface.variables[*variable];
+            if !info.is_real() {
+                return Err(Error::variable(format!("{} is not a real variable", info.name)));
+            }
+            references.push(info.reference);
+        }
+        self.instance.get_reals(&references, values)
+    }
+
+    fn set_all(&mut self, variables: &[usize], values: &[f64], rates: &[f64]) -> Result<()> {
+        let what = "setting inputs";
+        self.well(what)?;
+        self.order(self.course.phase != Phase::New, what, "before the start")?;
+        let mut references = Vec::with_capacity(variables.len());
+        for variable in variables {
+            let info = self.variable(*variable)?;
+            if info.causality != Causality::Input || !info.is_real() {
+                return Err(Error::variable(format!("{} is not a real input", info.name)));
+            }
+            references.push(info.reference);
+        }
+        self.instance.set_reals(&references, values, self.can_interpolate().then_some(rates))
+    }
+
     fn can_interpolate(&self) -> bool {
         self.description.capabilities.can_interpolate_inputs
     }
