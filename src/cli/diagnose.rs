@@ -3,7 +3,11 @@
 use super::export::read_settings;
 use super::{Format, print};
 use indicatif::{ProgressBar, ProgressStyle};
-use latsch::diagnose::{Map, Outcome, Request, diagnose};
+use latsch::diagnose::{Base, Map, Outcome, Request, diagnose};
+use latsch::effect::file::{Fitted, corrected_text};
+use latsch::fmi::archive::ModelLibrary;
+use latsch::fmi::corrected::{CorrectedBase, export_corrected};
+use latsch::report::{CheckRun, diagnosis_report, write_html};
 use latsch::{Error, Result, write_file};
 use std::path::{Path, PathBuf};
 
@@ -71,7 +75,44 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn write(folder: &Path, outcome: &Outcome) -> Result<()> {
-    write_file(&folder.join("diagnosis.json"), outcome.diagnosis.to_json()?.as_bytes())
+    let diagnosis = &outcome.diagnosis;
+    write_file(&folder.join("diagnosis.json"), diagnosis.to_json()?.as_bytes())?;
+    let runs: Vec<CheckRun> = outcome
+        .check
+        .iter()
+        .map(|run| CheckRun {
+            name: run.measured.source.clone(),
+            recording: run.measured.clone(),
+            before: run.before.clone(),
+            after: run.after.clone(),
+        })
+        .collect();
+    write_html(&folder.join("report.html"), &diagnosis_report(diagnosis, &runs)?)?;
+    let interface = &outcome.subject.interface;
+    let interval = |name: &str| {
+        let fitted = diagnosis.parameters.iter().find(|p| p.name == name)?;
+        Some((fitted.low?, fitted.high?))
+    };
+    let fitted: Vec<Fitted> = outcome
+        .parameters
+        .iter()
+        .map(|(variable, value)| {
+            let name = interface.variables[*variable].name.clone();
+            Fitted { interval: interval(&name), name, value: *value }
+        })
+        .collect();
+    let text = corrected_text(interface, &fitted, &outcome.attachments, &[])?;
+    write_file(&folder.join("corrected.toml"), text.as_bytes())?;
+    let base = match &outcome.subject.base {
+        Base::Shipped(name, settings) => CorrectedBase::Model(name.clone(), settings.clone()),
+        Base::Fmu(path) => CorrectedBase::Fmu(path.clone()),
+        // a wired system is no FMU: corrected.toml says what to change in it
+        Base::System(_) => return Ok(()),
+    };
+    let parameters: Vec<(String, f64)> = fitted.into_iter().map(|f| (f.name, f.value)).collect();
+    let library = ModelLibrary::shipped()?;
+    let fmu = export_corrected(&base, &parameters, &outcome.attachments, &library, &[])?;
+    write_file(&folder.join("corrected.fmu"), &fmu)
 }
 
 /// The verdict for people.

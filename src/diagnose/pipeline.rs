@@ -1,6 +1,7 @@
 //! The chain from recordings to a verdict.
 
 use super::blocks::{bootstrap_shares, sign_flip};
+use super::hygiene;
 use super::placement::{Placement, Site, is_tunable, sizes};
 use super::result::{
     Alternative, Candidate, ChannelCheck, Diagnosis, Estimate, Finding, Fitted as FittedParameter, RunUse,
@@ -14,7 +15,7 @@ use super::subject::Subject;
 use crate::effect::{Effect, catalogue, empirical};
 use crate::fit::{Bench, Drive, Run};
 use crate::model::{Causality, Settings};
-use crate::recording::{Recording, read_csv};
+use crate::recording::Recording;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -28,7 +29,7 @@ const SCREENED: usize = 4;
 /// Effects that are found one after the other.
 const MAX_EFFECTS: usize = 3;
 /// Probability of chance below which a gain on the check runs counts, for all that were fitted together.
-const LEVEL: f64 = 0.02;
+const LEVEL: f64 = 0.05;
 /// An effect that promises less of the squared error of the fit runs is not fitted.
 const MIN_PROMISE: f64 = 0.005;
 /// A gain on the check runs below this share of the squared error is not worth a name.
@@ -103,7 +104,9 @@ struct Tried {
 pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Result<Outcome> {
     progress("reading", 0.0);
     let subject = Subject::load(&request.model, &request.settings)?;
-    let (names, recordings) = read_folder(&request.recordings, &request.map)?;
+    let (names, raw) = read_folder(&request.recordings, &request.map)?;
+    let mut faults = hygiene::faults_of_runs(&raw);
+    let recordings: Vec<Recording> = raw.into_iter().map(|r| r.recording).collect();
     let uses = uses(&request.recordings, &names)?;
     let roles = Roles::of(&subject.interface, &request.map.roles())?;
     let mut runs: Vec<(Run, Use)> = Vec::new();
@@ -146,6 +149,10 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let nominal_rest = study.rest(&nominal, &check_runs)?;
     let base_rest = study.rest(&base.model, &check_runs)?;
 
+    let all_runs: Vec<&Run> = runs.iter().map(|(run, _)| run).collect();
+    faults.extend(faults_against(&study, &subject, &base.model, &all_runs, &recordings, &names)?);
+    let fatal = faults.iter().any(|f| f.severity == hygiene::Severity::Fatal);
+
     let mut candidates: Vec<Candidate> = Vec::new();
     let mut current = base;
     let mut current_check = base_rest.clone();
@@ -153,7 +160,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let base_model = current.model.clone();
     let mut findings: Vec<Finding> = Vec::new();
     let mut unknown: Option<Finding> = None;
-    for round in 0..MAX_EFFECTS {
+    for round in 0..if fatal { 0 } else { MAX_EFFECTS } {
         let progressed = 0.15 + 0.8 * round as f64 / MAX_EFFECTS as f64;
         progress("screening effects", progressed);
         let screened = screen(&study, &subject, &roles, &current)?;
@@ -186,6 +193,9 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     progress("writing it down", 0.95);
     let improved = sign_flip(&differences(&nominal_rest.blocks, &base_rest.blocks));
     let verdict = match (&findings[..], &unknown) {
+        _ if fatal => Verdict::Recording,
+        // what was mended explains what is seen if nothing else does
+        ([], None) if faults.iter().any(hygiene::Fault::counts) => Verdict::Recording,
         (_, Some(_)) => Verdict::Unknown,
         ([], None) if improved < LEVEL && base_rest.total < 0.98 * nominal_rest.total => Verdict::Parameters,
         ([], None) => Verdict::Nothing,
@@ -201,6 +211,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         check: channel_checks(&study, &subject, &base_rest, &current_check),
         parameters: fitted_parameters(&study, &subject, &current),
         candidates,
+        faults: faults.iter().filter(|f| f.counts()).map(fault).collect(),
         runs: names
             .iter()
             .zip(&uses)
@@ -218,7 +229,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     Ok(Outcome { diagnosis, parameters, attachments, check, subject })
 }
 
-fn read_folder(folder: &Path, map: &Map) -> Result<(Vec<String>, Vec<Recording>)> {
+fn read_folder(folder: &Path, map: &Map) -> Result<(Vec<String>, Vec<hygiene::RawRecording>)> {
     let place = folder.display();
     let entries =
         std::fs::read_dir(folder).map_err(|e| Error::file(format!("{place} cannot be read: {e}")))?;
@@ -232,12 +243,65 @@ fn read_folder(folder: &Path, map: &Map) -> Result<(Vec<String>, Vec<Recording>)
     }
     let mut recordings = Vec::new();
     for file in &files {
-        let mut recording = read_csv(file)?;
-        map.apply(&mut recording);
-        recordings.push(recording);
+        let mut raw = hygiene::read_raw(file)?;
+        map.apply(&mut raw.recording);
+        recordings.push(raw);
     }
     let name = |p: &PathBuf| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
     Ok((files.iter().map(name).collect(), recordings))
+}
+
+/// Faults that show against the refitted model.
+fn faults_against(
+    study: &Study<'_>,
+    subject: &Subject,
+    model: &Model,
+    runs: &[&Run],
+    recordings: &[Recording],
+    names: &[String],
+) -> Result<Vec<hygiene::Fault>> {
+    let rest = study.rest(model, runs)?;
+    let (mut measured, mut simulated) = (Vec::new(), Vec::new());
+    let Some(first) = runs.first() else { return Ok(Vec::new()) };
+    let name = |v: usize| subject.interface.variables[v].name.clone();
+    let unit = |v: usize| subject.interface.variables[v].unit.clone().unwrap_or_else(|| "1".into());
+    for (run, traces) in runs.iter().zip(&rest.simulated) {
+        let Some(original) = names.iter().position(|n| *n == run.name).and_then(|i| recordings.get(i)) else {
+            continue;
+        };
+        let channel = |(c, values): (&crate::fit::Channel, &Vec<f64>)| crate::recording::Channel {
+            name: name(c.variable),
+            unit: unit(c.variable),
+            values: values.clone(),
+        };
+        let mut own = original.clone();
+        for c in &run.channels {
+            if let Some(channel) = own.channels.iter_mut().find(|o| o.name == name(c.variable)) {
+                channel.values.clone_from(&c.values);
+                channel.unit = unit(c.variable);
+            }
+        }
+        measured.push(own);
+        simulated.push(Recording {
+            time: run.time.clone(),
+            channels: run.channels.iter().zip(traces).map(channel).collect(),
+            source: original.source.clone(),
+        });
+    }
+    let channels: Vec<String> = first.channels.iter().map(|c| name(c.variable)).collect();
+    Ok(hygiene::faults_against(&measured, &simulated, &channels))
+}
+
+fn fault(fault: &hygiene::Fault) -> super::result::Fault {
+    super::result::Fault {
+        kind: serde_json::to_value(fault.kind)
+            .ok()
+            .and_then(|v| v.as_str().map(str::to_owned))
+            .unwrap_or_default(),
+        runs: fault.runs.clone(),
+        channel: fault.channel.clone(),
+        text: format!("{} {}", fault.evidence, fault.advice),
+    }
 }
 
 fn same_channels(subject: &Subject, runs: &[(Run, Use)]) -> Result<()> {
@@ -405,7 +469,8 @@ fn try_out(
     if let Some((placement, values)) = model.effects.last_mut() {
         for (value, parameter) in values.iter_mut().zip(placement.effect.parameters) {
             if let Some(off) = parameter.off {
-                *value = off + 0.1 * (*value - off);
+                let small = parameter.probes.first().map_or(f64::INFINITY, |p| p.abs());
+                *value = off + (0.1 * (*value - off)).clamp(-small, small);
             }
         }
     }
@@ -465,7 +530,12 @@ fn decide(
     candidates: &mut Vec<Candidate>,
 ) -> Decision {
     let level = LEVEL / tried.len().max(1) as f64;
-    let counts = |t: &Tried| t.p <= level.max(2.5e-4) && t.check_gain > MIN_GAIN && t.fit_gain > 0.0;
+    let counts = |t: &Tried| {
+        t.p <= level.max(2.5e-4)
+            && t.check_gain > MIN_GAIN
+            && t.fit_gain > 0.0
+            && visible(study, t, current_check)
+    };
     let both = |t: &Tried| t.fit_rest.total + t.check_rest.total;
     let blocks = |t: &Tried| [&t.fit_rest.blocks[..], &t.check_rest.blocks[..]].concat();
     let is_named = |t: &&(usize, &Tried)| !empirical::is(t.1.placement.effect);
@@ -573,6 +643,25 @@ fn decide(
 
 fn family(effect: &Effect) -> String {
     serde_json::to_value(effect.family).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
+/// True if an effect takes away an error that matters in some channel: a twentieth of the squared error
+/// and a thousandth of what the channel moves.
+fn visible(study: &Study<'_>, t: &Tried, before: &Rest) -> bool {
+    let channels = study.check_runs.first().map_or(0, |r| r.channels.len());
+    (0..channels).any(|c| {
+        let (mut a, mut b, mut spread) = (0.0, 0.0, 0.0);
+        for ((run, old), new) in study.check_runs.iter().zip(&before.simulated).zip(&t.check_rest.simulated) {
+            let values = &run.channels[c].values;
+            let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+            for ((m, x), y) in values.iter().zip(&old[c]).zip(&new[c]) {
+                a += (x - m).powi(2);
+                b += (y - m).powi(2);
+                spread += (m - mean).powi(2);
+            }
+        }
+        a - b > 0.05 * a && a - b > 1e-6 * spread
+    })
 }
 
 /// The channels whose error an effect changes most: all with at least a tenth of the change.
@@ -712,6 +801,10 @@ fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, f64)) -> St
     let gain = root(after, base);
     let name = |f: &Finding| format!("{} ({})", f.name, f.place);
     match (diagnosis.verdict, &diagnosis.findings[..]) {
+        (Verdict::Recording, _) => {
+            let words: Vec<&str> = diagnosis.faults.iter().take(2).map(|f| f.text.as_str()).collect();
+            format!("A recording is at fault, not the model: {}", words.join(" "))
+        }
         (Verdict::Parameters, _) => format!(
             "The parameters were off, nothing is missing: refitted on other runs they lower the error of the check runs by {:.0} %. What remains is not explained by anything in the catalogue or by a function of any signal.",
             root(base, nominal)

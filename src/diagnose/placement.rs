@@ -135,8 +135,10 @@ impl Site<'_> {
         if effect.port == Port::Output && is_relative && groups.len() > 1 {
             groups.push((effect.port, groups.iter().flat_map(|g| g.1.clone()).collect()));
         }
-        if effect.on_parameters {
-            groups.extend(self.tunable.iter().map(|v| (Port::Parameter, vec![*v])));
+        for (port, role) in effect.also {
+            let list = if *port == Port::Parameter { &self.tunable } else { &self.driven };
+            let fits = |v: &&usize| *port == Port::Parameter || self.roles.is(**v, *role);
+            groups.extend(list.iter().filter(fits).map(|v| (*port, vec![*v])));
         }
         groups
     }

@@ -102,7 +102,16 @@ fn guess(info: &VariableInfo) -> Vec<Role> {
     let last = name.rsplit('.').next().unwrap_or(&name).to_owned();
     let says = |words: &[&str]| words.iter().any(|w| last.contains(w));
     match dimension {
-        NEWTON if says(&["load", "force_z", "fz", "normal"]) => vec![Role::Load, Role::Force],
+        // the load that a machine is given is no force that something could be added to
+        NEWTON if says(&["load", "force_z", "fz", "f_z", "normal", "vertical"]) => match info.causality {
+            Causality::Input => vec![Role::Load],
+            _ => vec![Role::Load, Role::Force],
+        },
+        NEWTON if says(&["force_x", "fx", "f_x", "longitudinal"]) => {
+            vec![Role::Force, Role::LongitudinalForce]
+        }
+        NEWTON if says(&["force_y", "fy", "f_y", "lateral"]) => vec![Role::Force, Role::LateralForce],
+        NEWTON_METRE if says(&["moment_y", "my", "m_y"]) => vec![Role::Force, Role::LongitudinalForce],
         NEWTON | NEWTON_METRE => vec![Role::Force],
         METRE if says(&["distance", "travel"]) && !says(&["suspension", "spring"]) => {
             vec![Role::TravelDistance]

@@ -15,7 +15,7 @@ const MAX_FREE: usize = 14;
 /// A parameter that moves the outputs by less than this share of their size, over its whole prior, stays.
 const MIN_EFFECT: f64 = 1e-3;
 /// Blocks of a run that errors are compared over.
-const BLOCKS: usize = 6;
+const BLOCKS: usize = 24;
 
 /// A model with its recordings.
 pub struct Study<'a> {

@@ -53,11 +53,15 @@ pub struct Attachment {
 }
 
 impl Attachment {
-    /// What it changes at its place: a factor may sit on a tunable parameter instead of its own port.
+    /// What it changes at its place: an effect may sit elsewhere than at its own port.
     pub fn port(&self, interface: &Interface) -> Port {
-        let target = interface.variables.get(self.target);
-        let on_parameter = target.is_some_and(|v| v.causality == Causality::Parameter);
-        if self.effect.on_parameters && on_parameter { Port::Parameter } else { self.effect.port }
+        let own = self.effect.port;
+        let at = match interface.variables.get(self.target).map(|v| v.causality) {
+            Some(Causality::Parameter) => Port::Parameter,
+            Some(Causality::Input) if own == Port::Output => Port::Input,
+            _ => own,
+        };
+        if self.effect.also.iter().any(|(port, _)| *port == at) { at } else { own }
     }
 
     /// Name of one of its parameters as a variable: `effect.sensor_delay.force_y.delay`.

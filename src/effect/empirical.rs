@@ -11,6 +11,7 @@ pub const EFFECTS: &[Effect] = &[
     modulation(),
     history(),
     course(),
+    schedule(),
 ];
 
 /// True for effects without a name.
@@ -59,7 +60,7 @@ const fn function(port: Port, id: &'static str, name: &'static str, targets: &'s
         name,
         family: Family::Mechanism,
         port,
-        on_parameters: false,
+        also: &[],
         equation: "y + a x + b x^2 + c x^3 + d |x| + e tanh(x / w)",
         source: SOURCE,
         signature: SIGNATURE,
@@ -103,7 +104,7 @@ const fn modulation() -> Effect {
         name: "A parameter depends on a signal",
         family: Family::Mechanism,
         port: Port::Parameter,
-        on_parameters: false,
+        also: &[],
         equation: "p (1 + a x + b x^2 + c |x|)",
         source: SOURCE,
         signature: SIGNATURE,
@@ -134,7 +135,7 @@ const fn history() -> Effect {
         name: "An output depends on the past of a signal",
         family: Family::Mechanism,
         port: Port::Output,
-        on_parameters: false,
+        also: &[],
         equation: "y + a x_1 + b x_2 + c x_3, x_i behind first-order lags of 0.02, 0.15 and 1 s",
         source: SOURCE,
         signature: SIGNATURE,
@@ -152,6 +153,50 @@ const fn history() -> Effect {
         },
     }
 }
+
+const fn schedule() -> Effect {
+    Effect {
+        id: "empirical-schedule",
+        name: "A parameter changes over the run",
+        family: Family::Mechanism,
+        port: Port::Parameter,
+        also: &[],
+        equation: "p (1 + a t + b t^2), t since the start",
+        source: SOURCE,
+        signature: SIGNATURE,
+        confused_with: &[],
+        targets: &[],
+        drivers: &[],
+        parameters: GROWTH,
+        apply: |p, memory: &mut Memory, call: &Call<'_>| {
+            memory.states[0] += call.dt;
+            let t = memory.states[0];
+            let growth = p[0] * t + p[1] * t * t;
+            if growth == 0.0 { call.target } else { call.target * (1.0 + growth).max(0.02) }
+        },
+    }
+}
+
+const GROWTH: &[Parameter] = &[
+    Parameter {
+        name: "growth",
+        description: "Relative growth per time",
+        scale: Scale::plain("1/s"),
+        off: Some(0.0),
+        plausible: (-1.0, 1.0),
+        search: (-1.0, 1.0),
+        probes: &[0.001],
+    },
+    Parameter {
+        name: "curve",
+        description: "Relative growth per time squared",
+        scale: Scale::plain("1/s2"),
+        off: Some(0.0),
+        plausible: (-1.0, 1.0),
+        search: (-1.0, 1.0),
+        probes: &[0.0001],
+    },
+];
 
 const OVER_TIME: &[Parameter] = &[
     Parameter {
@@ -189,7 +234,7 @@ const fn course() -> Effect {
         name: "An output changes over the run",
         family: Family::Mechanism,
         port: Port::Output,
-        on_parameters: false,
+        also: &[],
         equation: "y (1 + a t + b t^2) + c t, t since the start",
         source: SOURCE,
         signature: SIGNATURE,

@@ -65,6 +65,10 @@ pub enum Role {
     Acceleration,
     /// Force \[N\] or moment \[N.m\].
     Force,
+    /// Longitudinal force \[N\] of a tire, or the moment about its axis \[N.m\].
+    LongitudinalForce,
+    /// Lateral force \[N\] of a tire.
+    LateralForce,
     /// Speed along the road or belt \[m/s\].
     TravelSpeed,
     /// Distance along the road or belt \[m\].
@@ -184,8 +188,8 @@ pub struct Effect {
     pub family: Family,
     /// What it changes.
     pub port: Port,
-    /// It is a factor on what it changes, and may as well be one on a tunable parameter.
-    pub on_parameters: bool,
+    /// Where else it may sit: on tunable parameters, if it is a factor; on the paths of inputs with a role.
+    pub also: &'static [(Port, Role)],
     /// The equation in plain text.
     pub equation: &'static str,
     /// Where the equation comes from: a published source, or "standard engineering knowledge".

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Actuator that follows late",
     family: Family::Rig,
     port: Port::Input,
-    on_parameters: false,
+    also: &[],
     equation: "T dx/dt + x = x_cmd",
     source: "standard engineering knowledge",
     signature: "all outputs lag behind one command by the same time; its fast parts are missing in all of them",

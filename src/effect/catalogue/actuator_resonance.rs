@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Actuator or mount with a mode",
     family: Family::Rig,
     port: Port::Input,
-    on_parameters: false,
+    also: &[],
     equation: "x = x_cmd + a (u - x_cmd), u'' + 2 D w u' + w^2 (u - x_cmd) = 0, w = 2 pi f",
     source: "standard engineering knowledge",
     signature: "all outputs ring at one fixed frequency after fast commands",

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Mass that moves along",
     family: Family::Suspension,
     port: Port::Force,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - m a",
     source: "standard engineering knowledge",
     signature: "in phase with the acceleration; grows with the square of the frequency",

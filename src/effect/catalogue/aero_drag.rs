@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Air drag",
     family: Family::Mechanism,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - c V |V|",
     source: "standard engineering knowledge",
     signature: "grows with the square of the speed of travel, with the tire lifted too",
@@ -17,7 +17,7 @@ pub const EFFECT: Effect = Effect {
         ("rolling-resistance", "goes with the load, hardly with the speed"),
         ("imbalance", "a line at the order of the wheel"),
     ],
-    targets: &[Role::Force],
+    targets: &[Role::LongitudinalForce],
     drivers: &[Role::TravelSpeed],
     parameters: &[Parameter::amplitude(
         "quadratic",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Spring that differs in push and pull",
     family: Family::Mechanism,
     port: Port::Force,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - k_2 x^2",
     source: "standard engineering knowledge",
     signature: "second harmonics and a mean that moves with the amplitude",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Backlash of a driveline",
     family: Family::Brake,
     port: Port::Input,
-    on_parameters: false,
+    also: &[],
     equation: "M = M_0 - a (M_0 - g), g = 0 while |phi| < b, phi'' = M_0; a = 1",
     source: "standard engineering knowledge",
     signature: "torque comes late after each change of its sign, then at once",

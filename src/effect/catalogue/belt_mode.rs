@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Mode of the belt on its sidewalls",
     family: Family::Tire,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 + a (u - F_0), u'' + 2 D w u' + w^2 (u - F_0) = 0, w = 2 pi f",
     source: "TST 48(3):188 (cleat response is governed by rigid belt modes)",
     signature: "a peak at some tens of Hz after obstacles and steps of torque; moves with the inflation pressure",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Line that repeats along the belt or road",
     family: Family::Rig,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "y = y_0 + a cos(2 pi s / L) + b sin(2 pi s / L)",
     source: "standard engineering knowledge",
     signature: "a line whose frequency goes with the speed, fixed in metres",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Bouc-Wen hysteresis",
     family: Family::Mechanism,
     port: Port::Force,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - F_h z, dz = (dx - |dx| z / 2 - dx |z| / 2) / x_0, |z| <= 1",
     source: "Ismail, Ikhouane, Rodellar 2009, Arch Comput Methods Eng 16:161-188; exponent 1, beta = gamma",
     signature: "loops that do not change with the frequency; stiff after each turn, straight back to zero",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Brake torque that changes over a revolution",
     family: Family::Brake,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 + p (a cos(theta) + b sin(theta))",
     source: "dbausa.com T004; fliphtml5 Automotive Chassis Engineering p324",
     signature: "a line at the first order of the wheel in proportion to the brake pressure",

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Bump stop",
     family: Family::Suspension,
     port: Port::Force,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - k_+ max(0, x - g) + k_- max(0, -x - g)",
     source: "standard engineering knowledge",
     signature: "one-sided peaks when the way is used up; nothing below",

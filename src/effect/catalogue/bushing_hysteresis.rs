@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Friction of a rubber bushing",
     family: Family::Suspension,
     port: Port::Force,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - F_h f, f = f_t + (x - x_t) (1 - s f_t) / (x_2 (1 - s f_t) + |x - x_t|), s = sign(dx)",
     source: "Garcia Tarrago et al. 2007, Polymer Testing 26:629-638 (separable model with a friction part; its hyperbola: standard engineering knowledge)",
     signature: "stiff at small amplitudes, soft at large ones; the loss does not depend on the frequency",

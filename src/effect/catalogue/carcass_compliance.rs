@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Soft carcass",
     family: Family::Tire,
     port: Port::Input,
-    on_parameters: false,
+    also: &[],
     equation: "s da'/dt + |V| a' = |V| a, s = c |F / a'|",
     source: "standard engineering knowledge",
     signature: "a lag of force behind slip that is fixed in distance and gets shorter at large slip angles",

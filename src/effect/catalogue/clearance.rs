@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Clearance of a spring",
     family: Family::Mechanism,
     port: Port::Force,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 + k min(max(x, -b), b)",
     source: "standard engineering knowledge",
     signature: "no stiffness around the middle; third and fifth harmonics",

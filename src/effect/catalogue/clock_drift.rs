@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Clock that runs fast or slow",
     family: Family::Sensor,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "y_m(t) = y(t - d (t - t_0))",
     source: "standard engineering knowledge",
     signature: "a delay of one channel that grows with the time since the start of a run",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Conicity",
     family: Family::Tire,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 + c |Fz| r, r = V^2 / (V^2 + (0.1 m/s)^2)",
     source: "micropoise.com conicity",
     signature: "an offset of the lateral force with the same sign in both directions, gone at standstill",
@@ -18,7 +18,7 @@ pub const EFFECT: Effect = Effect {
         ("sensor-bias", "at standstill and without load too"),
         ("camber-thrust", "with the camber"),
     ],
-    targets: &[Role::Force],
+    targets: &[Role::LateralForce],
     drivers: &[Role::Load, Role::TravelSpeed],
     parameters: &[Parameter::amplitude(
         "coefficient",

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Coulomb friction",
     family: Family::Mechanism,
     port: Port::Force,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - F_c tanh(v / v_0)",
     source: "standard engineering knowledge",
     signature: "a square wave in phase with the velocity; a loop whose width depends on neither amplitude nor frequency",

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Cross-talk from another channel",
     family: Family::Sensor,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "y_m = y + c z",
     source: "standard engineering knowledge",
     signature: "a copy of another channel, without delay, in every condition",

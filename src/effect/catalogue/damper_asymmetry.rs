@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Damper that differs in rebound and compression",
     family: Family::Suspension,
     port: Port::Force,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - a |v|",
     source: "standard engineering knowledge",
     signature: "even harmonics; the mean position moves with the roughness",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Soft shaft",
     family: Family::Brake,
     port: Port::Input,
-    on_parameters: false,
+    also: &[],
     equation: "M = M_0 + a (u - M_0), u'' + 2 D w u' + w^2 (u - M_0) = 0, w = 2 pi f",
     source: "standard engineering knowledge",
     signature: "a decaying vibration at a fixed frequency after each step of the torque",

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Drum instead of a flat road",
     family: Family::Tire,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 sqrt(1 + c), c = r / R",
     source: "Freudenmann, Unrau, El-Haji 2009, TST 37(4):254-278 (form by Clark: standard engineering knowledge)",
     signature: "a constant factor on the forces of a tire",

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Mass between load cell and specimen",
     family: Family::Rig,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "F_m = F + m a",
     source: "Hnat, van den Bogert 2014, J Biomech 47(15):3758-3761",
     signature: "in phase with the acceleration, in the empty rig too; the motion is right",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Mode of the rig or of a fixture",
     family: Family::Rig,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "y_m = y + a (u - y), u'' + 2 D w u' + w^2 (u - y) = 0, w = 2 pi f",
     source: "PMC2665306 (structure compliance and dynamics reduce load fidelity); the mode: standard engineering knowledge",
     signature: "a peak at a fixed frequency, whatever the speed, the pressure and the tire",

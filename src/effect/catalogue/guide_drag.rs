@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Viscous drag between load cell and specimen",
     family: Family::Rig,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "F_m = F + c v",
     source: "standard engineering knowledge",
     signature: "in phase with the velocity, in the empty rig too; the motion is right",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Friction between load cell and specimen",
     family: Family::Rig,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "F_m = F + F_c tanh(v / v_0)",
     source: "standard engineering knowledge",
     signature: "square in phase with the velocity, in the empty rig too; the motion is right",

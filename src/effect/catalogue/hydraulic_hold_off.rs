@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Pressure that is needed before anything happens",
     family: Family::Brake,
     port: Port::Input,
-    on_parameters: false,
+    also: &[],
     equation: "p = sign(p_cmd) max(0, |p_cmd| - p_0)",
     source: "standard engineering knowledge",
     signature: "nothing at low pressure, the same amount too little at high",

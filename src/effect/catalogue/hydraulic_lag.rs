@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Lag of the brake hydraulics",
     family: Family::Brake,
     port: Port::Input,
-    on_parameters: false,
+    also: &[],
     equation: "T dp/dt + p = p_cmd",
     source: "standard engineering knowledge",
     signature: "everything behind the pressure lags by the same time, when it rises and when it falls",

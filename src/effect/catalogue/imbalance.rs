@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Imbalance of a wheel",
     family: Family::Brake,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 + w^2 (a cos(theta) + b sin(theta))",
     source: "standard engineering knowledge",
     signature: "a line at the first order of the wheel that grows with the square of the speed, with the wheel lifted too",

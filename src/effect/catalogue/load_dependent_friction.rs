@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Friction in proportion to a load",
     family: Family::Mechanism,
     port: Port::Force,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - K |N| tanh(v / v_0)",
     source: "github Rhoban/bam docs; Duclusaud et al. arXiv 2410.08650 (gear friction in proportion to the load)",
     signature: "square in phase with the velocity, with a size that follows the load",

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Friction that falls with the load",
     family: Family::Tire,
     port: Port::Output,
-    on_parameters: true,
+    also: &[(Port::Parameter, Role::Other)],
     equation: "F = F_0 (1 - a (|Fz| / F_ref - 1))",
     source: "standard engineering knowledge",
     signature: "less than in proportion at high load",

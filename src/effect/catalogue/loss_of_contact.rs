@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Loss of contact",
     family: Family::Tire,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "Fz = F_0 + a max(0, -F_s - F_0), a = 1",
     source: "standard engineering knowledge",
     signature: "clipped on one side at zero load, with all harmonics",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Hum of the mains",
     family: Family::Sensor,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "y_m = y + a cos(2 pi f t) + b sin(2 pi f t)",
     source: "standard engineering knowledge",
     signature: "a line at a fixed frequency, at rest too, with the same phase from start to end",

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Maxwell element",
     family: Family::Mechanism,
     port: Port::Force,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - k (x - x_d), T dx_d/dt + x_d = x",
     source: "standard engineering knowledge",
     signature: "stiffness rises with the logarithm of the frequency; most loss per cycle at omega T = 1",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Non-uniformity of a tire, second order",
     family: Family::Tire,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 + |Fz| (a cos(2 theta) + b sin(2 theta))",
     source: "TST 17(3):158; TST 39(4):256",
     signature: "a line at the second order of the wheel that goes with the load and hardly with the speed",

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Friction of the pad that builds up after contact",
     family: Family::Brake,
     port: Port::Input,
-    on_parameters: false,
+    also: &[],
     equation: "x = x_0 (1 - a (1 - S(t / T))), S(u) = 3 u^2 - 2 u^3",
     source: "Mack 2009 (pad friction as a function of the time since the onset of braking; the polynomial is a placeholder)",
     signature: "too little in the first tenths of a second after the first contact, right later",

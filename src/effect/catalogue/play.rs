@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Play in a joint",
     family: Family::Suspension,
     port: Port::Input,
-    on_parameters: false,
+    also: &[],
     equation: "y = min(max(y_last, x - b), x + b)",
     source: "standard engineering knowledge",
     signature: "after each turn nothing moves for a while; the loop has the same width at any amplitude and speed",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Ply steer",
     family: Family::Tire,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 + c |Fz| tanh(V / 0.1 m/s)",
     source: "scribd 459127951 ply steer and conicity",
     signature: "an offset of the lateral force that turns with the direction of rotation",
@@ -18,7 +18,7 @@ pub const EFFECT: Effect = Effect {
         ("steering-compliance", "goes with the force"),
         ("rolling-resistance", "in the longitudinal force"),
     ],
-    targets: &[Role::Force],
+    targets: &[Role::LateralForce],
     drivers: &[Role::Load, Role::TravelSpeed],
     parameters: &[Parameter::amplitude(
         "coefficient",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Progressive spring",
     family: Family::Mechanism,
     port: Port::Force,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - k_3 x^3",
     source: "standard engineering knowledge",
     signature: "stiffer at large amplitudes: resonances move up, third harmonics",

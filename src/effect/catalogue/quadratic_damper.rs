@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Damper with turbulent flow",
     family: Family::Suspension,
     port: Port::Force,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - c v |v|",
     source: "standard engineering knowledge",
     signature: "damping grows with the velocity; third harmonics in phase with it",

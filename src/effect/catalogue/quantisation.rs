@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Coarse steps of a converter",
     family: Family::Sensor,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "y_m = y + a (q round(y / q) - y), a = 1",
     source: "standard engineering knowledge",
     signature: "a saw tooth of the own value; the histogram has gaps",

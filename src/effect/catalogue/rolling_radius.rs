@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Wrong rolling radius",
     family: Family::Brake,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "w = w_0 (1 + a), a = R_0 / R - 1",
     source: "standard engineering knowledge",
     signature: "a constant factor on a wheel speed, with and without torque",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Rolling resistance",
     family: Family::Tire,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - f |Fz| tanh(V / 0.1 m/s)",
     source: "TST 6(3):163 (in proportion to the load)",
     signature: "an offset of the longitudinal force or the wheel moment that goes with the load and turns with the direction",
@@ -19,7 +19,7 @@ pub const EFFECT: Effect = Effect {
         ("sensor-bias", "does not turn with the direction"),
         ("plysteer", "in the lateral force"),
     ],
-    targets: &[Role::Force],
+    targets: &[Role::LongitudinalForce],
     drivers: &[Role::Load, Role::TravelSpeed],
     parameters: &[Parameter::amplitude(
         "coefficient",

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Saturated sensor or amplifier",
     family: Family::Sensor,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "y_m = y - a (y - min(max(y, -L), L)), a = 1",
     source: "standard engineering knowledge",
     signature: "flat tops at a fixed value of one channel",

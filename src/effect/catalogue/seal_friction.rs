@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Friction of a pressurised seal",
     family: Family::Rig,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "F_m = F + (F_0 + k |p|) tanh(v / v_0)",
     source: "standard engineering knowledge",
     signature: "a loop over the displacement whose width grows with the pressure",

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Offset of a sensor",
     family: Family::Sensor,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "y_m = y + b",
     source: "standard engineering knowledge",
     signature: "the same at rest, without load and in every run",

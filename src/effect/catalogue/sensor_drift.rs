@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Drift of a sensor",
     family: Family::Sensor,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "y_m = y + c (t - t_0)",
     source: "standard engineering knowledge",
     signature: "grows with the time since the start of a run, at rest too",

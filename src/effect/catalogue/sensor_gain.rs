@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Wrong gain of a sensor",
     family: Family::Sensor,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "y_m = (1 + a) y",
     source: "standard engineering knowledge",
     signature: "a constant factor on one channel, in every condition",

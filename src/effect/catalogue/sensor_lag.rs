@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Lag of a sensor or amplifier",
     family: Family::Sensor,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "T dy_m/dt + y_m = y",
     source: "standard engineering knowledge",
     signature: "gain falls and phase lags with the frequency in Hz, at any speed, for whatever moves that sensor",

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Curved characteristic of a sensor",
     family: Family::Sensor,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "y_m = y + a y |y| + b y^2",
     source: "standard engineering knowledge",
     signature: "distortion of one channel by its own value, whatever moves it",

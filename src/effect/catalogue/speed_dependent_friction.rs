@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Friction that falls with the sliding speed",
     family: Family::Tire,
     port: Port::Output,
-    on_parameters: true,
+    also: &[(Port::Parameter, Role::Other)],
     equation: "F = F_0 (1 - a (1 - exp(-(v_s / v_0)^2))), v_s = slip V",
     source: "Canudas-de-Wit et al. 2003, VSD 39(3):189-226 (form: standard engineering knowledge)",
     signature: "too much force past the peak, the more the faster the contact slides",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Soft steering",
     family: Family::Suspension,
     port: Port::Input,
-    on_parameters: false,
+    also: &[],
     equation: "d' = d - c u, u'' + 2 D w u' + w^2 (u - F) = 0, w = 2 pi f",
     source: "standard engineering knowledge",
     signature: "a line of some Hz in the lateral and steering forces, bursts when the longitudinal force breaks down; less angle under load",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Friction that falls when sliding begins",
     family: Family::Mechanism,
     port: Port::Force,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - (F_c + F_s exp(-(v / v_s)^2)) tanh(10 v / v_s)",
     source: "Canudas-de-Wit et al. 2003, VSD 39(3):189-226 (form: standard engineering knowledge)",
     signature: "a square wave in phase with the velocity with peaks at each turn; stick-slip",

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Supply voltage that sags under load",
     family: Family::Sensor,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "y_m = y (1 - a u), T du/dt + u = |z|",
     source: "standard engineering knowledge",
     signature: "the gain of a channel falls while another one is loaded, a little later",

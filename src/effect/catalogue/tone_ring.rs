@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Uneven ring of a wheel speed sensor",
     family: Family::Brake,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "w_m = w (1 + a cos(theta) + b sin(theta))",
     source: "US6446018B1",
     signature: "a line at the first order of the wheel in the wheel speed, without echo in any force",

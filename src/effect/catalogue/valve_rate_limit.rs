@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Valve that lets pressure change only so fast",
     family: Family::Brake,
     port: Port::Input,
-    on_parameters: false,
+    also: &[],
     equation: "p = p_cmd + a (l - p_cmd), |dl/dt| <= r, a = 1",
     source: "standard engineering knowledge",
     signature: "ramps with one slope where the command jumps; small steps are right",

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Rubber that is stiffer when it is fast",
     family: Family::Tire,
     port: Port::Output,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 + a (F_0 - F_d), T dF_d/dt + F_d = F_0",
     source: "standard engineering knowledge",
     signature: "the stiffness rises with the logarithm of the frequency, at any amplitude",

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Viscous drag",
     family: Family::Mechanism,
     port: Port::Force,
-    on_parameters: false,
+    also: &[],
     equation: "F = F_0 - c v",
     source: "standard engineering knowledge",
     signature: "a loop whose width grows with the velocity; nothing at rest",
