@@ -224,7 +224,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     diagnosis.next_experiment = next_experiment(&diagnosis);
     let check = traces(&study, &subject, &base_model, &current.model, &recordings, &names)?;
     let parameters =
-        study.free.iter().zip(&current.model.parameters).map(|(p, x)| (p.variable, p.nominal * x)).collect();
+        study.free.iter().zip(&current.model.parameters).map(|(p, x)| (p.variable, p.scale * x)).collect();
     let attachments = current.model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect();
     Ok(Outcome { diagnosis, parameters, attachments, check, subject })
 }
@@ -376,7 +376,13 @@ fn screen<'a>(
     let drives: Vec<Arc<Drive>> = runs.iter().map(|r| Arc::clone(&r.drive)).collect();
     let (mut size, rate) = sizes(interface.variables.len(), &watch, &drives, &screen.traces);
     for p in &study.free {
-        size[p.variable] = p.nominal.abs();
+        size[p.variable] = p.scale;
+    }
+    // a model may leave an output at rest that moves
+    for channel in runs.iter().flat_map(|r| &r.channels) {
+        let n = channel.values.len().max(1) as f64;
+        let own = (channel.values.iter().map(|v| v * v).sum::<f64>() / n).sqrt();
+        size[channel.variable] = size[channel.variable].max(own);
     }
     let measured: Vec<usize> =
         runs.first().map_or(Vec::new(), |r| r.channels.iter().map(|c| c.variable).collect());
@@ -445,8 +451,8 @@ fn choose(screened: &[Screened]) -> Vec<Screened> {
                 break;
             }
             // other places of the same effect only if they are about as good
-            let same = chosen.iter().filter(|c| c.placement.effect.id == s.placement.effect.id).count();
-            if same > 0 && (same > 1 || s.gain < 0.8 * best) {
+            let mut same = chosen.iter().filter(|c| c.placement.effect.id == s.placement.effect.id);
+            if same.clone().count() > 1 || same.next().is_some_and(|first| s.gain < 0.6 * first.gain) {
                 continue;
             }
             chosen.push(s.clone());
@@ -465,7 +471,7 @@ fn try_out(
 ) -> Option<Tried> {
     let mut model = current.clone();
     model.effects.push((screened.placement.clone(), screened.values.clone()));
-    // from near the off value, so that the parameters move along; from the linear prediction if that fails
+    // from near the off value, so that the parameters move along
     if let Some((placement, values)) = model.effects.last_mut() {
         for (value, parameter) in values.iter_mut().zip(placement.effect.parameters) {
             if let Some(off) = parameter.off {
@@ -476,9 +482,8 @@ fn try_out(
     }
     let mut fitted = study.fit(&model, 6).ok();
     if fitted.as_ref().is_none_or(|f| f.fit.cost > current_fit.total * (1.0 - 0.5 * screened.gain)) {
-        if let Some((_, values)) = model.effects.last_mut() {
-            values.clone_from(&screened.values);
-        }
+        // a refit without the effect may have bent the parameters far: from the nominal ones as well
+        model.parameters = study.nominal().parameters;
         let other = study.fit(&model, 5).ok();
         fitted = match (fitted, other) {
             (Some(a), Some(b)) => Some(if a.fit.cost <= b.fit.cost { a } else { b }),
@@ -714,11 +719,11 @@ fn fitted_parameters(study: &Study<'_>, subject: &Subject, fitted: &Fitted) -> V
         // as wide as what was known beforehand: the recordings say nothing
         let known = half < 1.8 * fitted.unknowns[i].prior;
         let info = &subject.interface.variables[p.variable];
-        let ends = [(x - half) * p.nominal, (x + half) * p.nominal];
+        let ends = [(x - half) * p.scale, (x + half) * p.scale];
         FittedParameter {
             name: info.name.clone(),
             start: p.nominal,
-            value: x * p.nominal,
+            value: x * p.scale,
             low: known.then_some(ends[0].min(ends[1])),
             high: known.then_some(ends[0].max(ends[1])),
             unit: info.unit.clone().unwrap_or_else(|| "1".into()),
