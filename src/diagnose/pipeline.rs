@@ -69,6 +69,8 @@ pub struct Outcome {
     pub parameters: Vec<(usize, f64)>,
     /// The corrected model: its effects.
     pub attachments: Vec<crate::effect::Attachment>,
+    /// 95 % intervals of their parameters, where the recordings fix them.
+    pub intervals: Vec<Vec<Option<(f64, f64)>>>,
     /// The check runs: as measured, with the refitted model, with the corrected model.
     pub check: Vec<CheckTraces>,
 }
@@ -190,6 +192,23 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
             }
         }
     }
+    let fine: Vec<(Run, Use)>;
+    if !current.model.effects.is_empty() {
+        // effects act at communication points: what is handed on is fitted where shorter steps change nothing
+        progress("fitting the corrected model with short steps", 0.9);
+        fine = runs.iter().map(|(run, use_)| (finer(run), *use_)).collect();
+        let of =
+            |wanted: Use| fine.iter().filter(|(_, u)| *u == wanted).map(|(r, _)| r).collect::<Vec<&Run>>();
+        study.fit_runs = of(Use::Fit);
+        study.check_runs = of(Use::Check);
+        current = study.fit(&current.model, 4)?;
+        current_check = study.rest(&current.model, &study.check_runs)?;
+        for (finding, estimates) in
+            findings.iter_mut().chain(&mut unknown).zip(all_estimates(&study, &current))
+        {
+            finding.parameters = estimates;
+        }
+    }
     progress("writing it down", 0.95);
     let improved = sign_flip(&differences(&nominal_rest.blocks, &base_rest.blocks));
     let verdict = match (&findings[..], &unknown) {
@@ -226,7 +245,14 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let parameters =
         study.free.iter().zip(&current.model.parameters).map(|(p, x)| (p.variable, p.scale * x)).collect();
     let attachments = current.model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect();
-    Ok(Outcome { diagnosis, parameters, attachments, check, subject })
+    let ends = |e: &Estimate| Some((e.low?, e.high?));
+    let mut intervals = Vec::new();
+    for ((placement, _), estimates) in current.model.effects.iter().zip(all_estimates(&study, &current)) {
+        let own: Vec<_> = estimates.iter().map(ends).collect();
+        // one attachment for each place
+        intervals.extend(placement.targets.iter().map(|_| own.clone()));
+    }
+    Ok(Outcome { diagnosis, parameters, attachments, intervals, check, subject })
 }
 
 fn read_folder(folder: &Path, map: &Map) -> Result<(Vec<String>, Vec<hygiene::RawRecording>)> {
@@ -327,6 +353,33 @@ fn same_channels(subject: &Subject, runs: &[(Run, Use)]) -> Result<()> {
 fn some_of<'a>(runs: &[&'a Run]) -> Vec<&'a Run> {
     let n = runs.len().min(SCREENED);
     (0..n).map(|i| runs[(2 * i + 1) * runs.len() / (2 * n)]).collect()
+}
+
+/// The same run with a quarter of the communication step.
+fn finer(run: &Run) -> Run {
+    const PARTS: usize = 4;
+    let drive = &run.drive;
+    let points = (drive.points - 1) * PARTS + 1;
+    let refine = |values: &Vec<f64>| {
+        (0..points)
+            .map(|k| {
+                let (i, part) = (k / PARTS, k % PARTS);
+                let next = values[(i + 1).min(values.len() - 1)];
+                if part == 0 {
+                    values[i]
+                } else {
+                    values[i] + (next - values[i]) * part as f64 / PARTS as f64
+                }
+            })
+            .collect()
+    };
+    let drive = Drive {
+        start: drive.start,
+        step: drive.step / PARTS as f64,
+        inputs: drive.inputs.iter().map(|(v, values)| (*v, refine(values))).collect(),
+        points,
+    };
+    Run { drive: Arc::new(drive), ..run.clone() }
 }
 
 /// The shortest of the runs' median sampling intervals \[s\].
@@ -689,9 +742,27 @@ fn affected(study: &Study<'_>, subject: &Subject, t: &Tried, before: &Rest) -> V
 
 /// Parameters of the last effect with 95 % intervals.
 fn estimates(study: &Study<'_>, fitted: &Fitted) -> Vec<Estimate> {
+    all_estimates(study, fitted).pop().unwrap_or_default()
+}
+
+/// Parameters of all effects with 95 % intervals.
+fn all_estimates(study: &Study<'_>, fitted: &Fitted) -> Vec<Vec<Estimate>> {
     let covariance = fitted.fit.covariance(&fitted.unknowns, study.redundancy);
-    let Some((placement, values)) = fitted.model.effects.last() else { return Vec::new() };
-    let first = fitted.unknowns.len() - values.len();
+    let mut first = study.free.len() + 1;
+    let mut all = Vec::new();
+    for (placement, values) in &fitted.model.effects {
+        all.push(estimates_of(placement, values, &covariance, first));
+        first += values.len();
+    }
+    all
+}
+
+fn estimates_of(
+    placement: &Placement,
+    values: &[f64],
+    covariance: &nalgebra::DMatrix<f64>,
+    first: usize,
+) -> Vec<Estimate> {
     placement
         .effect
         .parameters
