@@ -3,6 +3,7 @@
 mod blocks;
 pub mod hygiene;
 pub mod loads;
+pub mod locate;
 mod pipeline;
 mod placement;
 mod result;
