@@ -16,6 +16,7 @@ mod against;
 mod align;
 mod clock;
 mod copies;
+mod explain;
 mod odd;
 mod raw;
 mod robust;

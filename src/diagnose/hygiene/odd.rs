@@ -6,8 +6,9 @@
 //! same number; no operating condition (level, amplitude, frequency of any channel) explains it.
 
 use super::against::Table;
-use super::align::{Fit, Pair, bandwidth, period};
-use super::robust::{correlation, deviation, mean, median, spread};
+use super::align::{Fit, Pair, bandwidth};
+use super::explain::explained;
+use super::robust::{deviation, median, spread};
 use super::{Fault, FaultKind, Severity, run_name, short};
 
 /// Fewer runs than this say nothing about what is usual.
@@ -26,8 +27,9 @@ const UNDONE: f64 = 0.6;
 const AS_OTHERS: f64 = 1.6;
 /// The halves' numbers over that of the run.
 const HALVES: std::ops::Range<f64> = 0.5..1.7;
-/// A condition explains a deviation if a line through all runs has this correlation.
-const EXPLAINED: f64 = 0.95;
+/// A part of a run in which the simulation moves by less than this share of what it does in the whole run
+/// tells no gain and no delay.
+const MOVES: f64 = 0.2;
 
 /// Runs with a spectrum narrower than this are taken as single sines: there a delay is no more than a phase,
 /// which a wrong parameter shifts as well.
@@ -113,15 +115,12 @@ fn odd_in(table: &mut Table, channel: usize) -> Vec<Fault> {
         let phase = what == What::Delay
             && (bandwidth(pair.time, pair.simulated) < NARROW
                 || (away.abs() > 0.4 * pair.period() && left > ROUND * this.usual_error));
+        let pairs: Vec<&Pair> = fits.iter().map(|f| f.0).collect();
+        let values: Vec<f64> = seen.iter().map(of).collect();
         if out
             && !phase
             && halves_agree(pair, what, &usual, away)
-            && !explained(
-                table,
-                &fits.iter().map(|f| f.0).collect::<Vec<_>>(),
-                &seen.iter().map(of).collect::<Vec<_>>(),
-                i,
-            )
+            && !explained(table, &pairs, &values, i, &|from, to| part(pair, what, &usual, from, to))
         {
             hits.push((what, this.run, away));
         }
@@ -191,6 +190,22 @@ fn delay(pair: &Pair, usual: &Fit, from: usize, to: usize) -> f64 {
     pair.best_in(from, to, pair.reach(), 1.0).map_or(usual.delay, |fit| fit.delay)
 }
 
+/// The number of a part of the run. A part at its ends, of which most is not looked at, has none; nor has one
+/// in which the simulation hardly moves a gain or a delay.
+fn part(pair: &Pair, what: What, usual: &Fit, from: usize, to: usize) -> Option<f64> {
+    let (reach, end) = (pair.reach(), pair.time.len() - 1);
+    let looked_at = pair.time[0] + reach..=pair.time[end] - reach;
+    if 2 * pair.time[from..to].iter().filter(|t| looked_at.contains(*t)).count() < to - from {
+        return None;
+    }
+    let moves = deviation(&pair.simulated[from..to]) > MOVES * deviation(pair.simulated);
+    match what {
+        What::Offset => Some(offset(pair, usual, from, to)),
+        What::Gain => moves.then(|| gain(pair, usual, from, to)),
+        What::Delay => moves.then(|| pair.best_in(from, to, pair.reach(), 1.0))?.map(|fit| fit.delay),
+    }
+}
+
 /// Whether both halves of the run show the deviation.
 fn halves_agree(pair: &Pair, what: What, usual: &Fit, away: f64) -> bool {
     let n = pair.time.len();
@@ -201,43 +216,6 @@ fn halves_agree(pair: &Pair, what: What, usual: &Fit, away: f64) -> bool {
             What::Delay => delay(pair, usual, from, to) - usual.delay,
         };
         HALVES.contains(&(half / away))
-    })
-}
-
-/// Times and values of a channel.
-type Course = (Vec<f64>, Vec<f64>);
-
-/// Whether a line over one operating condition explains the deviation of run number `odd`.
-fn explained(table: &Table, pairs: &[&Pair], values: &[f64], odd: usize) -> bool {
-    let mut conditions: Vec<Vec<f64>> = Vec::new();
-    let mut add = |of: &dyn Fn(&Pair) -> Option<Course>| {
-        let columns: Option<Vec<[f64; 3]>> = pairs
-            .iter()
-            .map(|pair| of(pair).map(|(t, v)| [mean(&v), deviation(&v), 1.0 / period(&t, &v)]))
-            .collect();
-        if let Some(columns) = columns {
-            (0..3).for_each(|k| conditions.push(columns.iter().map(|c| c[k]).collect()));
-        }
-    };
-    add(&|pair| Some((pair.time.to_vec(), pair.simulated.to_vec())));
-    let inputs: Vec<&str> = table.measured[pairs[odd].run]
-        .channels
-        .iter()
-        .map(|c| c.name.as_str())
-        .filter(|name| !table.channels.iter().any(|c| c == name))
-        .collect();
-    for name in inputs {
-        add(&|pair| {
-            let recording = &table.measured[pair.run];
-            let channel = recording.channels.iter().find(|c| c.name == name)?;
-            Some((recording.time.clone(), channel.values.clone()))
-        });
-    }
-    conditions.iter().any(|condition| {
-        if condition.iter().any(|v| !v.is_finite()) {
-            return false;
-        }
-        correlation(condition, values).abs() > EXPLAINED
     })
 }
 
