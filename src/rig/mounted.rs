@@ -164,12 +164,18 @@ impl MountedTire {
         if reach > 0.0 {
             // secants, kept within the spins between which the moment changes its sign; it falls with the spin
             let (mut low, mut high) = if at_free > 0.0 { (free, free + reach) } else { (free - reach, free) };
+            let end = if at_free > 0.0 { high } else { low };
+            let mut turns = false;
             let (mut last, mut next) = (best, free + (1e-4 * free).abs().copysign(at_free));
             for _ in 0..MAX_START_STEPS {
                 if best.1.abs() <= enough {
                     break;
                 }
                 let Ok(now) = moment(next) else { break };
+                turns |= now * at_free < 0.0;
+                if next == end && !turns {
+                    break;
+                }
                 if now > 0.0 {
                     low = next
                 } else {
@@ -180,7 +186,11 @@ impl MountedTire {
                 if now.abs() < best.1.abs() {
                     best = last;
                 }
-                next = if low < secant && secant < high { secant } else { 0.5 * (low + high) };
+                next = match low < secant && secant < high {
+                    true => secant,
+                    false if turns => 0.5 * (low + high),
+                    false => end,
+                };
             }
         }
         let balanced = reach == 0.0 || best.1.abs() <= enough;

@@ -50,7 +50,6 @@ pub struct Side {
     reaction: f64,
     largest_force_change: f64,
     moves_at_most: f64,
-    lasts_at_most: f64,
     last_force: f64,
     anchor: f64,
 }
@@ -87,7 +86,6 @@ impl Model for Side {
         output("reaction", "N", real!(reaction), "Force on the other"),
         output("largest_force_change", "N", real!(largest_force_change), "Within a step, of the input"),
         parameter("moves_at_most", "m", real!(moves_at_most), 1e300, "With the same force"),
-        parameter("lasts_at_most", "s", real!(lasts_at_most), 1e300, "A step"),
     ];
 
     fn step_size(&self) -> f64 {
@@ -102,9 +100,6 @@ impl Model for Side {
     }
 
     fn step(&mut self, h: f64) -> Result<()> {
-        if h > self.lasts_at_most {
-            return Err(Error::numeric(format!("a step of {h} s is too long")));
-        }
         self.largest_force_change = self.largest_force_change.max((self.force.rate * h).abs());
         let y = (self.x, self.v);
         let add = |y: (f64, f64), k: (f64, f64), h: f64| (y.0 + h * k.0, y.1 + h * k.1);
