@@ -8,6 +8,8 @@
 pub mod control;
 #[cfg(feature = "host")]
 pub mod cosimulate;
+#[cfg(feature = "host")]
+pub mod diagnose;
 pub mod effect;
 mod error;
 #[cfg(feature = "host")]

@@ -1,8 +1,10 @@
 //! `latsch export`: an FMU of a model.
 
 use super::{check_outputs, print};
+use latsch::effect::file::Corrections;
 use latsch::fmi::Entry;
 use latsch::fmi::archive::{Binary, ModelLibrary};
+use latsch::fmi::corrected::{CorrectedBase, export_corrections};
 use latsch::fmi::import::ImportedFmu;
 use latsch::model::{Settings, Slave};
 use latsch::recording::profile_value;
@@ -10,15 +12,19 @@ use latsch::shipped::MODELS;
 use latsch::{Error, Result, write_file};
 use std::path::{Path, PathBuf};
 
-/// Write a model as an FMU for co-simulation
+/// Write a model as an FMU for co-simulation, or an FMU with effects added to it
 #[derive(clap::Args)]
 pub struct Args {
-    /// Name of the model (see `latsch models`)
+    /// Name of the model (see `latsch models`), or with --effects an FMU file of any maker
+    #[arg(value_name = "MODEL|F.fmu")]
     model: String,
     /// Values of parameters and start values of inputs: TOML with [parameters] and [inputs], in SI units or as "170 N/mm"
     #[arg(long, value_name = "F.toml")]
     parameters: Option<PathBuf>,
-    /// The FMU to write [default: MODEL.fmu]
+    /// What is added to the model, such as the corrected.toml of a diagnosis: TOML with [[effect]] and [parameters]
+    #[arg(long, value_name = "F.toml")]
+    effects: Option<PathBuf>,
+    /// The FMU to write [default: MODEL.fmu, with --effects MODEL-corrected.fmu]
     #[arg(long, short, value_name = "F.fmu")]
     output: Option<PathBuf>,
     /// A library of own models made from fmu-template, instead of the shipped one
@@ -31,37 +37,90 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<()> {
+    let file = Path::new(&args.model);
+    let is_fmu = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) || file.is_file();
     let settings = read_settings(args.parameters.as_deref())?;
     let library = match &args.library {
         Some(path) => ModelLibrary::open(path)?,
         None => ModelLibrary::shipped()?,
     };
-    let fmu = library.fmu(&args.model, &settings, &args.binary)?;
-    let output = args.output.clone().unwrap_or_else(|| format!("{}.fmu", args.model).into());
-    check_outputs(
-        &[&output],
-        &args.parameters.iter().chain(&args.library).map(|p| p.as_path()).collect::<Vec<_>>(),
-    )?;
-    try_out(args, &settings, &fmu)?;
+    let suffix = if args.effects.is_some() { "-corrected" } else { "" };
+    let stem = if is_fmu {
+        file.file_stem().unwrap_or_default().to_string_lossy()
+    } else {
+        args.model.as_str().into()
+    };
+    let output = args.output.clone().unwrap_or_else(|| format!("{stem}{suffix}.fmu").into());
+    let read = [&args.parameters, &args.library, &args.effects].into_iter().flatten().map(PathBuf::as_path);
+    check_outputs(&[&output], &read.chain(is_fmu.then_some(file)).collect::<Vec<_>>())?;
+    let fmu = match &args.effects {
+        None if is_fmu => {
+            return Err(Error::call("an FMU is exported only with something added to it: --effects F.toml"));
+        }
+        None => {
+            let fmu = library.fmu(&args.model, &settings, &args.binary)?;
+            try_out(args, &settings, &fmu)?;
+            fmu
+        }
+        Some(effects) => {
+            if is_fmu && args.parameters.is_some() {
+                return Err(Error::call(
+                    "with an FMU, its parameters go into the file of --effects, under [parameters]",
+                ));
+            }
+            let base = match is_fmu {
+                true => CorrectedBase::Fmu(file.into()),
+                false => CorrectedBase::Model(args.model.clone(), settings),
+            };
+            let fmu = export_corrections(&base, &read_corrections(effects)?, &library, &args.binary)?;
+            if args.binary.is_empty() {
+                start_fmu(&fmu).map_err(|e| would_not_start(effects, &e))?;
+            }
+            fmu
+        }
+    };
     write_file(&output, &fmu)?;
     print(&format!("{}: {} kB", output.display(), fmu.len() / 1000))
 }
 
+/// The corrections in a file.
+fn read_corrections(path: &Path) -> Result<Corrections> {
+    let text = std::fs::read_to_string(path).map_err(|e| Error::file(format!("{}: {e}", path.display())))?;
+    let corrections = Corrections::parse(&text, &path.display().to_string())?;
+    if corrections.original {
+        return Err(Error::file(format!(
+            "{}: this is the model.toml of an FMU that carries another one; name that FMU instead",
+            path.display()
+        )));
+    }
+    Ok(corrections)
+}
+
+fn would_not_start(place: &Path, error: &Error) -> Error {
+    Error::variable(format!("{}: the FMU would not start: {error}", place.display()))
+}
+
+fn start(slave: &mut dyn Slave) -> Result<()> {
+    slave.start(0.0, None)?;
+    slave.finish_start()
+}
+
+/// Starts an FMU that is not written yet.
+fn start_fmu(fmu: &[u8]) -> Result<()> {
+    let io = |e: std::io::Error| Error::file(format!("a temporary folder cannot be used: {e}"));
+    let folder = tempfile::tempdir().map_err(io)?;
+    let path = folder.path().join("new.fmu");
+    write_file(&path, fmu)?;
+    start(&mut ImportedFmu::load(&path)?)
+}
+
 /// Initializes the model once: parameters may contradict each other, which no range can say.
 fn try_out(args: &Args, settings: &Settings, fmu: &[u8]) -> Result<()> {
-    let start = |slave: &mut dyn Slave| {
-        slave.start(0.0, None)?;
-        slave.finish_start()
-    };
     let tried = if args.library.is_none() {
         start(Entry::find(MODELS, &args.model)?.slave(settings)?.as_mut())
     } else {
         // the model of another library runs in its FMU only
-        let io = |e: std::io::Error| Error::file(format!("a temporary folder cannot be used: {e}"));
-        let folder = tempfile::tempdir().map_err(io)?;
-        let path = folder.path().join("new.fmu");
-        write_file(&path, fmu)?;
-        start(&mut ImportedFmu::load(&path)?)
+        start_fmu(fmu)
     };
     let place = args.parameters.as_ref().map(|path| format!("{}: ", path.display())).unwrap_or_default();
     tried.map_err(|e| Error::variable(format!("{place}the FMU would not start: {e}")))

@@ -4,6 +4,7 @@ mod check;
 mod cosimulate;
 mod demo;
 mod describe;
+mod diagnose;
 mod export;
 mod models;
 mod simulate;
@@ -31,6 +32,7 @@ enum Command {
     Simulate(simulate::Args),
     Cosimulate(cosimulate::Args),
     Check(check::Args),
+    Diagnose(diagnose::Args),
     Demo(demo::Args),
 }
 
@@ -53,6 +55,7 @@ pub fn run() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args).map(done),
         Command::Cosimulate(args) => cosimulate::run(&args).map(done),
         Command::Check(args) => check::run(&args),
+        Command::Diagnose(args) => diagnose::run(&args).map(done),
         Command::Demo(args) => demo::run(&args).map(done),
     };
     match result {

@@ -53,6 +53,17 @@ pub struct Attachment {
 }
 
 impl Attachment {
+    /// What it changes at its place: an effect may sit elsewhere than at its own port.
+    pub fn port(&self, interface: &Interface) -> Port {
+        let own = self.effect.port;
+        let at = match interface.variables.get(self.target).map(|v| v.causality) {
+            Some(Causality::Parameter) => Port::Parameter,
+            Some(Causality::Input) if own == Port::Output => Port::Input,
+            _ => own,
+        };
+        if self.effect.also.iter().any(|(port, _)| *port == at) { at } else { own }
+    }
+
     /// Name of one of its parameters as a variable: `effect.sensor_delay.force_y.delay`.
     pub fn variable(&self, interface: &Interface, parameter: usize) -> String {
         let effect = self.effect.id.replace('-', "_");
@@ -64,11 +75,12 @@ impl Attachment {
 /// A slave with effects on its ports.
 ///
 /// Its variables are those of the slave, followed by the parameters of the effects. Effects on inputs,
-/// forces and parameters see the outputs of the last communication point: a delay of one communication
-/// step. Effects on outputs see the outputs and inputs of the same point. Several effects on one
+/// forces and parameters see outputs that run on from the last communication point as they did over the
+/// last step: an error of second order in the communication step. Effects on outputs see the outputs and inputs of the same point. Several effects on one
 /// variable act in the order in which they were attached.
 ///
-/// What effects change has no derivatives; the slave offers no directional derivatives.
+/// The derivative of an output that an effect changes is the difference over the last communication step.
+/// There are no directional derivatives.
 pub struct Attached<S: Slave + ?Sized> {
     attachments: Vec<Attachment>,
     interface: Interface,
@@ -98,13 +110,17 @@ struct State {
     /// Of the slave's inputs and changed parameters: value and rate as the master gave them.
     values: Vec<f64>,
     rates: Vec<f64>,
+    /// The rate was given after the last step: a value that follows does not end it.
+    fresh: Vec<bool>,
     /// Of the variables that are changed before the step: what the master's value was to be at the
     /// communication point, and what the slave got there.
     expected: Vec<(f64, f64)>,
-    /// Of the variables that are changed after the step.
-    outputs: Vec<f64>,
-    /// Of each signal: value of the variable, and rate or integral.
-    signals: Vec<(f64, f64)>,
+    /// Of the variables that are changed after the step: value, and rate over the last step.
+    outputs: Vec<(f64, f64)>,
+    /// A step was made.
+    stepped: bool,
+    /// Of each signal: value of the variable, rate or integral, and rate of the value.
+    signals: Vec<(f64, f64, f64)>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -126,15 +142,11 @@ impl<S: Slave + ?Sized> Attached<S> {
     /// A target or driver that is no real variable of the right causality, or a number of drivers or
     /// parameters that is not the effect's.
     pub fn new(inner: Box<S>, attachments: Vec<Attachment>) -> Result<Self> {
-        let mut interface = inner.interface().clone();
-        interface.directional_derivatives = false;
-        let own = interface.variables.len();
-        let mut reference = interface.variables.iter().map(|v| v.reference).max().unwrap_or(0);
+        let interface = attached_interface(inner.interface(), &attachments)?;
+        let own = inner.interface().variables.len();
         let mut signals: Vec<Signal> = Vec::new();
         let (mut before, mut after): (Vec<Changed>, Vec<Changed>) = (Vec::new(), Vec::new());
         for (k, attachment) in attachments.iter().enumerate() {
-            let effect = attachment.effect;
-            check(&interface, own, attachment).map_err(|e| e.at(format!("effect {}", effect.id)))?;
             let drivers = attachment.drivers.iter().map(|signal| {
                 signals.iter().position(|s| s == signal).unwrap_or_else(|| {
                     signals.push(*signal);
@@ -142,31 +154,10 @@ impl<S: Slave + ?Sized> Attached<S> {
                 })
             });
             let by = (k, drivers.collect());
-            let list = if effect.port == Port::Output { &mut after } else { &mut before };
+            let list = if attachment.port(&interface) == Port::Output { &mut after } else { &mut before };
             match list.iter_mut().find(|c| c.variable == attachment.target) {
                 Some(changed) => changed.by.push(by),
                 None => list.push(Changed { variable: attachment.target, by: vec![by] }),
-            }
-            for (i, (parameter, chosen)) in effect.parameters.iter().zip(&attachment.parameters).enumerate() {
-                reference += 1;
-                let name = attachment.variable(&interface, i);
-                if interface.index(&name).is_some() {
-                    return Err(Error::variable(format!("{name}: the effect is attached twice")));
-                }
-                interface.variables.push(VariableInfo {
-                    name,
-                    reference,
-                    description: format!("{}: {}", effect.name, parameter.description),
-                    unit: chosen.unit.clone(),
-                    kind: Kind::Real,
-                    causality: Causality::Parameter,
-                    variability: Variability::Fixed,
-                    initial: Some(Initial::Exact),
-                    start: Some(Value::Real(chosen.value)),
-                    min: Some(chosen.range.0).filter(|v| v.is_finite()),
-                    max: Some(chosen.range.1).filter(|v| v.is_finite()),
-                    nominal: None,
-                });
             }
         }
         let mut attached = Self {
@@ -177,8 +168,10 @@ impl<S: Slave + ?Sized> Attached<S> {
                 memories: Vec::new(),
                 values: Vec::new(),
                 rates: Vec::new(),
+                fresh: Vec::new(),
                 expected: Vec::new(),
                 outputs: Vec::new(),
+                stepped: false,
                 signals: Vec::new(),
             },
             attachments,
@@ -219,9 +212,11 @@ impl<S: Slave + ?Sized> Attached<S> {
             memories: vec![Memory::default(); self.attachments.len()],
             values: self.interface.variables[..self.own].iter().map(start).collect(),
             rates: vec![0.0; self.own],
+            fresh: vec![false; self.own],
             expected: vec![(0.0, 0.0); self.before.len()],
-            outputs: vec![0.0; self.after.len()],
-            signals: vec![(0.0, 0.0); self.signals.len()],
+            outputs: vec![(0.0, 0.0); self.after.len()],
+            stepped: false,
+            signals: vec![(0.0, 0.0, 0.0); self.signals.len()],
         };
     }
 
@@ -240,13 +235,14 @@ impl<S: Slave + ?Sized> Attached<S> {
 
     /// Reads the signals at a communication point that is `dt` after the last.
     fn sense(&mut self, dt: f64) -> Result<()> {
-        for (signal, (value, more)) in self.signals.iter().zip(&mut self.state.signals) {
+        for (signal, (value, more, slope)) in self.signals.iter().zip(&mut self.state.signals) {
             let info = &self.interface.variables[signal.variable];
             let now = if info.causality == Causality::Input {
-                self.state.values[signal.variable] + self.state.rates[signal.variable] * dt
+                self.state.values[signal.variable]
             } else {
                 self.inner.get(signal.variable)?
             };
+            *slope = if dt > 0.0 { (now - *value) / dt } else { 0.0 };
             match signal.source {
                 Source::Value => {}
                 Source::Rate if dt > 0.0 => *more = (now - *value) / dt,
@@ -264,8 +260,14 @@ impl<S: Slave + ?Sized> Attached<S> {
         for (k, places) in &changed.by {
             let mut drivers = [0.0; 3];
             for (driver, place) in drivers.iter_mut().zip(places) {
-                let (value, more) = self.state.signals[*place];
-                *driver = if self.signals[*place].source == Source::Value { value } else { more };
+                let (value, more, slope) = self.state.signals[*place];
+                // before a step the end of the step is not known: signals run on as they did
+                let ahead = if after { 0.0 } else { dt };
+                *driver = match self.signals[*place].source {
+                    Source::Value => value + slope * ahead,
+                    Source::Rate => more,
+                    Source::Integral => more + (value + 0.5 * slope * ahead) * ahead,
+                };
             }
             let call = Call { time, dt, target, drivers: &drivers[..places.len().min(3)] };
             target = (self.attachments[*k].effect.apply)(
@@ -280,17 +282,58 @@ impl<S: Slave + ?Sized> Attached<S> {
     fn change_outputs(&mut self, time: f64, dt: f64) -> Result<()> {
         for i in 0..self.after.len() {
             let target = self.inner.get(self.after[i].variable)?;
-            self.state.outputs[i] = self.change(true, i, target, time, dt);
+            let last = self.state.outputs[i].0;
+            let now = self.change(true, i, target, time, dt);
+            self.state.outputs[i] = (now, if dt > 0.0 { (now - last) / dt } else { 0.0 });
         }
         Ok(())
     }
+}
+
+/// The interface of a slave with effects: its own, then the parameters of the effects.
+///
+/// # Errors
+/// As [`Attached::new`].
+pub fn attached_interface(inner: &Interface, attachments: &[Attachment]) -> Result<Interface> {
+    let mut interface = inner.clone();
+    interface.directional_derivatives = false;
+    let own = interface.variables.len();
+    let mut reference = interface.variables.iter().map(|v| v.reference).max().unwrap_or(0);
+    for attachment in attachments {
+        let effect = attachment.effect;
+        check(&interface, own, attachment).map_err(|e| e.at(format!("effect {}", effect.id)))?;
+        for (i, (parameter, chosen)) in effect.parameters.iter().zip(&attachment.parameters).enumerate() {
+            // a foreign slave may have the largest reference there is; who needs them unique, renumbers
+            reference = reference.wrapping_add(1);
+            let name = attachment.variable(&interface, i);
+            if interface.index(&name).is_some() {
+                return Err(Error::variable(format!("{name}: the effect is attached twice")));
+            }
+            interface.variables.push(VariableInfo {
+                name,
+                reference,
+                description: format!("{}: {}", effect.name, parameter.description),
+                unit: chosen.unit.clone(),
+                kind: Kind::Real,
+                causality: Causality::Parameter,
+                variability: Variability::Fixed,
+                initial: Some(Initial::Exact),
+                start: Some(Value::Real(chosen.value)),
+                min: Some(chosen.range.0).filter(|v| v.is_finite()),
+                max: Some(chosen.range.1).filter(|v| v.is_finite()),
+                nominal: None,
+            });
+        }
+    }
+    Ok(interface)
 }
 
 fn check(interface: &Interface, own: usize, attachment: &Attachment) -> Result<()> {
     let effect = attachment.effect;
     let target = interface.variables[..own].get(attachment.target);
     let target = target.ok_or_else(|| Error::variable("the changed variable is not there"))?;
-    let fits = match effect.port {
+    let port = attachment.port(interface);
+    let fits = match port {
         Port::Input | Port::Force => target.causality == Causality::Input,
         Port::Output => matches!(target.causality, Causality::Output | Causality::Local),
         Port::Parameter => {
@@ -298,7 +341,7 @@ fn check(interface: &Interface, own: usize, attachment: &Attachment) -> Result<(
         }
     };
     if !fits || target.kind != Kind::Real {
-        let needed = match effect.port {
+        let needed = match port {
             Port::Input | Port::Force => "a real input",
             Port::Output => "a real output",
             Port::Parameter => "a tunable real parameter",
@@ -332,7 +375,7 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
         if self.state.phase == Phase::Running
             && let Some(i) = self.after.iter().position(|c| c.variable == variable)
         {
-            return Ok(self.state.outputs[i]);
+            return Ok(self.state.outputs[i].0);
         }
         if self.before.iter().any(|c| c.variable == variable) {
             return Ok(self.state.values[variable]);
@@ -342,8 +385,8 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
 
     fn set(&mut self, variable: usize, value: f64) -> Result<()> {
         if let Some((k, i)) = self.parameter(variable) {
-            if self.state.phase != Phase::New {
-                return Err(wrong_order("setting a parameter of an effect", "after the start"));
+            if self.state.phase == Phase::Running {
+                return Err(wrong_order("setting a parameter of an effect", "after initialization"));
             }
             self.interface.variables[variable].accept(&Value::Real(value))?;
             self.state.parameters[k][i] = value;
@@ -355,9 +398,54 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
         } else {
             self.inner.set(variable, value)?;
         }
-        if let (Some(v), Some(r)) = (self.state.values.get_mut(variable), self.state.rates.get_mut(variable))
-        {
-            (*v, *r) = (value, 0.0);
+        if variable < self.own {
+            self.state.values[variable] = value;
+            if !self.state.fresh[variable] {
+                self.state.rates[variable] = 0.0;
+            }
+        }
+        Ok(())
+    }
+
+    fn get_all(&mut self, variables: &[usize], values: &mut [f64]) -> Result<()> {
+        if variables.iter().any(|v| *v >= self.own) {
+            for (variable, value) in variables.iter().zip(values) {
+                *value = self.get(*variable)?;
+            }
+            return Ok(());
+        }
+        self.inner.get_all(variables, values)?;
+        if self.state.phase == Phase::Running {
+            for (changed, output) in self.after.iter().zip(&self.state.outputs) {
+                if let Some(i) = variables.iter().position(|v| *v == changed.variable) {
+                    values[i] = output.0;
+                }
+            }
+        }
+        for changed in &self.before {
+            if let Some(i) = variables.iter().position(|v| *v == changed.variable) {
+                values[i] = self.state.values[changed.variable];
+            }
+        }
+        Ok(())
+    }
+
+    fn set_all(&mut self, variables: &[usize], values: &[f64], rates: &[f64]) -> Result<()> {
+        let interpolates = self.inner.can_interpolate();
+        let apart = |v: &usize| *v >= self.own || self.before.iter().any(|c| c.variable == *v);
+        if variables.iter().any(apart) {
+            for ((variable, value), rate) in variables.iter().zip(values).zip(rates) {
+                self.set(*variable, *value)?;
+                if interpolates {
+                    self.set_rate(*variable, *rate)?;
+                }
+            }
+            return Ok(());
+        }
+        self.inner.set_all(variables, values, rates)?;
+        for ((variable, value), rate) in variables.iter().zip(values).zip(rates) {
+            self.state.values[*variable] = *value;
+            self.state.rates[*variable] = if interpolates { *rate } else { 0.0 };
         }
         Ok(())
     }
@@ -371,11 +459,18 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
     }
 
     fn set_rate(&mut self, variable: usize, rate: f64) -> Result<()> {
-        if !self.before.iter().any(|c| c.variable == variable) || self.state.phase != Phase::Running {
+        let info = self.interface.variables.get(variable);
+        let later = self.state.phase == Phase::Running
+            && self.before.iter().any(|c| c.variable == variable)
+            && info.is_some_and(|info| info.causality == Causality::Input)
+            && rate.is_finite()
+            && self.inner.can_interpolate();
+        if !later {
+            // also where it is refused: in the slave's words
             self.inner.set_rate(variable, rate)?;
         }
-        if let Some(r) = self.state.rates.get_mut(variable) {
-            *r = rate;
+        if variable < self.own {
+            (self.state.rates[variable], self.state.fresh[variable]) = (rate, true);
         }
         Ok(())
     }
@@ -411,14 +506,29 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
         Ok(())
     }
 
+    /// Of an output that an effect changes: the difference over the last communication step. Before the
+    /// first step it is taken over a step that is tried and taken back; 0 where the slave cannot.
     fn output_derivative(&mut self, variable: usize) -> Result<f64> {
-        if self.after.iter().any(|c| c.variable == variable) {
+        let Some(i) = self.after.iter().position(|c| c.variable == variable) else {
+            return self.inner.output_derivative(variable);
+        };
+        if self.state.phase != Phase::Running {
             let name = &self.interface.variables[variable].name;
-            return Err(Error::call(format!(
-                "the derivative of {name}, which an effect changes, is not known"
-            )));
+            return Err(wrong_order(
+                &format!("the derivative of {name}"),
+                "before the end of initialization",
+            ));
         }
-        self.inner.output_derivative(variable)
+        if !self.state.stepped
+            && let Ok(saved) = self.save()
+        {
+            let length = self.interface.communication_step;
+            let rate = self.step(self.state.time, length).map(|()| self.state.outputs[i].1);
+            self.restore(&saved)?;
+            // e.g. at the stop time
+            return Ok(rate.unwrap_or(0.0));
+        }
+        Ok(self.state.outputs[i].1)
     }
 
     fn own_step(&self) -> Option<f64> {
@@ -454,6 +564,12 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
         }
         self.inner.step(time, length)?;
         self.state.time = time + length;
+        self.state.stepped = true;
+        // what the master does not set again runs on
+        for (value, rate) in self.state.values.iter_mut().zip(&self.state.rates) {
+            *value += rate * length;
+        }
+        self.state.fresh.fill(false);
         self.sense(length)?;
         self.change_outputs(time + length, length)
     }
@@ -489,6 +605,7 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
             && like(state.memories.len(), self.attachments.len())
             && like(state.values.len(), self.own)
             && like(state.rates.len(), self.own)
+            && like(state.fresh.len(), self.own)
             && like(state.expected.len(), self.before.len())
             && like(state.outputs.len(), self.after.len())
             && like(state.signals.len(), self.signals.len());

@@ -7,11 +7,18 @@
 
 mod attached;
 pub mod catalogue;
+pub mod empirical;
+pub mod file;
 
-pub use attached::{Attached, Attachment, Chosen, Signal, Source};
+pub use attached::{Attached, Attachment, Chosen, Signal, Source, attached_interface};
 
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
+
+/// The effect with this id, named or empirical.
+pub fn find(id: &str) -> Option<&'static Effect> {
+    catalogue::EFFECTS.iter().chain(empirical::EFFECTS).find(|e| e.id == id)
+}
 
 /// What kind of machine part an effect belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -58,6 +65,10 @@ pub enum Role {
     Acceleration,
     /// Force \[N\] or moment \[N.m\].
     Force,
+    /// Longitudinal force \[N\] of a tire, or the moment about its axis \[N.m\].
+    LongitudinalForce,
+    /// Lateral force \[N\] of a tire.
+    LateralForce,
     /// Speed along the road or belt \[m/s\].
     TravelSpeed,
     /// Distance along the road or belt \[m\].
@@ -82,6 +93,18 @@ pub enum Role {
     FrictionPower,
     /// Anything else.
     Other,
+}
+
+impl Role {
+    /// True if a signal with this role can be what an effect needs as a driver: [`Role::Other`] takes any
+    /// signal, [`Role::Slip`] a slip angle too, [`Role::Velocity`] the spin of a wheel or shaft too.
+    pub fn serves(self, needed: Self) -> bool {
+        self == needed
+            || matches!(
+                (needed, self),
+                (Self::Other, _) | (Self::Slip, Self::SlipAngle) | (Self::Velocity, Self::WheelSpeed)
+            )
+    }
 }
 
 /// The dimension of an effect's parameter, and with it the size that is natural for a machine: a product
@@ -129,6 +152,32 @@ pub struct Parameter {
     pub probes: &'static [f64],
 }
 
+impl Parameter {
+    /// A parameter that is off at 0.
+    pub const fn amplitude(
+        name: &'static str,
+        description: &'static str,
+        scale: Scale,
+        plausible: (f64, f64),
+        search: (f64, f64),
+        probes: &'static [f64],
+    ) -> Self {
+        Self { name, description, scale, off: Some(0.0), plausible, search, probes }
+    }
+
+    /// A parameter of shape.
+    pub const fn shape(
+        name: &'static str,
+        description: &'static str,
+        scale: Scale,
+        plausible: (f64, f64),
+        search: (f64, f64),
+        probes: &'static [f64],
+    ) -> Self {
+        Self { name, description, scale, off: None, plausible, search, probes }
+    }
+}
+
 /// One named piece of physics.
 pub struct Effect {
     /// Kebab case, stable: files name it.
@@ -139,6 +188,8 @@ pub struct Effect {
     pub family: Family,
     /// What it changes.
     pub port: Port,
+    /// Where else it may sit: on tunable parameters, if it is a factor; on the paths of inputs with a role.
+    pub also: &'static [(Port, Role)],
     /// The equation in plain text.
     pub equation: &'static str,
     /// Where the equation comes from: a published source, or "standard engineering knowledge".

@@ -162,28 +162,38 @@ fn drive(slave: &mut Attached<dyn Slave>, fixed: &[(usize, Value)], task: &Task)
         slave.set(*variable, values[0])?;
     }
     slave.finish_start()?;
-    let rates = slave.can_interpolate();
     let mut traces: Traces = watch.iter().map(|_| Vec::with_capacity(drive.points)).collect();
-    let take = |slave: &mut Attached<dyn Slave>, traces: &mut Traces| -> Result<()> {
-        for (trace, variable) in traces.iter_mut().zip(watch.iter()) {
-            let value = slave.get(*variable)?;
+    let mut now_values = vec![0.0; watch.len()];
+    let mut take = |slave: &mut Attached<dyn Slave>, traces: &mut Traces| -> Result<()> {
+        slave.get_all(watch, &mut now_values)?;
+        for ((trace, variable), value) in traces.iter_mut().zip(watch.iter()).zip(&now_values) {
             if !value.is_finite() {
                 let name = &slave.interface().variables[*variable].name;
                 return Err(Error::numeric(format!("{name} is {value}")));
             }
-            trace.push(value);
+            trace.push(*value);
         }
         Ok(())
     };
     take(slave, &mut traces)?;
+    // what does not move was set at the start, and what is no real number is held
+    let interface = slave.interface();
+    let moving: Vec<&(usize, Vec<f64>)> =
+        drive.inputs.iter().filter(|(_, v)| v.windows(2).any(|w| w[0] != w[1])).collect();
+    let (moving, held): (Vec<_>, Vec<_>) =
+        moving.into_iter().partition(|(variable, _)| interface.variables[*variable].is_real());
+    let variables: Vec<usize> = moving.iter().map(|m| m.0).collect();
+    let (mut values, mut rates) = (vec![0.0; moving.len()], vec![0.0; moving.len()]);
     for k in 0..last {
         let now = drive.time(k);
         let length = drive.time(k + 1) - now;
-        for (variable, values) in &drive.inputs {
-            slave.set(*variable, values[k])?;
-            if rates {
-                slave.set_rate(*variable, (values[k + 1] - values[k]) / length)?;
-            }
+        for (i, (_, course)) in moving.iter().enumerate() {
+            values[i] = course[k];
+            rates[i] = (course[k + 1] - course[k]) / length;
+        }
+        slave.set_all(&variables, &values, &rates)?;
+        for (variable, course) in &held {
+            slave.set(*variable, course[k])?;
         }
         slave.step(now, length).map_err(|e| e.at(format!("{now} s")))?;
         take(slave, &mut traces)?;

@@ -13,15 +13,17 @@ pub trait Problem {
 /// One unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unknown {
-    /// Where the search begins; also the mean of the prior.
+    /// Where the search begins.
     pub start: f64,
+    /// What is known beforehand: the mean,
+    pub mean: f64,
     /// Bounds.
     pub low: f64,
     /// Bounds.
     pub high: f64,
     /// Step of differences.
     pub step: f64,
-    /// Standard deviation of what is known beforehand about the unknown; infinite for nothing.
+    /// and the standard deviation; infinite for nothing.
     pub prior: f64,
 }
 
@@ -39,7 +41,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { iterations: 12, tolerance: 1e-4, redundancy: 1.0 }
+        Self { iterations: 12, tolerance: 1e-3, redundancy: 1.0 }
     }
 }
 
@@ -119,14 +121,14 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         let cost = square(&residuals);
         let variance = (cost / residuals.len().max(1) as f64).max(f64::MIN_POSITIVE) * options.redundancy;
         let prior = |x: &[f64]| -> f64 {
-            unknowns.iter().zip(x).map(|(u, x)| ((x - u.start) / u.prior).powi(2)).sum()
+            unknowns.iter().zip(x).map(|(u, x)| ((x - u.mean) / u.prior).powi(2)).sum()
         };
         let total = cost / variance + prior(&x);
         let mut normal = jacobian.tr_mul(&jacobian) / variance;
         let mut gradient = jacobian.tr_mul(&DVector::from_column_slice(&residuals)) / variance;
         for (i, u) in unknowns.iter().enumerate() {
             normal[(i, i)] += u.prior.powi(-2);
-            gradient[i] += (x[i] - u.start) / u.prior.powi(2);
+            gradient[i] += (x[i] - u.mean) / u.prior.powi(2);
         }
         // several dampings are tried side by side
         let tries: Vec<f64> = [0.1, 1.0, 10.0, 100.0].iter().map(|f| damping * f).collect();
@@ -227,7 +229,7 @@ mod tests {
     }
 
     fn unknown(start: f64, low: f64, high: f64) -> Unknown {
-        Unknown { start, low, high, step: 1e-6, prior: f64::INFINITY }
+        Unknown { start, mean: start, low, high, step: 1e-6, prior: f64::INFINITY }
     }
 
     #[test]

@@ -28,13 +28,14 @@ pub struct Run {
 }
 
 impl Run {
-    /// A trace on the grid of communication points at the times of the samples, linear in between.
-    pub fn sample(&self, trace: &[f64]) -> Vec<f64> {
+    /// A trace on the grid of communication points at the times of the samples less `lag` \[s\], linear in
+    /// between.
+    pub fn sample(&self, trace: &[f64], lag: f64) -> Vec<f64> {
         let last = trace.len().saturating_sub(2);
         self.time
             .iter()
             .map(|t| {
-                let place = ((t - self.drive.start) / self.drive.step).max(0.0);
+                let place = ((t - lag - self.drive.start) / self.drive.step).max(0.0);
                 let k = (place as usize).min(last);
                 let share = place - k as f64;
                 match trace.get(k + 1) {
@@ -53,8 +54,11 @@ impl Run {
 pub enum Knob {
     /// A parameter of the slave: index and scale.
     Parameter(usize, f64),
-    /// A parameter of an attached effect: number of the attachment, of the parameter, and scale.
-    Effect(usize, usize, f64),
+    /// A parameter of an effect that is attached once or at several places: numbers of the first attachment
+    /// and of the one behind the last, number of the parameter, and scale.
+    Effect(usize, usize, usize, f64),
+    /// A lag of all recorded channels \[s\] behind the inputs, and its scale: filters of the recorder.
+    Lag(f64),
 }
 
 /// The residuals of some runs as a function of the unknowns.
@@ -83,12 +87,20 @@ impl OutputError<'_> {
                     setup.values.retain(|(v, _)| *v != variable);
                     setup.values.push((variable, x * scale));
                 }
-                Knob::Effect(attachment, parameter, scale) => {
-                    setup.attachments[attachment].parameters[parameter].value = x * scale;
+                Knob::Effect(first, end, parameter, scale) => {
+                    for attachment in &mut setup.attachments[first..end] {
+                        attachment.parameters[parameter].value = x * scale;
+                    }
                 }
+                Knob::Lag(_) => {}
             }
         }
         setup
+    }
+
+    fn lag(&self, point: &[f64]) -> f64 {
+        let of = |(knob, x): (&Knob, &f64)| if let Knob::Lag(scale) = knob { x * scale } else { 0.0 };
+        self.knobs.iter().zip(point).map(of).sum()
     }
 
     /// The outputs that are compared.
@@ -103,9 +115,11 @@ impl OutputError<'_> {
         let results = self.bench.run(&setups, &drives, &self.watch());
         results
             .chunks(self.runs.len().max(1))
-            .map(|runs| {
+            .zip(points)
+            .map(|(runs, point)| {
+                let lag = self.lag(point);
                 let sampled = runs.iter().zip(&self.runs).map(|(traces, run)| {
-                    traces.as_ref().ok().map(|traces| traces.iter().map(|t| run.sample(t)).collect())
+                    traces.as_ref().ok().map(|traces| traces.iter().map(|t| run.sample(t, lag)).collect())
                 });
                 sampled.collect()
             })

@@ -151,7 +151,8 @@ impl ModelLibrary {
         self.find(name).map(|(table, _)| table)
     }
 
-    fn find(&self, name: &str) -> Result<(&Interface, &str)> {
+    /// Its interface and documentation.
+    pub(super) fn find(&self, name: &str) -> Result<(&Interface, &str)> {
         let mut models = self.models.iter().zip(self.documentation.iter().map(String::as_str));
         models.find(|(table, _)| table.name == name).ok_or_else(|| {
             let names: Vec<&str> = self.models.iter().map(|m| m.name.as_str()).collect();
@@ -176,37 +177,54 @@ impl ModelLibrary {
             ("modelDescription.xml".into(), description.into_bytes()),
             ("resources/model.toml".into(), resources.into_bytes()),
         ];
+        files.extend(self.binaries(&model_identifier(model), binaries)?);
+        files.extend(documents(page));
+        pack(files)
+    }
+
+    /// The binaries of an FMU, by name in the archive: those named, or else this library.
+    pub(super) fn binaries(&self, identifier: &str, named: &[Binary]) -> Result<Vec<(String, Vec<u8>)>> {
         let own = [Binary { platform: PLATFORM, path: self.path.clone() }];
-        let binaries = if binaries.is_empty() { &own } else { binaries };
-        for binary in binaries {
-            let (name, content) = binary.read(&model_identifier(model))?;
+        let mut files: Vec<(String, Vec<u8>)> = Vec::new();
+        for binary in if named.is_empty() { &own } else { named } {
+            let (name, content) = binary.read(identifier)?;
             if files.iter().any(|(other, _)| *other == name) {
                 return Err(Error::fmu(format!("there are two binaries for {}", binary.platform)));
             }
             files.push((name, content));
         }
-        files.push(("documentation/index.html".into(), page.into_bytes()));
-        for (name, text) in documentation::LICENSES {
-            files.push((format!("documentation/licenses/{name}"), text.as_bytes().to_vec()));
-        }
-        let broken = |e: &dyn std::fmt::Display| Error::fmu(format!("the archive cannot be written: {e}"));
-        let options = SimpleFileOptions::default()
-            .compression_method(CompressionMethod::Deflated)
-            // fast: nobody waits for the last few percent
-            .compression_level(Some(1))
-            .last_modified_time(DateTime::default());
-        let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
-        for (name, content) in files {
-            let mode = if name.starts_with("binaries") { 0o755 } else { 0o644 };
-            archive.start_file(name, options.unix_permissions(mode)).map_err(|e| broken(&e))?;
-            archive.write_all(&content).map_err(|e| broken(&e))?;
-        }
-        Ok(archive.finish().map_err(|e| broken(&e))?.into_inner())
+        Ok(files)
     }
 }
 
+/// The files of `documentation/`.
+pub(super) fn documents(page: String) -> Vec<(String, Vec<u8>)> {
+    let licenses = documentation::LICENSES
+        .map(|(name, text)| (format!("documentation/licenses/{name}"), text.as_bytes().to_vec()));
+    let mut files = vec![("documentation/index.html".into(), page.into_bytes())];
+    files.extend(licenses);
+    files
+}
+
+/// An archive with these files.
+pub(super) fn pack(files: Vec<(String, Vec<u8>)>) -> Result<Vec<u8>> {
+    let broken = |e: &dyn std::fmt::Display| Error::fmu(format!("the archive cannot be written: {e}"));
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        // fast: nobody waits for the last few percent
+        .compression_level(Some(1))
+        .last_modified_time(DateTime::default());
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, content) in files {
+        let mode = if name.starts_with("binaries") { 0o755 } else { 0o644 };
+        archive.start_file(name, options.unix_permissions(mode)).map_err(|e| broken(&e))?;
+        archive.write_all(&content).map_err(|e| broken(&e))?;
+    }
+    Ok(archive.finish().map_err(|e| broken(&e))?.into_inner())
+}
+
 /// The interface of a model with settings as start values.
-fn with_settings(table: &Interface, settings: &Settings) -> Result<Interface> {
+pub(super) fn with_settings(table: &Interface, settings: &Settings) -> Result<Interface> {
     let mut interface = table.clone();
     for (index, value) in settings.check(table)? {
         interface.variables[index].start = Some(value);

@@ -1,12 +1,13 @@
 //! Writes `modelDescription.xml` from an interface.
 
+use super::import::Capabilities;
 use super::log::CATEGORIES;
 use crate::model::unit::{BASE, Unit};
 use crate::model::{Causality, Initial, Interface, Kind, Value, Variability, VariableInfo};
 use crate::{Error, Result};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// The model identifier of a model: its name as a C identifier.
 pub fn model_identifier(name: &str) -> String {
@@ -24,6 +25,41 @@ pub fn model_identifier(name: &str) -> String {
 /// # Errors
 /// A variable with a unit that is not known.
 pub fn model_description(interface: &Interface, guid: &str) -> Result<String> {
+    let capabilities =
+        Capabilities { provides_directional_derivatives: interface.directional_derivatives, ..CAPABILITIES };
+    describe(interface, guid, &capabilities, Origin::Own)
+}
+
+/// What every native model can do.
+pub const CAPABILITIES: Capabilities = Capabilities {
+    needs_execution_tool: false,
+    can_handle_variable_step: true,
+    can_interpolate_inputs: true,
+    max_output_derivative_order: 1,
+    can_run_asynchronously: false,
+    can_be_instantiated_once: false,
+    can_not_use_memory_functions: true,
+    can_get_and_set_state: true,
+    can_serialize_state: true,
+    provides_directional_derivatives: false,
+};
+
+/// Whose variables are described.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Origin {
+    /// Ours: a unit that is not known is a mistake.
+    Own,
+    /// Those of any FMU: its units are passed on by name.
+    Foreign,
+}
+
+/// As [`model_description`], of an FMU that can do what `capabilities` say.
+pub(super) fn describe(
+    interface: &Interface,
+    guid: &str,
+    capabilities: &Capabilities,
+    origin: Origin,
+) -> Result<String> {
     let mut xml = Xml { writer: Writer::new_with_indent(Vec::new(), b' ', 2) };
     let _ = xml.writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)));
     xml.open(
@@ -38,26 +74,28 @@ pub fn model_description(interface: &Interface, guid: &str) -> Result<String> {
             ("variableNamingConvention", "flat"),
         ],
     );
-    xml.empty(
-        "CoSimulation",
-        &[
-            ("modelIdentifier", &model_identifier(&interface.name)),
-            ("canHandleVariableCommunicationStepSize", "true"),
-            ("canInterpolateInputs", "true"),
-            ("maxOutputDerivativeOrder", "1"),
-            ("canRunAsynchronuously", "false"),
-            ("canBeInstantiatedOnlyOncePerProcess", "false"),
-            ("canNotUseMemoryManagementFunctions", "true"),
-            ("canGetAndSetFMUstate", "true"),
-            ("canSerializeFMUstate", "true"),
-            (
-                "providesDirectionalDerivative",
-                if interface.directional_derivatives { "true" } else { "false" },
-            ),
-        ],
-    );
-    write_units(&mut xml, interface)?;
-    write_types(&mut xml, interface);
+    let flag = |value: bool| if value { "true" } else { "false" };
+    let identifier = model_identifier(&interface.name);
+    let order = capabilities.max_output_derivative_order.to_string();
+    let mut attributes = vec![("modelIdentifier", identifier.as_str())];
+    if capabilities.needs_execution_tool {
+        attributes.push(("needsExecutionTool", "true"));
+    }
+    attributes.extend([
+        ("canHandleVariableCommunicationStepSize", flag(capabilities.can_handle_variable_step)),
+        ("canInterpolateInputs", flag(capabilities.can_interpolate_inputs)),
+        ("maxOutputDerivativeOrder", &order),
+        ("canRunAsynchronuously", flag(capabilities.can_run_asynchronously)),
+        ("canBeInstantiatedOnlyOncePerProcess", flag(capabilities.can_be_instantiated_once)),
+        ("canNotUseMemoryManagementFunctions", flag(capabilities.can_not_use_memory_functions)),
+        ("canGetAndSetFMUstate", flag(capabilities.can_get_and_set_state)),
+        ("canSerializeFMUstate", flag(capabilities.can_serialize_state)),
+        ("providesDirectionalDerivative", flag(capabilities.provides_directional_derivatives)),
+    ]);
+    xml.empty("CoSimulation", &attributes);
+    write_units(&mut xml, interface, origin)?;
+    let types = type_names(interface);
+    write_types(&mut xml, interface, &types);
     xml.open("LogCategories", &[]);
     for (name, description) in CATEGORIES {
         xml.empty("Category", &[("name", name), ("description", description)]);
@@ -73,7 +111,7 @@ pub fn model_description(interface: &Interface, guid: &str) -> Result<String> {
     );
     xml.open("ModelVariables", &[]);
     for variable in &interface.variables {
-        write_variable(&mut xml, variable);
+        write_variable(&mut xml, variable, &types);
     }
     xml.close("ModelVariables");
     write_structure(&mut xml, interface);
@@ -112,14 +150,21 @@ fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
-fn write_units(xml: &mut Xml, interface: &Interface) -> Result<()> {
+fn write_units(xml: &mut Xml, interface: &Interface, origin: Origin) -> Result<()> {
     let units: BTreeSet<&str> = interface.variables.iter().filter_map(|v| v.unit.as_deref()).collect();
     if units.is_empty() {
         return Ok(());
     }
     xml.open("UnitDefinitions", &[]);
     for name in units {
-        let unit = Unit::parse(name)?;
+        let unit = match Unit::parse(name) {
+            Ok(unit) => unit,
+            Err(_) if origin == Origin::Foreign => {
+                xml.empty("Unit", &[("name", name)]);
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
         let mut attributes: Vec<(&str, String)> = BASE
             .iter()
             .zip(unit.exponents)
@@ -141,18 +186,27 @@ fn write_units(xml: &mut Xml, interface: &Interface) -> Result<()> {
     Ok(())
 }
 
-/// Name of the type of an enumeration variable: `pressure_state` has the type `PressureState`.
-fn type_name(variable: &VariableInfo) -> String {
-    let mut name = String::new();
-    for word in variable.name.split('_') {
-        let mut letters = word.chars();
-        name.extend(letters.next().map(|c| c.to_ascii_uppercase()));
-        name.push_str(letters.as_str());
+/// Names of the types of the enumeration variables: `pressure_state` has the type `PressureState`. A name
+/// that a variable or another type has already gets `Type` behind it.
+fn type_names(interface: &Interface) -> HashMap<&str, String> {
+    let mut taken: HashSet<String> = interface.variables.iter().map(|v| v.name.clone()).collect();
+    let mut names = HashMap::new();
+    for variable in interface.variables.iter().filter(|v| matches!(v.kind, Kind::Enumeration(_))) {
+        let mut name = String::new();
+        for word in variable.name.split('_') {
+            let mut letters = word.chars();
+            name.extend(letters.next().map(|c| c.to_ascii_uppercase()));
+            name.push_str(letters.as_str());
+        }
+        while !taken.insert(name.clone()) {
+            name.push_str("Type");
+        }
+        names.insert(variable.name.as_str(), name);
     }
-    if name == variable.name { format!("{name}Type") } else { name }
+    names
 }
 
-fn write_types(xml: &mut Xml, interface: &Interface) {
+fn write_types(xml: &mut Xml, interface: &Interface, types: &HashMap<&str, String>) {
     let enumerations: Vec<(&VariableInfo, &Vec<(String, String)>)> = interface
         .variables
         .iter()
@@ -166,7 +220,8 @@ fn write_types(xml: &mut Xml, interface: &Interface) {
     }
     xml.open("TypeDefinitions", &[]);
     for (variable, items) in enumerations {
-        xml.open("SimpleType", &[("name", &type_name(variable)), ("description", &variable.description)]);
+        let name = types.get(variable.name.as_str()).map_or("", String::as_str);
+        xml.open("SimpleType", &[("name", name), ("description", &variable.description)]);
         xml.open("Enumeration", &[]);
         for (value, (name, description)) in (1..).zip(items) {
             let value: i32 = value;
@@ -178,7 +233,7 @@ fn write_types(xml: &mut Xml, interface: &Interface) {
     xml.close("TypeDefinitions");
 }
 
-fn write_variable(xml: &mut Xml, variable: &VariableInfo) {
+fn write_variable(xml: &mut Xml, variable: &VariableInfo, types: &HashMap<&str, String>) {
     let mut attributes = vec![
         ("name", variable.name.clone()),
         ("valueReference", variable.reference.to_string()),
@@ -196,7 +251,7 @@ fn write_variable(xml: &mut Xml, variable: &VariableInfo) {
         Kind::Boolean => "Boolean",
         Kind::Text => "String",
         Kind::Enumeration(_) => {
-            details.push(("declaredType", type_name(variable)));
+            details.push(("declaredType", types.get(variable.name.as_str()).cloned().unwrap_or_default()));
             "Enumeration"
         }
     };

@@ -1,6 +1,7 @@
 //! What an FMU carries in `documentation/`: a page about the model, and licenses.
 
 use super::archive::PLATFORM;
+use super::import::Capabilities;
 use super::log::CATEGORIES;
 use crate::model::{Causality, Interface, Kind, Value, Variability, VariableInfo};
 use crate::page::{Html, Page, Section, Table, escape, number as short};
@@ -17,6 +18,21 @@ pub const LICENSES: [(&str, &str); 3] = [
 /// `table` has the start values of the model, `interface` those of this FMU. `text` is the model's
 /// [`DOCUMENTATION`](crate::model::Model::DOCUMENTATION).
 pub fn page(table: &Interface, interface: &Interface, guid: &str, text: &str) -> String {
+    page_with(table, interface, guid, text, calls(interface))
+}
+
+/// As [`page`], for an FMU that carries another one with these capabilities.
+pub fn page_of_carrier(
+    table: &Interface,
+    interface: &Interface,
+    guid: &str,
+    text: &str,
+    capabilities: &Capabilities,
+) -> String {
+    page_with(table, interface, guid, text, calls_of_carrier(interface, capabilities))
+}
+
+fn page_with(table: &Interface, interface: &Interface, guid: &str, text: &str, calls: Section) -> String {
     let mut page = Page::new(&interface.name, &interface.description);
     for section in author_sections(text) {
         page = page.section(section);
@@ -28,7 +44,7 @@ pub fn page(table: &Interface, interface: &Interface, guid: &str, text: &str) ->
     }
     page.section(items(interface))
         .section(parameters(table, interface))
-        .section(calls(interface))
+        .section(calls)
         .section(licenses(guid))
         .html()
 }
@@ -143,6 +159,26 @@ restored or reset.</li>
 <h3>Log categories</h3>
 <ul>
 {categories}</ul>
+"
+    )))
+}
+
+/// What holds for an FMU that carries another one: what that can do.
+fn calls_of_carrier(interface: &Interface, capabilities: &Capabilities) -> Section {
+    let step = number(interface.communication_step);
+    let can = |yes: bool, what: &str| format!("<li>{what}: {}.</li>\n", if yes { "yes" } else { "no" });
+    let mut list = format!("<li>A communication step of {step} s suits the model.</li>\n");
+    list += &can(capabilities.can_handle_variable_step, "Communication steps of changing length");
+    list += &can(capabilities.can_interpolate_inputs, "First derivatives of inputs");
+    list += &can(capabilities.max_output_derivative_order > 0, "First derivatives of outputs");
+    list += &can(capabilities.can_get_and_set_state, "Saving and restoring the state");
+    list += &can(capabilities.can_serialize_state, "Serialising the state");
+    list += &can(!capabilities.can_be_instantiated_once, "Several instances in one process");
+    Section::new("Use in a co-simulation").with(Html::raw(format!(
+        "<p>As the FMU inside has it:</p>
+<ul>
+{list}<li>Not offered: asynchronous steps, directional derivatives.</li>
+</ul>
 "
     )))
 }

@@ -2,19 +2,23 @@
 //! pointers are dealt with in `export`.
 
 use super::c::{CallbackFunctions, Status};
-use super::entry::{Entry, guid};
+use super::entry::Entry;
 use super::log::Log;
+use super::make::make;
 use super::resources::model_file;
 use super::state::{Function, State};
-use crate::model::{Kind, Settings, Slave, Snapshot, check_experiment};
+use crate::model::{Kind, Slave, Snapshot, check_experiment};
 use crate::{Error, Result};
 use std::ffi::{CStr, CString};
 
 /// What a master holds a pointer to.
 pub struct Instance {
-    slave: Box<dyn Slave + Send>,
+    slave: Box<dyn Slave>,
     state: State,
     log: Log,
+    /// What an FMU that this one carries has to say.
+    #[cfg(unix)]
+    carried: Option<std::sync::Arc<super::import::log::Log>>,
     experiment: Option<(f64, Option<f64>)>,
     /// End of the last step \[s\].
     time: f64,
@@ -43,27 +47,20 @@ impl Instance {
         callbacks: CallbackFunctions,
         debug: bool,
     ) -> Result<Self> {
-        let text = model_file(location)?;
-        let settings = Settings::parse(&text, "model.toml")?;
-        if settings.version.as_deref() != Some(crate::VERSION) {
+        let (resources, text) = model_file(location)?;
+        let made = make(models, &resources, &text)?;
+        if expected_guid != made.guid {
             return Err(Error::fmu(format!(
-                "the resources are of version {}, the binary is of version {}: export the FMU anew",
-                settings.version.as_deref().unwrap_or("?"),
-                crate::VERSION
-            )));
-        }
-        let model = settings.model.as_deref().ok_or_else(|| Error::fmu("model.toml names no model"))?;
-        let entry = Entry::find(models, model)?;
-        let own = guid(&(entry.table)(), &text);
-        if expected_guid != own {
-            return Err(Error::fmu(format!(
-                "the GUID {expected_guid} is not that of this FMU, {own}: the description, the resources and the binary do not belong together"
+                "the GUID {expected_guid} is not that of this FMU, {}: the description, the resources and the binary do not belong together",
+                made.guid
             )));
         }
         Ok(Self {
-            slave: entry.slave(&settings)?,
+            slave: made.slave,
             state: State::Instantiated,
             log: Log::new(callbacks, name, debug),
+            #[cfg(unix)]
+            carried: made.messages,
             experiment: None,
             time: 0.0,
             texts: Vec::new(),
@@ -90,10 +87,23 @@ impl Instance {
         } else {
             Err(Error::call(format!("not possible {}", self.state.words())))
         };
+        self.pass_on();
         match result {
             Ok(()) => Status::Ok,
             Err(error) if self.state == State::Fatal => self.fatal(&format!("fmi2{function:?}: {error}")),
             Err(error) => self.fail(function, &error),
+        }
+    }
+
+    /// Passes on what a carried FMU said in this call. Why a call failed is in our own message already.
+    fn pass_on(&self) {
+        #[cfg(unix)]
+        for message in self.carried.iter().flat_map(|log| log.drain()) {
+            match message.status {
+                0 => self.log.event(&message.text),
+                1 => self.log.warning(&message.text),
+                _ => {}
+            }
         }
     }
 

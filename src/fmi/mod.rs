@@ -8,6 +8,8 @@ pub mod c;
 #[cfg(feature = "host")]
 pub mod check;
 #[cfg(feature = "host")]
+pub mod corrected;
+#[cfg(feature = "host")]
 pub mod description;
 #[cfg(feature = "host")]
 mod documentation;
@@ -16,10 +18,12 @@ pub mod export;
 mod float;
 #[cfg(all(test, feature = "host"))]
 mod hostile;
-#[cfg(feature = "host")]
+// binaries for Windows do not carry other FMUs
+#[cfg(any(feature = "host", unix))]
 pub mod import;
 mod instance;
 mod log;
+mod make;
 mod resources;
 mod state;
 

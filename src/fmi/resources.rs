@@ -4,11 +4,11 @@
 use crate::{Error, Result};
 use std::path::PathBuf;
 
-/// The text of `resources/model.toml`.
+/// The folder `resources` and the text of `model.toml` in it.
 ///
 /// # Errors
 /// A location that is not a `file:` URI, or a file that cannot be read.
-pub fn model_file(location: Option<&str>) -> Result<String> {
+pub fn model_file(location: Option<&str>) -> Result<(PathBuf, String)> {
     let folder = match location.filter(|l| !l.trim().is_empty()) {
         Some(location) => folder_of_uri(location)?,
         None => beside_library().ok_or_else(|| {
@@ -18,12 +18,13 @@ pub fn model_file(location: Option<&str>) -> Result<String> {
         })?,
     };
     let path = folder.join("model.toml");
-    std::fs::read_to_string(&path).map_err(|e| {
+    let text = std::fs::read_to_string(&path).map_err(|e| {
         Error::fmu(format!(
             "{}: {e}; is the resource location the folder resources of the FMU?",
             path.display()
         ))
-    })
+    })?;
+    Ok((folder, text))
 }
 
 /// The folder of a `file:` URI with or without authority (RFC 3986). A plain absolute path is taken
@@ -79,7 +80,7 @@ fn percent_decode(text: &str) -> Option<Vec<u8>> {
 fn beside_library() -> Option<PathBuf> {
     use std::os::unix::ffi::OsStrExt;
     let mut info = std::mem::MaybeUninit::<libc::Dl_info>::zeroed();
-    let here: fn(Option<&str>) -> Result<String> = model_file;
+    let here: fn(Option<&str>) -> Result<(PathBuf, String)> = model_file;
     // SAFETY: dladdr only compares the address with those of loaded libraries and fills `info`.
     let found = unsafe { libc::dladdr(here as *const libc::c_void, info.as_mut_ptr()) };
     // SAFETY: zeroed is a valid Dl_info: all its fields are pointers.

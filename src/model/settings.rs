@@ -19,8 +19,14 @@ use toml::Spanned;
 /// belt_mass = 8.8                 # SI units
 /// vertical_stiffness = "170 N/mm" # or with a unit, which is converted
 ///
+/// belt_stiffness = { value = 9e4, low = 8e4, high = 1e5 } # as a fit writes it, with its interval
+///
 /// [inputs]                        # start values of inputs
 /// deflection = 0.02
+///
+/// [fit]                           # what `latsch diagnose` may change; nothing else reads it
+/// vertical_stiffness = true
+/// belt_mass = { min = 5, max = 15 }
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Settings {
@@ -30,6 +36,27 @@ pub struct Settings {
     pub version: Option<String>,
     /// Values by name of variable, in the order of the file's sections and names.
     pub values: Vec<Setting>,
+    /// Parameters that a fit may change, with their bounds where the file gives them.
+    pub fit: Vec<Free>,
+}
+
+/// A parameter that a fit may change.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Free {
+    /// Name of the parameter.
+    pub name: String,
+    /// Smallest and largest value, if given.
+    pub range: Option<(f64, f64)>,
+    /// `file:line`, for messages.
+    pub place: String,
+}
+
+/// One entry of the section `fit`.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum FitEntry {
+    Switch(bool),
+    Range { min: f64, max: f64 },
 }
 
 /// One value and where it came from.
@@ -54,6 +81,13 @@ struct File {
     parameters: BTreeMap<Spanned<String>, toml::Value>,
     #[serde(default)]
     inputs: BTreeMap<Spanned<String>, toml::Value>,
+    #[serde(default)]
+    fit: BTreeMap<Spanned<String>, FitEntry>,
+    /// What makes a model a corrected one; read by `effect::file`.
+    #[serde(default)]
+    original: bool,
+    #[serde(default)]
+    effect: Vec<toml::Value>,
 }
 
 impl Settings {
@@ -63,6 +97,20 @@ impl Settings {
     /// Not TOML, unknown sections, or values that are neither number, switch nor text. Names and
     /// ranges are checked by [`check`](Settings::check).
     pub fn parse(text: &str, place: &str) -> Result<Self> {
+        let (settings, corrected) = Self::parse_corrected(text, place)?;
+        match corrected {
+            false => Ok(settings),
+            true => Err(Error::file(format!(
+                "{place}: there are effects ([[effect]]): this is a corrected model, not only parameters; `latsch export` takes it with --effects"
+            ))),
+        }
+    }
+
+    /// As [`parse`](Settings::parse), for a file that may also describe effects; `true` if it does.
+    ///
+    /// # Errors
+    /// As [`parse`](Settings::parse).
+    pub(crate) fn parse_corrected(text: &str, place: &str) -> Result<(Self, bool)> {
         let file: File = toml::from_str(text).map_err(|e| {
             let line = e.span().map_or(1, |span| line_of(text, span.start));
             Error::file(format!("{place}:{line}: {}", e.message()))
@@ -73,12 +121,30 @@ impl Settings {
             for (name, value) in section {
                 let place = format!("{place}:{}", line_of(text, name.span().start));
                 let name = name.into_inner();
-                let value =
-                    Value::from_toml(&value).map_err(|e| Error::file(format!("{place}: {name} {e}")))?;
+                let value = fitted(&value)
+                    .and_then(Value::from_toml)
+                    .map_err(|e| Error::file(format!("{place}: {name} {e}")))?;
                 values.push(Setting { name, value, causality, place });
             }
         }
-        Ok(Self { model: file.model, version: file.version, values })
+        let mut fit = Vec::new();
+        for (name, entry) in file.fit {
+            let place = format!("{place}:{}", line_of(text, name.span().start));
+            let name = name.into_inner();
+            let range = match entry {
+                FitEntry::Switch(false) => continue,
+                FitEntry::Switch(true) => None,
+                FitEntry::Range { min, max } if min < max => Some((min, max)),
+                FitEntry::Range { min, max } => {
+                    return Err(Error::file(format!(
+                        "{place}: {name}: min = {min} has to be below max = {max}"
+                    )));
+                }
+            };
+            fit.push(Free { name, range, place });
+        }
+        let corrected = file.original || !file.effect.is_empty();
+        Ok((Self { model: file.model, version: file.version, values, fit }, corrected))
     }
 
     /// Checks the values against a model's interface and gives them with the variables' indices.
@@ -142,6 +208,16 @@ impl Settings {
         }
         Ok(text)
     }
+}
+
+/// The value of a parameter that was fitted and has an interval: `{ value = 8.8, low = 8.1, high = 9.3 }`.
+/// The interval is for readers.
+fn fitted(value: &toml::Value) -> std::result::Result<&toml::Value, String> {
+    let toml::Value::Table(table) = value else { return Ok(value) };
+    if let Some(key) = table.keys().find(|k| !matches!(k.as_str(), "value" | "low" | "high")) {
+        return Err(format!("has the unknown key {key}; there are value, low, high"));
+    }
+    table.get("value").ok_or_else(|| "has no value".into())
 }
 
 impl Value {

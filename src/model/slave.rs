@@ -49,6 +49,32 @@ pub trait Slave {
     /// Not a real input, or the slave cannot interpolate.
     fn set_rate(&mut self, variable: usize, rate: f64) -> Result<()>;
 
+    /// The values of several real variables, as [`get`](Slave::get) has them.
+    ///
+    /// # Errors
+    /// As [`get`](Slave::get).
+    fn get_all(&mut self, variables: &[usize], values: &mut [f64]) -> Result<()> {
+        for (variable, value) in variables.iter().zip(values) {
+            *value = self.get(*variable)?;
+        }
+        Ok(())
+    }
+
+    /// Sets several real inputs and, where the slave can interpolate, their rates.
+    ///
+    /// # Errors
+    /// As [`set`](Slave::set) and [`set_rate`](Slave::set_rate).
+    fn set_all(&mut self, variables: &[usize], values: &[f64], rates: &[f64]) -> Result<()> {
+        let interpolates = self.can_interpolate();
+        for ((variable, value), rate) in variables.iter().zip(values).zip(rates) {
+            self.set(*variable, *value)?;
+            if interpolates {
+                self.set_rate(*variable, *rate)?;
+            }
+        }
+        Ok(())
+    }
+
     /// True if [`set_rate`](Slave::set_rate) has an effect.
     fn can_interpolate(&self) -> bool;
 

@@ -42,6 +42,11 @@ const TIME: Axis = Axis { name: "time", unit: "s", quantity: "time", repeats: fa
 /// # Errors
 /// As [`read_csv`].
 pub(super) fn read_csv_over(axis: &Axis, path: &Path) -> Result<Recording> {
+    let (text, source) = read_text(path)?;
+    parse_csv_over(axis, &text, &source)
+}
+
+fn read_text(path: &Path) -> Result<(String, String)> {
     let source = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|e| Error::file(format!("{source} cannot be read: {e}")))?;
     let text = String::from_utf8(bytes).map_err(|e| {
@@ -49,7 +54,7 @@ pub(super) fn read_csv_over(axis: &Axis, path: &Path) -> Result<Recording> {
         let line = 1 + valid.iter().filter(|b| **b == b'\n').count();
         Error::file(format!("{source}:{line}: not UTF-8 text; save the file as UTF-8"))
     })?;
-    parse_csv_over(axis, &text, &source)
+    Ok((text, source))
 }
 
 /// Reads CSV text, see [`read_csv`]; `source` stands for the file's name in messages.
@@ -60,7 +65,42 @@ pub fn parse_csv(text: &str, source: &str) -> Result<Recording> {
     parse_csv_over(&TIME, text, source)
 }
 
+/// Something that [`read_csv`] refuses, but that leaves the other rows readable.
+pub(crate) struct Defect {
+    /// Index of the row among the rows of numbers.
+    pub row: usize,
+    /// The channel, `None` for the time or the whole row.
+    pub channel: Option<usize>,
+    /// The sentence that [`read_csv`] says.
+    pub error: Error,
+}
+
+/// Reads a CSV file of which single rows and cells may be bad: what is no finite number becomes NaN, a
+/// row of another length than the header's is NaN throughout, times may do what they like.
+///
+/// # Errors
+/// A file that cannot be read, a header that [`read_csv`] refuses, fewer than two rows.
+pub(crate) fn read_csv_with_defects(path: &Path) -> Result<(Recording, Vec<Defect>)> {
+    let (text, source) = read_text(path)?;
+    let mut defects = Vec::new();
+    let recording = parse_rows(&TIME, &text, &source, &mut |defect| {
+        defects.push(defect);
+        Ok(())
+    })?;
+    Ok((recording, defects))
+}
+
 fn parse_csv_over(axis: &Axis, text: &str, source: &str) -> Result<Recording> {
+    parse_rows(axis, text, source, &mut |defect| Err(defect.error))
+}
+
+/// Reads CSV text; `judge` says of every bad cell, row and order of times whether to go on.
+fn parse_rows(
+    axis: &Axis,
+    text: &str,
+    source: &str,
+    judge: &mut dyn FnMut(Defect) -> Result<()>,
+) -> Result<Recording> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = Lines { text: text.as_bytes(), byte: 0, line: 1 };
     let separator = separator(text.as_bytes());
@@ -70,53 +110,57 @@ fn parse_csv_over(axis: &Axis, text: &str, source: &str) -> Result<Recording> {
         .flexible(true)
         .trim(csv::Trim::All)
         .from_reader(text.as_bytes());
-    let mut row = csv::StringRecord::new();
-    let mut next = |row: &mut csv::StringRecord| -> Result<Option<u64>> {
-        let more = reader.read_record(row).map_err(|e| Error::file(format!("{source}: no CSV text: {e}")))?;
-        let byte = row.position().map_or(0, csv::Position::byte);
+    let mut record = csv::StringRecord::new();
+    let mut next = |record: &mut csv::StringRecord| -> Result<Option<u64>> {
+        let more =
+            reader.read_record(record).map_err(|e| Error::file(format!("{source}: no CSV text: {e}")))?;
+        let byte = record.position().map_or(0, csv::Position::byte);
         Ok(more.then(|| lines.number(byte as usize)))
     };
 
-    let Some(line) = next(&mut row)? else {
+    let Some(line) = next(&mut record)? else {
         return Err(Error::file(format!(
             "{source}: the file is empty; a header line of `name [unit]` cells that begins with `{} [{}]` is needed",
             axis.name, axis.unit
         )));
     };
-    let Header { mut recording, columns, factor } = Header::parse(axis, &row, source, line)?;
+    let Header { mut recording, columns, factor } = Header::parse(axis, &record, source, line)?;
 
     // the decimal mark is the first that is seen; a comma between commas could be anything
     let mut mark = (separator == b',').then_some('.');
-    while let Some(line) = next(&mut row)? {
-        if row.len() != columns.len() {
-            return Err(Error::file(format!(
+    while let Some(line) = next(&mut record)? {
+        let row = recording.time.len();
+        if record.len() != columns.len() {
+            let error = Error::file(format!(
                 "{source}:{line}: the header has {} cells, this row has {}{}",
                 columns.len(),
-                row.len(),
-                if row.len() > columns.len() { "; numbers need a decimal point, not a comma" } else { "" }
-            )));
+                record.len(),
+                if record.len() > columns.len() { "; numbers need a decimal point, not a comma" } else { "" }
+            ));
+            judge(Defect { row, channel: None, error })?;
+            recording.time.push(f64::NAN);
+            recording.channels.iter_mut().for_each(|channel| channel.values.push(f64::NAN));
+            continue;
         }
-        let mut numbers = row.iter().zip(&columns).map(|(cell, column)| {
-            number(cell, &mut mark).map_err(|what| Error::file(format!("{source}:{line}:{column}: {what}")))
-        });
-        if let Some(time) = numbers.next() {
-            let time = time? * factor;
-            if let Some(before) = recording
-                .time
-                .last()
-                .filter(|before| if axis.repeats { time < **before } else { time <= **before })
-            {
-                let Axis { name, unit, repeats, .. } = axis;
-                let rule = if *repeats { "must not decrease" } else { "has to increase" };
-                return Err(Error::file(format!(
-                    "{source}:{line}:{}: {time} {unit} comes after {before} {unit}; {name} {rule} from row to row",
-                    columns[0]
-                )));
-            }
-            recording.time.push(time);
-        }
-        for (channel, value) in recording.channels.iter_mut().zip(numbers) {
-            channel.values.push(value?);
+        for (i, (cell, column)) in record.iter().zip(&columns).enumerate() {
+            let channel = i.checked_sub(1);
+            let value = match number(cell, &mut mark) {
+                Ok(value) => value,
+                Err(what) => {
+                    let error = Error::file(format!("{source}:{line}:{column}: {what}"));
+                    judge(Defect { row, channel, error })?;
+                    f64::NAN
+                }
+            };
+            let Some(channel) = channel else {
+                let time = value * factor;
+                if let Some(error) = out_of_order(axis, &recording, time, line, column) {
+                    judge(Defect { row, channel: None, error })?;
+                }
+                recording.time.push(time);
+                continue;
+            };
+            recording.channels[channel].values.push(value);
         }
     }
     match recording.time.len() {
@@ -126,6 +170,18 @@ fn parse_csv_over(axis: &Axis, text: &str, source: &str) -> Result<Recording> {
         ))),
         _ => Ok(recording),
     }
+}
+
+/// What is wrong with `time` as the next one of the recording.
+fn out_of_order(axis: &Axis, recording: &Recording, time: f64, line: u64, column: &str) -> Option<Error> {
+    let Axis { name, unit, repeats, .. } = axis;
+    let before =
+        recording.time.last().filter(|before| if *repeats { time < **before } else { time <= **before })?;
+    let rule = if *repeats { "must not decrease" } else { "has to increase" };
+    Some(Error::file(format!(
+        "{}:{line}:{column}: {time} {unit} comes after {before} {unit}; {name} {rule} from row to row",
+        recording.source
+    )))
 }
 
 /// What the header line says.

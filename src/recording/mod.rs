@@ -3,6 +3,7 @@
 mod csv;
 mod profile;
 
+pub(crate) use csv::{Defect, read_csv_with_defects};
 pub use csv::{parse_csv, read_csv, to_csv, write_csv};
 pub use profile::{profile_from_csv, profile_value};
 

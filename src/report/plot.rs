@@ -77,6 +77,24 @@ struct Series {
     measured: bool,
 }
 
+/// What a line in a comparison shows: the same colours on the whole page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tone {
+    /// The given model.
+    Before,
+    /// The corrected one.
+    After,
+}
+
+impl Tone {
+    fn color(self) -> RGBColor {
+        match self {
+            Tone::Before => PALETTE[1],
+            Tone::After => PALETTE[0],
+        }
+    }
+}
+
 /// A plot of lines over time or of one quantity over another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plot {
@@ -85,12 +103,24 @@ pub struct Plot {
     y: Axis,
     size: Size,
     series: Vec<Series>,
+    /// Areas below all lines: outline and colour.
+    bands: Vec<(Vec<(f64, f64)>, RGBColor)>,
+    /// Columns for long series, and paths in short form.
+    columns: Option<usize>,
 }
 
 impl Plot {
     /// An empty plot.
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
-        Self { title: title.into(), x, y, size: Size::Full, series: Vec::new() }
+        Self {
+            title: title.into(),
+            x,
+            y,
+            size: Size::Full,
+            series: Vec::new(),
+            bands: Vec::new(),
+            columns: None,
+        }
     }
 
     /// The same in another size.
@@ -116,6 +146,32 @@ impl Plot {
         let RGBColor(r, g, b) = self.series.last().map_or(PALETTE[6], |s| s.color);
         let mix = |c: u8| (0.35 * f64::from(c) + 0.65 * 120.0) as u8;
         self.push(name, x, y, RGBColor(mix(r), mix(g), mix(b)), true);
+        self
+    }
+
+    /// The same with one more line in the colour of its tone.
+    #[must_use]
+    pub fn toned(mut self, name: &str, tone: Tone, x: &[f64], y: &[f64]) -> Self {
+        self.push(name, x, y, tone.color(), false);
+        self
+    }
+
+    /// The same with an area from `low` to `high` below all lines, in the colour of its tone. Places where
+    /// a coordinate is not finite are left out.
+    #[must_use]
+    pub fn band(mut self, tone: Tone, x: &[f64], low: &[f64], high: &[f64]) -> Self {
+        let there = |(x, y): (&f64, &f64)| (x.is_finite() && y.is_finite()).then_some((*x, *y));
+        let mut outline: Vec<(f64, f64)> = x.iter().zip(low).filter_map(there).collect();
+        outline.extend(x.iter().zip(high).rev().filter_map(there));
+        self.bands.push((outline, tone.color()));
+        self
+    }
+
+    /// The same in fewer bytes, for pages with many plots: long series are thinned out to the extremes of
+    /// so many columns.
+    #[must_use]
+    pub fn columns(mut self, columns: usize) -> Self {
+        self.columns = Some(columns.max(2));
         self
     }
 
@@ -154,8 +210,9 @@ impl Plot {
 
     fn svg(&self) -> Result<String, Box<dyn std::error::Error>> {
         let (width, height, letters) = self.size.drawing();
-        let finite =
-            || self.series.iter().flat_map(|s| &s.points).filter(|(x, y)| x.is_finite() && y.is_finite());
+        let points =
+            || self.series.iter().map(|s| &s.points).chain(self.bands.iter().map(|b| &b.0)).flatten();
+        let finite = || points().filter(|(x, y)| x.is_finite() && y.is_finite());
         if finite().next().is_none() {
             return Ok(Html::note("No data.").as_str().into());
         }
@@ -185,12 +242,16 @@ impl Plot {
                 .x_desc(x.title(&self.x))
                 .y_desc(y.title(&self.y))
                 .draw()?;
+            for (outline, color) in &self.bands {
+                let style = color.mix(0.16).filled();
+                chart.draw_series(std::iter::once(Polygon::new(outline.clone(), style)))?;
+            }
             // measured lines come last: they are thin and would vanish below the others
             for measured in [false, true] {
                 for series in self.series.iter().filter(|s| s.measured == measured) {
                     let style = series.color.stroke_width(if measured { 3 } else { 4 });
                     for run in series.points.split(|(x, y)| !x.is_finite() || !y.is_finite()) {
-                        let points = thin_out(run, x.low, x.high);
+                        let points = thin_out(run, x.low, x.high, self.columns.unwrap_or(COLUMNS));
                         chart.draw_series(LineSeries::new(points, style))?;
                     }
                 }
@@ -202,6 +263,7 @@ impl Plot {
         let start = svg.find("viewBox").ok_or("the drawing has no viewBox")?;
         let drawing =
             svg[start..].replace("stroke-width=\"3\"", "stroke-width=\"3\" stroke-dasharray=\"12 7\"");
+        let drawing = if self.columns.is_some() { shorten(&drawing) } else { drawing };
         let label = format!("{}: {} over {}", self.title, self.y.quantity, self.x.quantity);
         // where the axis is: a script can place a cursor
         let axis = format!("{} {} {} {}", area.start, area.end, x.low, x.high);
@@ -303,14 +365,14 @@ impl ValueFormatter<f64> for Scale {
 /// Fewer points that look the same: of neighbours that fall into one column of the plot only those
 /// with the smallest and largest x and y are kept, in their order, so that no peak is lost. Where x
 /// goes forth and back, columns are stretches of the curve of about equal number of points.
-fn thin_out(points: &[(f64, f64)], low: f64, high: f64) -> Vec<(f64, f64)> {
-    if points.len() <= 2 * COLUMNS {
+fn thin_out(points: &[(f64, f64)], low: f64, high: f64, columns: usize) -> Vec<(f64, f64)> {
+    if points.len() <= 2 * columns {
         return straighten(points.to_vec());
     }
     let forward = points.windows(2).all(|w| w[0].0 <= w[1].0);
     let column = |i: usize| {
         let share = if forward { (points[i].0 - low) / (high - low) } else { i as f64 / points.len() as f64 };
-        (share * COLUMNS as f64) as usize
+        (share * columns as f64) as usize
     };
     let mut kept = Vec::new();
     let mut start = 0;
@@ -360,6 +422,52 @@ fn straighten(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     kept
 }
 
+/// The same drawing with its lines as paths of steps from point to point, about half as long.
+fn shorten(svg: &str) -> String {
+    let mut short = String::with_capacity(svg.len());
+    let mut rest = svg;
+    while let Some((before, line)) = rest.split_once("<polyline ") {
+        short.push_str(before);
+        let Some((element, after)) = line.split_once("/>") else {
+            short.push_str("<polyline ");
+            rest = line;
+            continue;
+        };
+        match path(element) {
+            Some(path) => short.push_str(&path),
+            None => short.push_str(&format!("<polyline {element}/>")),
+        }
+        rest = after;
+    }
+    short + rest
+}
+
+/// The `path` for the attributes of a `polyline` with whole coordinates.
+fn path(element: &str) -> Option<String> {
+    let (attributes, points) = element.split_once("points=\"")?;
+    let (points, others) = points.split_once('"')?;
+    let mut path = format!("<path {attributes}{}d=\"", others.trim_start());
+    let mut last: Option<(i32, i32)> = None;
+    for point in points.split_whitespace() {
+        let (x, y) = point.split_once(',')?;
+        let (x, y): (i32, i32) = (x.parse().ok()?, y.parse().ok()?);
+        match last {
+            None => path.push_str(&format!("M{x} {y}l")),
+            Some(last) => {
+                for step in [x - last.0, y - last.1] {
+                    // a minus sign separates as well as a space
+                    if step >= 0 && !path.ends_with('l') {
+                        path.push(' ');
+                    }
+                    path.push_str(&step.to_string());
+                }
+            }
+        }
+        last = Some((x, y));
+    }
+    Some(path + "\"/>")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -407,7 +515,7 @@ mod tests {
         // a curve that goes forth and back
         let turning: Vec<(f64, f64)> = points.iter().map(|(t, y)| ((0.05 * t).cos(), *y)).collect();
         for points in [points, turning] {
-            let thin = thin_out(&points, -1.0, 200.0);
+            let thin = thin_out(&points, -1.0, 200.0, COLUMNS);
             assert!(thin.len() <= 4 * (COLUMNS + 1), "{}", thin.len());
             for peak in [points[0], points[123_457], points[77_777], points[n as usize - 1]] {
                 assert!(thin.contains(&peak), "{peak:?}");
@@ -420,7 +528,7 @@ mod tests {
     #[test]
     fn straight_stretches_need_two_points() {
         let level: Vec<(f64, f64)> = (0..50).map(|i| (f64::from(i), 1.0)).collect();
-        assert_eq!(thin_out(&level, 0.0, 50.0), [(0.0, 1.0), (49.0, 1.0)]);
+        assert_eq!(thin_out(&level, 0.0, 50.0, 10), [(0.0, 1.0), (49.0, 1.0)]);
         let back = vec![(0.0, 1.0), (5.0, 1.0), (2.0, 1.0)];
         assert_eq!(straighten(back.clone()), back);
     }
@@ -440,6 +548,44 @@ mod tests {
         let plot = Plot::new("", Axis::time(), Axis::new("y", "1"));
         let plot = plot.line("a", &[0.0, 1.0], &[0.0, 1.0]).measured("b", &[0.0, 1.0], &[0.5, 0.6]);
         assert_eq!(plot.html().as_str().matches("stroke-dasharray").count(), 1);
+    }
+
+    #[test]
+    fn a_short_path_goes_through_the_same_points() {
+        let line = "<polyline fill=\"none\" stroke-width=\"4\" points=\"10,20 12,5 12,9 \"/>";
+        assert_eq!(
+            shorten(&format!("<rect/>{line}<g/>")),
+            "<rect/><path fill=\"none\" stroke-width=\"4\" d=\"M10 20l2-15 0 4\"/><g/>"
+        );
+        let broken = "<polyline points=\"1.5,2\"/>";
+        assert_eq!(shorten(broken), broken);
+
+        let x: Vec<f64> = (0..20_000).map(f64::from).collect();
+        let mut y: Vec<f64> = x.iter().map(|x| (7.0 * x).sin()).collect();
+        y[12_345] = 9.0;
+        let plot = Plot::new("", Axis::time(), Axis::new("y", "1")).line("a", &x, &y);
+        let (long, short) = (plot.html(), plot.columns(COLUMNS).html());
+        assert!(short.as_str().len() * 5 < long.as_str().len() * 4);
+        // the highest point of the line, in the units of the drawing
+        let top = polylines(long.as_str()).into_iter().flatten().map(|p| p.1).min().unwrap();
+        let d = short.as_str().rsplit(" d=\"M").next().unwrap().split('"').next().unwrap();
+        let numbers: Vec<i32> =
+            d.replace('l', " ").replace('-', " -").split_whitespace().map(|n| n.parse().unwrap()).collect();
+        let heights = numbers.chunks(2).scan(0, |y, step| {
+            *y += step[1];
+            Some(*y)
+        });
+        assert_eq!(heights.min(), Some(top));
+    }
+
+    #[test]
+    fn a_band_widens_the_axis_and_has_no_key() {
+        let plot = Plot::new("", Axis::time(), Axis::new("y", "1"));
+        let plot = plot.band(Tone::Before, &[0.0, 1.0, 2.0], &[-9.0, f64::NAN, -9.0], &[8.0; 3]);
+        let html = plot.toned("mean", Tone::Before, &[0.0, 2.0], &[0.0, 1.0]).html();
+        assert_eq!(html.as_str().matches("<polygon").count(), 1);
+        assert_eq!(html.as_str().matches("class=\"key\"").count(), 1);
+        assert!(html.as_str().contains("−10"), "{}", html.as_str());
     }
 
     #[test]

@@ -8,10 +8,16 @@ pub const EFFECT: Effect = Effect {
     name: "Coulomb friction",
     family: Family::Mechanism,
     port: Port::Force,
+    also: &[],
     equation: "F = F_0 - F_c tanh(v / v_0)",
     source: "standard engineering knowledge",
     signature: "a square wave in phase with the velocity; a loop whose width depends on neither amplitude nor frequency",
-    confused_with: &[("viscous-drag", "its loop grows with the velocity")],
+    confused_with: &[
+        ("viscous-drag", "its loop grows with the velocity"),
+        ("stribeck-friction", "has a peak at each turn"),
+        ("bouc-wen", "does not jump at a turn"),
+        ("guide-friction", "only the load cell feels it, the motion is right"),
+    ],
     targets: &[Role::Force],
     drivers: &[Role::Velocity],
     parameters: &[

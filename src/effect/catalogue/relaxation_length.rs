@@ -8,6 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Relaxation length of the tire",
     family: Family::Tire,
     port: Port::Output,
+    also: &[(Port::Input, Role::SlipAngle), (Port::Input, Role::Slip)],
     equation: "sigma dF/dt + |V| F = |V| F_s",
     source: "first-order tire transients, standard engineering knowledge",
     signature: "a lag of force behind slip that is fixed in distance: its time constant goes with 1/V",

@@ -8,6 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Delay of a sensor",
     family: Family::Sensor,
     port: Port::Output,
+    also: &[],
     equation: "y_m(t) = y(t - T)",
     source: "standard engineering knowledge",
     signature: "phase falls in proportion to the frequency with gain 1, for whatever moves that sensor, at any speed",

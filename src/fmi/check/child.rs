@@ -6,7 +6,7 @@ use super::finding::Level;
 use super::tree::Node;
 use super::unit::{self, CallNote, Functions, Maker, Message, Outcome, STALE, STRANGE};
 use crate::fmi::import::Description;
-use crate::fmi::import::library::{Handle, find};
+use crate::fmi::import::library::{Handle, Names, find};
 use crate::fmi::import::slave::file_uri;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -127,7 +127,7 @@ pub fn run_child(name: &str, folder: &Path, work: &Path, timeout: Duration) -> R
         }
     };
     note.write("loading the library");
-    let handle = match Handle::open(&path) {
+    let handle = match Handle::open(&path, Names::Usual) {
         Ok(handle) => handle,
         Err(error) => {
             reporter.error("Z3", format!("{file}: {error}"));

@@ -128,6 +128,11 @@ impl Instance {
         self.foundation.log.drain()
     }
 
+    /// Where the messages go.
+    pub(super) fn log(&self) -> Arc<Log> {
+        self.foundation.log.clone()
+    }
+
     /// Calls `function`, unless the instance is dead, and judges its status.
     fn call(&mut self, what: impl Display, function: impl FnOnce(&Library, Component) -> c_int) -> Outcome {
         if self.health == Health::Dead {
@@ -173,6 +178,38 @@ impl Instance {
             unsafe { (f.get_real)(c, &reference, 1, &mut value) }
         })?;
         Ok(value)
+    }
+
+    /// Values of several real variables.
+    pub(super) fn get_reals(&mut self, references: &[u32], values: &mut [f64]) -> Result<()> {
+        let n = references.len().min(values.len());
+        Ok(self.call("reading several variables", |f, c| {
+            // SAFETY: a living instance; n references and room for n values.
+            unsafe { (f.get_real)(c, references.as_ptr(), n, values.as_mut_ptr()) }
+        })?)
+    }
+
+    /// Sets several real variables and, where the library has that function, their derivatives.
+    pub(super) fn set_reals(
+        &mut self,
+        references: &[u32],
+        values: &[f64],
+        rates: Option<&[f64]>,
+    ) -> Result<()> {
+        let n = references.len().min(values.len());
+        self.call("setting several variables", |f, c| {
+            // SAFETY: a living instance; n references and n values.
+            unsafe { (f.set_real)(c, references.as_ptr(), n, values.as_ptr()) }
+        })?;
+        let (Some(rates), Some(set)) = (rates, self.foundation.library.set_derivatives) else {
+            return Ok(());
+        };
+        let n = n.min(rates.len());
+        let orders = vec![1; n];
+        Ok(self.call("setting several derivatives", |_, c| {
+            // SAFETY: a living instance; n references, n orders, n values.
+            unsafe { set(c, references.as_ptr(), n, orders.as_ptr(), rates.as_ptr()) }
+        })?)
     }
 
     pub(super) fn get_integer(&mut self, variable: &str, reference: u32) -> Result<i32> {
@@ -242,6 +279,17 @@ impl Instance {
             unsafe { set(c, &reference, 1, &1, &rate) }
         });
         Some(outcome.map_err(Error::from))
+    }
+
+    /// The first derivative of an output; `None` where the library has no such function.
+    pub(super) fn get_rate(&mut self, variable: &str, reference: u32) -> Option<Result<f64>> {
+        let get = self.foundation.library.get_derivatives?;
+        let mut rate = 0.0;
+        let outcome = self.call(format_args!("reading the derivative of {variable}"), |_, c| {
+            // SAFETY: a living instance; one reference, one order, room for one value.
+            unsafe { get(c, &reference, 1, &1, &mut rate) }
+        });
+        Some(outcome.map(|()| rate).map_err(Error::from))
     }
 
     pub(super) fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<()> {

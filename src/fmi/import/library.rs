@@ -32,6 +32,33 @@ type Instantiate =
     unsafe extern "C" fn(Text, c_int, Text, Text, *const CallbackFunctions, Boolean, Boolean) -> Component;
 type SetDerivatives =
     unsafe extern "C" fn(Component, *const ValueReference, usize, *const c_int, *const f64) -> c_int;
+type GetDerivatives =
+    unsafe extern "C" fn(Component, *const ValueReference, usize, *const c_int, *mut f64) -> c_int;
+
+/// Where a binary finds the functions that it names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::fmi) enum Names {
+    /// In the process first, as usual.
+    #[cfg(feature = "host")]
+    Usual,
+    /// In itself first. A binary in whose process another FMU was loaded for all to see would otherwise
+    /// get that one's `fmi2DoStep` where it calls its own: the names are the same in all FMUs.
+    OwnFirst,
+}
+
+impl Names {
+    fn flag(self) -> c_int {
+        match self {
+            #[cfg(feature = "host")]
+            Self::Usual => 0,
+            // elsewhere libraries look into themselves first (macOS), or cannot be told to
+            #[cfg(all(target_os = "linux", target_env = "gnu"))]
+            Self::OwnFirst => libc::RTLD_DEEPBIND,
+            #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+            Self::OwnFirst => 0,
+        }
+    }
+}
 
 /// The functions of a loaded binary; statuses are plain numbers, as foreign code may return any.
 pub(super) struct Library {
@@ -55,6 +82,8 @@ pub(super) struct Library {
     pub(super) get_boolean_status: Option<unsafe extern "C" fn(Component, c_int, *mut Boolean) -> c_int>,
     /// There if the FMU can interpolate its inputs.
     pub(super) set_derivatives: Option<SetDerivatives>,
+    /// There if the FMU has derivatives of its outputs.
+    pub(super) get_derivatives: Option<GetDerivatives>,
     /// There if the FMU can save its state.
     pub(super) states: Option<States>,
     /// There if the FMU can also serialise it.
@@ -82,9 +111,14 @@ pub(super) struct Bytes {
 impl Library {
     /// Loads the binary `identifier` of the FMU unpacked in `folder`, with the functions that it needs
     /// for co-simulation and for `capabilities`. Runs the initialisers of the library: foreign code.
-    pub(super) fn load(folder: &Path, identifier: &str, capabilities: &Capabilities) -> Result<Self> {
+    pub(super) fn load(
+        folder: &Path,
+        identifier: &str,
+        capabilities: &Capabilities,
+        names: Names,
+    ) -> Result<Self> {
         let (file, path) = find(folder, identifier)?;
-        let handle = Handle::open(&path).map_err(|e| e.at(&file))?;
+        let handle = Handle::open(&path, names).map_err(|e| e.at(&file))?;
         let functions = Functions { handle: &handle, file };
         // SAFETY: the types are those that FMI 2.0 gives the functions of these names.
         unsafe {
@@ -119,6 +153,10 @@ impl Library {
                 set_derivatives: match capabilities.can_interpolate_inputs {
                     true => Some(functions.needed(c"fmi2SetRealInputDerivatives")?),
                     false => None,
+                },
+                get_derivatives: match capabilities.max_output_derivative_order {
+                    0 => None,
+                    _ => functions.optional(c"fmi2GetRealOutputDerivatives"),
                 },
                 states: match capabilities.can_get_and_set_state {
                     true => Some(States {
@@ -176,12 +214,12 @@ fn missing(binaries: &Path, file: &str) -> Error {
 pub(in crate::fmi) struct Handle(*mut c_void);
 
 impl Handle {
-    pub(in crate::fmi) fn open(path: &Path) -> Result<Self> {
+    pub(in crate::fmi) fn open(path: &Path, names: Names) -> Result<Self> {
         let path = CString::new(path.as_os_str().as_bytes())
             .map_err(|_| Error::fmu("the path of the binary holds a NUL character"))?;
         // SAFETY: the path ends with a zero. The initialisers of the library run: that is what
         // importing an FMU means.
-        let handle = unsafe { libc::dlopen(path.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL) };
+        let handle = unsafe { libc::dlopen(path.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL | names.flag()) };
         if handle.is_null() {
             // SAFETY: dlerror returns null or a text that lives until the next call in this thread.
             let why = unsafe { text(libc::dlerror()) };

@@ -3,6 +3,7 @@
 use crate::fmi::c::{ComponentEnvironment, Logger, Text};
 use std::collections::VecDeque;
 use std::ffi::{CStr, c_int};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// So many messages are kept; older ones give way.
@@ -21,8 +22,10 @@ pub struct Message {
 
 /// The messages of one instance. FMUs may log from any thread.
 #[derive(Debug, Default)]
-pub(super) struct Log {
+pub(in crate::fmi) struct Log {
     messages: Mutex<Messages>,
+    /// There was a message since the last call began.
+    noted: AtomicBool,
 }
 
 #[derive(Debug, Default)]
@@ -35,7 +38,10 @@ struct Messages {
 impl Log {
     /// Forgets which message was the worst, before a call.
     pub(super) fn begin_call(&self) {
-        self.lock().worst = None;
+        // a lock for every call would take as long as a small model's step
+        if self.noted.swap(false, Ordering::Relaxed) {
+            self.lock().worst = None;
+        }
     }
 
     /// The text that explains best why the call that just ended failed.
@@ -44,12 +50,13 @@ impl Log {
     }
 
     /// All messages; they are then forgotten.
-    pub(super) fn drain(&self) -> Vec<Message> {
+    pub(in crate::fmi) fn drain(&self) -> Vec<Message> {
         self.lock().kept.drain(..).collect()
     }
 
     fn push(&self, message: Message) {
         let mut messages = self.lock();
+        self.noted.store(true, Ordering::Relaxed);
         if messages.worst.as_ref().is_none_or(|w| message.status >= w.status) {
             messages.worst = Some(message.clone());
         }

@@ -1,10 +1,13 @@
 //! [`ImportedFmu`]: an FMU as a [`Slave`].
 
+#[cfg(feature = "host")]
 use super::archive::{Archive, check_path};
-use super::description::{Description, MAX_LENGTH};
+use super::description::Description;
 use super::instance::{Health, Instance, Slot};
-use super::library::Library;
-use super::log::Message;
+use super::library::{Library, Names};
+use super::log::{Log, Message};
+#[cfg(feature = "host")]
+use super::reader::MAX_LENGTH;
 use crate::model::{
     Causality, Initial, Interface, Kind, Slave, Snapshot, Value, Variability, VariableInfo, check_experiment,
     check_step,
@@ -15,6 +18,10 @@ use std::fmt::Display;
 use std::fs;
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
+#[cfg(feature = "host")]
+use std::path::PathBuf;
+use std::sync::Arc;
+#[cfg(feature = "host")]
 use tempfile::TempDir;
 use uuid::Uuid;
 
@@ -29,8 +36,13 @@ pub struct ImportedFmu {
     instance: Instance,
     description: Description,
     course: Course,
+    /// Values in place of the description's start values.
+    presets: Vec<(usize, Value)>,
+    #[cfg(feature = "host")]
+    folder: PathBuf,
     /// Removed after the instance is gone.
-    folder: TempDir,
+    #[cfg(feature = "host")]
+    _temporary: Option<TempDir>,
 }
 
 /// Where the run stands; saved with the FMU's state.
@@ -77,6 +89,7 @@ impl ImportedFmu {
     /// # Errors
     /// [`Error::fmu`]: a damaged or dangerous archive, a wrong description, no binary for this
     /// machine, a binary that is incomplete or refuses to be instantiated.
+    #[cfg(feature = "host")]
     pub fn load(path: &Path) -> Result<Self> {
         // The archive names itself in its errors.
         let mut archive = Archive::open(path)?;
@@ -84,22 +97,64 @@ impl ImportedFmu {
         let at = |e: Error| e.at(path.display());
         let xml = xml.ok_or_else(|| at(Error::fmu("there is no modelDescription.xml: this is no FMU")))?;
         let description = Description::parse(&xml).map_err(at)?;
-        let folder = archive.unpack()?;
-        Self::instantiate(description, folder).map_err(at)
+        let temporary = archive.unpack()?;
+        // FMUs without resources get an empty folder rather than a location that is not there.
+        let made = fs::create_dir_all(temporary.path().join("resources"));
+        made.map_err(|e| at(Error::fmu(format!("the folder that it was unpacked to cannot be used: {e}"))))?;
+        let mut fmu = Self::instantiate(description, temporary.path(), Names::Usual).map_err(at)?;
+        fmu._temporary = Some(temporary);
+        Ok(fmu)
     }
 
-    fn instantiate(description: Description, folder: TempDir) -> Result<Self> {
+    /// Loads and instantiates the FMU with this description that is unpacked in `folder` and stays there,
+    /// inside the process of another FMU. This runs its code.
+    ///
+    /// # Errors
+    /// [`Error::fmu`]: no binary for this machine, a binary that is incomplete or refuses to be
+    /// instantiated.
+    pub(in crate::fmi) fn carried(description: Description, folder: &Path) -> Result<Self> {
+        Self::instantiate(description, folder, Names::OwnFirst)
+    }
+
+    fn instantiate(description: Description, folder: &Path, names: Names) -> Result<Self> {
         let io = |e| Error::fmu(format!("the folder that it was unpacked to cannot be used: {e}"));
-        let resources = fs::canonicalize(folder.path()).map_err(io)?.join("resources");
-        // FMUs without resources get an empty folder rather than a location that is not there.
-        fs::create_dir_all(&resources).map_err(io)?;
-        let library = Library::load(folder.path(), &description.model_identifier, &description.capabilities)?;
+        let folder = fs::canonicalize(folder).map_err(io)?;
+        let resources = folder.join("resources");
+        let library =
+            Library::load(&folder, &description.model_identifier, &description.capabilities, names)?;
         let name = match description.model_name.trim() {
             "" => &description.model_identifier,
             _ => &description.model_name,
         };
         let instance = Instance::new(library, name, &description.guid, &file_uri(&resources))?;
-        Ok(Self { instance, description, course: Course::NEW, folder })
+        Ok(Self {
+            instance,
+            description,
+            course: Course::NEW,
+            presets: Vec::new(),
+            #[cfg(feature = "host")]
+            folder,
+            #[cfg(feature = "host")]
+            _temporary: None,
+        })
+    }
+
+    /// Makes values the start values: now, in the interface and after every reset.
+    ///
+    /// # Errors
+    /// Already started; variables that cannot be set, values that they do not accept.
+    pub(in crate::fmi) fn preset(&mut self, values: Vec<(usize, Value)>) -> Result<()> {
+        for (index, value) in &values {
+            self.write(*index, value.clone())?;
+            self.description.interface.variables[*index].start = Some(value.clone());
+        }
+        self.presets = values;
+        Ok(())
+    }
+
+    /// Where the FMU's messages go.
+    pub(in crate::fmi) fn log(&self) -> Arc<Log> {
+        self.instance.log()
     }
 
     /// What the FMU says of itself.
@@ -114,9 +169,10 @@ impl ImportedFmu {
 
     /// The content of the file `name` in the FMU's folder `resources`, such as "model.toml"; `None` if
     /// there is no such file.
+    #[cfg(feature = "host")]
     pub fn resource(&self, name: &str) -> Option<Vec<u8>> {
         check_path(name).ok()?;
-        fs::read(self.folder.path().join("resources").join(name)).ok()
+        fs::read(self.folder.join("resources").join(name)).ok()
     }
 
     fn variable(&self, index: usize) -> Result<&VariableInfo> {
@@ -262,6 +318,34 @@ impl Slave for ImportedFmu {
         })
     }
 
+    fn get_all(&mut self, variables: &[usize], values: &mut [f64]) -> Result<()> {
+        let mut references = Vec::with_capacity(variables.len());
+        for variable in variables {
+            self.readable(*variable)?;
+            let info = &self.description.interface.variables[*variable];
+            if !info.is_real() {
+                return Err(Error::variable(format!("{} is not a real variable", info.name)));
+            }
+            references.push(info.reference);
+        }
+        self.instance.get_reals(&references, values)
+    }
+
+    fn set_all(&mut self, variables: &[usize], values: &[f64], rates: &[f64]) -> Result<()> {
+        let what = "setting inputs";
+        self.well(what)?;
+        self.order(self.course.phase != Phase::New, what, "before the start")?;
+        let mut references = Vec::with_capacity(variables.len());
+        for variable in variables {
+            let info = self.variable(*variable)?;
+            if info.causality != Causality::Input || !info.is_real() {
+                return Err(Error::variable(format!("{} is not a real input", info.name)));
+            }
+            references.push(info.reference);
+        }
+        self.instance.set_reals(&references, values, self.can_interpolate().then_some(rates))
+    }
+
     fn can_interpolate(&self) -> bool {
         self.description.capabilities.can_interpolate_inputs
     }
@@ -287,6 +371,22 @@ impl Slave for ImportedFmu {
         self.instance.exit_initialization()?;
         self.course.phase = Phase::Running;
         Ok(())
+    }
+
+    fn output_derivative(&mut self, variable: usize) -> Result<f64> {
+        let info = self.variable(variable)?;
+        let what = format!("the derivative of {}", info.name);
+        if info.causality != Causality::Output || !info.is_real() {
+            return Err(Error::variable(format!("{what}: only real outputs have one")));
+        }
+        self.order(self.course.phase == Phase::Running, &what, "before the end of initialization")?;
+        let info = &self.description.interface.variables[variable];
+        self.instance.get_rate(&info.name, info.reference).unwrap_or_else(|| {
+            Err(Error::call(format!(
+                "{}: {what} is not known to the FMU (maxOutputDerivativeOrder is 0)",
+                self.description.interface.name
+            )))
+        })
     }
 
     fn step(&mut self, time: f64, length: f64) -> Result<()> {
@@ -353,6 +453,9 @@ impl Slave for ImportedFmu {
     fn reset(&mut self) -> Result<()> {
         self.instance.reset()?;
         self.course = Course::NEW;
+        for (index, value) in self.presets.clone() {
+            self.write(index, value)?;
+        }
         Ok(())
     }
 }

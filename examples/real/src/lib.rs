@@ -1,0 +1,12 @@
+//! The simplest models of three published sets of recordings: what one would begin with. Each lacks an effect that the
+//! recordings show, and `latsch diagnose` has to find out which. `scripts/real-recordings` makes runs of the recordings.
+
+mod constant_moment;
+mod linear_oscillator;
+mod pneumatic_cylinder;
+
+pub use constant_moment::ConstantMoment;
+pub use linear_oscillator::LinearOscillator;
+pub use pneumatic_cylinder::PneumaticCylinder;
+
+latsch::export_fmus!(LinearOscillator, PneumaticCylinder, ConstantMoment);

@@ -1,0 +1,132 @@
+//! `latsch diagnose`: what a model leaves out.
+
+use super::export::read_settings;
+use super::{Format, print};
+use indicatif::{ProgressBar, ProgressStyle};
+use latsch::diagnose::{Base, Map, Outcome, Request, diagnose};
+use latsch::effect::file::{Fitted, corrected_text};
+use latsch::fmi::archive::ModelLibrary;
+use latsch::fmi::corrected::{CorrectedBase, export_corrected};
+use latsch::report::{CheckRun, diagnosis_report, write_html};
+use latsch::{Error, Result, write_file};
+use std::path::{Path, PathBuf};
+
+/// Find where recordings and a model differ, and name the physics that the model leaves out
+///
+/// Fits the model's parameters to some of the recordings, tries every effect of the catalogue inside the simulation,
+/// and judges by the other recordings only.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Name of a shipped model (see `latsch models`), an FMU file or a wired system
+    #[arg(value_name = "MODEL|F.fmu|F.ssd|F.toml")]
+    model: String,
+    /// Folder of recordings: CSV with the columns `time [s]` and `name [unit]`; columns named like inputs drive the
+    /// model, columns named like outputs are compared. `runs.toml` in it says which runs are to fit and which to check
+    #[arg(long, value_name = "DIR")]
+    recordings: PathBuf,
+    /// Parameters of the model: TOML with [parameters], and [fit] for those that may be fitted
+    #[arg(long, value_name = "F.toml")]
+    parameters: Option<PathBuf>,
+    /// What the channels are: TOML with [channels] and [roles]
+    #[arg(long, value_name = "F.toml")]
+    map: Option<PathBuf>,
+    /// Communication step [s] [default: one that suits model and recordings]
+    #[arg(long, value_name = "H")]
+    step: Option<f64>,
+    /// Runs at the same time [default: the number of cores]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    jobs: usize,
+    /// Folder for what comes out
+    #[arg(long, short, value_name = "DIR")]
+    output: PathBuf,
+    /// How the verdict is printed
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+pub fn run(args: &Args) -> Result<()> {
+    if args.step.is_some_and(|s| !(s.is_finite() && s > 0.0)) {
+        return Err(Error::call("--step has to be a positive time"));
+    }
+    let request = Request {
+        model: args.model.clone(),
+        settings: read_settings(args.parameters.as_deref())?,
+        recordings: args.recordings.clone(),
+        map: args.map.as_deref().map(Map::read).transpose()?.unwrap_or_default(),
+        step: args.step,
+        threads: args.jobs,
+    };
+    std::fs::create_dir_all(&args.output)
+        .map_err(|e| Error::file(format!("{} cannot be made: {e}", args.output.display())))?;
+    let bar = ProgressBar::new(1000);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent} % {msg}") {
+        bar.set_style(style);
+    }
+    let outcome = diagnose(&request, &mut |what, share| {
+        bar.set_message(what.to_owned());
+        bar.set_position((1000.0 * share) as u64);
+    })?;
+    bar.finish_and_clear();
+    write(&args.output, &outcome)?;
+    match args.format {
+        Format::Json => print(outcome.diagnosis.to_json()?.trim_end()),
+        Format::Text => print(&text(&outcome)),
+    }
+}
+
+fn write(folder: &Path, outcome: &Outcome) -> Result<()> {
+    let diagnosis = &outcome.diagnosis;
+    write_file(&folder.join("diagnosis.json"), diagnosis.to_json()?.as_bytes())?;
+    let runs: Vec<CheckRun> = outcome
+        .check
+        .iter()
+        .map(|run| CheckRun {
+            name: run.measured.source.clone(),
+            recording: run.measured.clone(),
+            before: run.before.clone(),
+            after: run.after.clone(),
+        })
+        .collect();
+    write_html(&folder.join("report.html"), &diagnosis_report(diagnosis, &runs)?)?;
+    let interface = &outcome.subject.interface;
+    let interval = |name: &str| {
+        let fitted = diagnosis.parameters.iter().find(|p| p.name == name)?;
+        Some((fitted.low?, fitted.high?))
+    };
+    let fitted: Vec<Fitted> = outcome
+        .parameters
+        .iter()
+        .map(|(variable, value)| {
+            let name = interface.variables[*variable].name.clone();
+            Fitted { interval: interval(&name), name, value: *value }
+        })
+        .collect();
+    let text = corrected_text(interface, &fitted, &outcome.attachments, &[])?;
+    write_file(&folder.join("corrected.toml"), text.as_bytes())?;
+    let base = match &outcome.subject.base {
+        Base::Shipped(name, settings) => CorrectedBase::Model(name.clone(), settings.clone()),
+        Base::Fmu(path) => CorrectedBase::Fmu(path.clone()),
+        // a wired system is no FMU: corrected.toml says what to change in it
+        Base::System(_) => return Ok(()),
+    };
+    let parameters: Vec<(String, f64)> = fitted.into_iter().map(|f| (f.name, f.value)).collect();
+    let library = ModelLibrary::shipped()?;
+    let fmu = export_corrected(&base, &parameters, &outcome.attachments, &library, &[])?;
+    write_file(&folder.join("corrected.fmu"), &fmu)
+}
+
+/// The verdict for people.
+fn text(outcome: &Outcome) -> String {
+    let diagnosis = &outcome.diagnosis;
+    let mut lines = vec![diagnosis.summary.clone()];
+    for check in &diagnosis.check {
+        lines.push(format!(
+            "  {:<28} error on the check runs {:.4e} -> {:.4e} {}",
+            check.channel, check.before, check.after, check.unit
+        ));
+    }
+    if !diagnosis.next_experiment.is_empty() {
+        lines.push(format!("What would tell them apart: {}", diagnosis.next_experiment));
+    }
+    lines.join("\n")
+}

@@ -1,0 +1,295 @@
+//! What single runs have and the others do not: an offset, a gain, a delay.
+//!
+//! Physics that the model lacks differs from run to run, too. It is told apart by five marks, all of
+//! which a fault has: less than half of the runs have it; it stands out from the scatter of the others; one
+//! number undoes it, so that what is left is as small as in the other runs; both halves of the run say the
+//! same number; no operating condition (level, amplitude, frequency of any channel) explains it.
+
+use super::against::Table;
+use super::align::{Fit, Pair, bandwidth, period};
+use super::robust::{correlation, deviation, mean, median, spread};
+use super::{Fault, FaultKind, Severity, run_name, short};
+
+/// Fewer runs than this say nothing about what is usual.
+const RUNS: usize = 4;
+/// Standing out: so many standard deviations of the other runs, and more with few runs.
+const SIGMAS: f64 = 6.0;
+/// The smallest gain deviation: parameters that are wrong by a tenth make runs differ by 5 to 10 %.
+const GAIN: f64 = 0.1;
+/// The smallest offset, as a share of the channel's amplitude in the median run.
+const OFFSET: f64 = 0.03;
+/// The smallest delay in intervals: stamps of one sample early or late are usual.
+const DELAY: f64 = 1.5;
+/// What may be left once the number is taken out, against what the run had before.
+const UNDONE: f64 = 0.6;
+/// And against what the other runs have.
+const AS_OTHERS: f64 = 1.6;
+/// The halves' numbers over that of the run.
+const HALVES: std::ops::Range<f64> = 0.5..1.7;
+/// A condition explains a deviation if a line through all runs has this correlation.
+const EXPLAINED: f64 = 0.95;
+
+/// Runs with a spectrum narrower than this are taken as single sines: there a delay is no more than a phase,
+/// which a wrong parameter shifts as well.
+const NARROW: f64 = 0.35;
+
+/// A delay of about a period or more may be a smaller one that came round: it has to undo nearly all.
+const ROUND: f64 = 0.25;
+
+/// Gains over the usual one that are a reversed sign.
+const REVERSED: std::ops::Range<f64> = -1.5..-0.6;
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum What {
+    Offset,
+    Gain,
+    Delay,
+}
+
+/// One run beside its simulation, seen with what is usual for all runs.
+struct Seen {
+    run: usize,
+    /// What is left with the usual numbers.
+    usual_error: f64,
+    /// Measured deviation.
+    size: f64,
+    /// The offset, gain (over the usual one) and delay that the run would have by itself, and what is left.
+    own: [(What, f64, f64); 3],
+}
+
+/// Finds what less than half of the runs have, and takes it out of `table`.
+pub fn odd_runs(table: &mut Table) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    for channel in 0..table.channels.len() {
+        for fault in odd_in(table, channel) {
+            faults.push(fault);
+        }
+    }
+    faults
+}
+
+fn odd_in(table: &mut Table, channel: usize) -> Vec<Fault> {
+    let pairs: Vec<&Pair> = table.pairs[channel].iter().flatten().collect();
+    let fits: Vec<(&Pair, Fit)> = pairs.iter().filter_map(|p| Some((*p, p.best()?))).collect();
+    if fits.len() < RUNS {
+        return Vec::new();
+    }
+    let usual = Fit {
+        offset: 0.0,
+        gain: median(&fits.iter().map(|f| f.1.gain).collect::<Vec<_>>()),
+        delay: median(&fits.iter().map(|f| f.1.delay).collect::<Vec<_>>()),
+        error: 0.0,
+    };
+    let offsets: Vec<f64> = fits.iter().map(|(p, _)| offset(p, &usual, 0, p.time.len())).collect();
+    let usual = Fit { offset: median(&offsets), ..usual };
+    let seen: Vec<Seen> = fits.iter().map(|(pair, fit)| look(pair, &usual, fit.delay)).collect();
+    let amplitude = median(&fits.iter().map(|(p, _)| p.amplitude()).collect::<Vec<_>>());
+    let interval = median(&fits.iter().map(|(p, _)| p.interval()).collect::<Vec<_>>());
+
+    let mut hits: Vec<(What, usize, f64)> = Vec::new();
+    for (i, this) in seen.iter().enumerate() {
+        let Some((what, value, left)) = this.own.iter().copied().min_by(|a, b| a.2.total_cmp(&b.2)) else {
+            continue;
+        };
+        let others: Vec<&Seen> = seen.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, s)| s).collect();
+        let left_others = median(&others.iter().map(|s| s.usual_error).collect::<Vec<_>>());
+        let share_others = median(&others.iter().map(|s| s.usual_error / s.size).collect::<Vec<_>>());
+        let undone = left < UNDONE * this.usual_error
+            && (left < AS_OTHERS * left_others || left < AS_OTHERS * share_others * this.size);
+        if !undone {
+            continue;
+        }
+        let of = |s: &Seen| s.own.iter().find(|o| o.0 == what).map_or(0.0, |o| o.1);
+        let values: Vec<f64> = others.iter().map(|s| of(s)).collect();
+        let (least, floor) = match what {
+            What::Offset => (OFFSET * amplitude, 0.005 * amplitude),
+            What::Gain => (GAIN, 0.005),
+            What::Delay => (DELAY * interval, 0.15 * interval),
+        };
+        let scatter = spread(&values).max(floor);
+        let away = value - median(&values);
+        let out = away.abs() > least && away.abs() > SIGMAS * (1.0 + 3.0 / seen.len() as f64) * scatter;
+        let pair = fits[i].0;
+        let phase = what == What::Delay
+            && (bandwidth(pair.time, pair.simulated) < NARROW
+                || (away.abs() > 0.4 * pair.period() && left > ROUND * this.usual_error));
+        if out
+            && !phase
+            && halves_agree(pair, what, &usual, away)
+            && !explained(
+                table,
+                &fits.iter().map(|f| f.0).collect::<Vec<_>>(),
+                &seen.iter().map(of).collect::<Vec<_>>(),
+                i,
+            )
+        {
+            hits.push((what, this.run, away));
+        }
+    }
+    // half of the runs are no exception, but a way to measure
+    if 2 * hits.len() >= seen.len() {
+        return Vec::new();
+    }
+    let looked_at = seen.len();
+    let mut faults = Vec::new();
+    for what in [What::Offset, What::Gain, What::Delay] {
+        let of: Vec<(usize, f64)> = hits.iter().filter(|h| h.0 == what).map(|h| (h.1, h.2)).collect();
+        if !of.is_empty() {
+            faults.push(fault(table, channel, what, &of, looked_at));
+        }
+    }
+    for (what, run, value) in hits {
+        let Some(pair) = &mut table.pairs[channel][run] else { continue };
+        match what {
+            What::Offset => pair.measured.iter_mut().for_each(|v| *v -= value),
+            What::Gain => pair.measured.iter_mut().for_each(|v| *v /= 1.0 + value),
+            // later looks take any delay of a run as it is
+            What::Delay => {}
+        }
+    }
+    faults
+}
+
+/// The mean of what is left with the usual gain and delay.
+fn offset(pair: &Pair, usual: &Fit, from: usize, to: usize) -> f64 {
+    let (mut sum, mut n) = (0.0, 0.0);
+    pair.visit(from, to, usual.delay, pair.reach(), |y, s, _| {
+        sum += y - usual.gain * s;
+        n += 1.0;
+    });
+    sum / f64::max(n, 1.0)
+}
+
+/// The gain of the whole channel, offset and all, over the usual one.
+fn gain(pair: &Pair, usual: &Fit, from: usize, to: usize) -> f64 {
+    let (mut yp, mut pp) = (0.0, 0.0);
+    pair.visit(from, to, usual.delay, pair.reach(), |y, s, _| {
+        let p = usual.offset + usual.gain * s;
+        yp += y * p;
+        pp += p * p;
+    });
+    if pp > 0.0 { yp / pp } else { 1.0 }
+}
+
+fn look(pair: &Pair, usual: &Fit, own_delay: f64) -> Seen {
+    let end = pair.time.len();
+    let own_offset = offset(pair, usual, 0, end);
+    let own_gain = gain(pair, usual, 0, end);
+    Seen {
+        run: pair.run,
+        usual_error: pair.error(usual.offset, usual.gain, usual.delay),
+        size: pair.size(),
+        own: [
+            (What::Offset, own_offset, pair.error(own_offset, usual.gain, usual.delay)),
+            (What::Gain, own_gain, pair.error(own_gain * usual.offset, own_gain * usual.gain, usual.delay)),
+            (What::Delay, own_delay, pair.error(usual.offset, usual.gain, own_delay)),
+        ],
+    }
+}
+
+fn delay(pair: &Pair, usual: &Fit, from: usize, to: usize) -> f64 {
+    pair.best_in(from, to, pair.reach(), 1.0).map_or(usual.delay, |fit| fit.delay)
+}
+
+/// Whether both halves of the run show the deviation.
+fn halves_agree(pair: &Pair, what: What, usual: &Fit, away: f64) -> bool {
+    let n = pair.time.len();
+    [(0, n / 2), (n / 2, n)].into_iter().all(|(from, to)| {
+        let half = match what {
+            What::Offset => offset(pair, usual, from, to) - usual.offset,
+            What::Gain => gain(pair, usual, from, to) - 1.0,
+            What::Delay => delay(pair, usual, from, to) - usual.delay,
+        };
+        HALVES.contains(&(half / away))
+    })
+}
+
+/// Times and values of a channel.
+type Course = (Vec<f64>, Vec<f64>);
+
+/// Whether a line over one operating condition explains the deviation of run number `odd`.
+fn explained(table: &Table, pairs: &[&Pair], values: &[f64], odd: usize) -> bool {
+    let mut conditions: Vec<Vec<f64>> = Vec::new();
+    let mut add = |of: &dyn Fn(&Pair) -> Option<Course>| {
+        let columns: Option<Vec<[f64; 3]>> = pairs
+            .iter()
+            .map(|pair| of(pair).map(|(t, v)| [mean(&v), deviation(&v), 1.0 / period(&t, &v)]))
+            .collect();
+        if let Some(columns) = columns {
+            (0..3).for_each(|k| conditions.push(columns.iter().map(|c| c[k]).collect()));
+        }
+    };
+    add(&|pair| Some((pair.time.to_vec(), pair.simulated.to_vec())));
+    let inputs: Vec<&str> = table.measured[pairs[odd].run]
+        .channels
+        .iter()
+        .map(|c| c.name.as_str())
+        .filter(|name| !table.channels.iter().any(|c| c == name))
+        .collect();
+    for name in inputs {
+        add(&|pair| {
+            let recording = &table.measured[pair.run];
+            let channel = recording.channels.iter().find(|c| c.name == name)?;
+            Some((recording.time.clone(), channel.values.clone()))
+        });
+    }
+    conditions.iter().any(|condition| {
+        if condition.iter().any(|v| !v.is_finite()) {
+            return false;
+        }
+        correlation(condition, values).abs() > EXPLAINED
+    })
+}
+
+fn fault(table: &Table, channel: usize, what: What, hits: &[(usize, f64)], looked_at: usize) -> Fault {
+    let name = &table.channels[channel];
+    let runs: Vec<String> = hits.iter().map(|h| run_name(&table.measured[h.0].source)).collect();
+    let value = median(&hits.iter().map(|h| h.1).collect::<Vec<_>>());
+    let channel_unit = table.unit(channel);
+    let (kind, value, unit, noun, advice) = match what {
+        What::Offset => (
+            FaultKind::OffsetInSomeRuns,
+            value,
+            channel_unit,
+            "an offset",
+            "Zero the sensor and repeat these runs, or subtract the offset.",
+        ),
+        What::Gain if REVERSED.contains(&(1.0 + value)) => (
+            FaultKind::WrongSign,
+            1.0 + value,
+            "1",
+            "a gain",
+            "Check the sensor's direction, and reverse the channel in these runs.",
+        ),
+        What::Gain => (
+            FaultKind::GainInSomeRuns,
+            100.0 * value,
+            "%",
+            "a gain error",
+            "Check range, supply and calibration of the sensor in these runs, or leave them out.",
+        ),
+        What::Delay => (
+            FaultKind::DelayInSomeRuns,
+            value,
+            "s",
+            "a delay",
+            "Check how the loggers were started in these runs, or shift the channel.",
+        ),
+    };
+    Fault {
+        kind,
+        severity: Severity::Fatal,
+        channel: Some(name.clone()),
+        span: None,
+        value,
+        unit: unit.into(),
+        evidence: format!(
+            "{} of {looked_at} run(s) have {noun} of {} {unit} in {name} that the others do not have, in both \
+             halves alike; without it they agree as the others do, and no operating condition goes with it.",
+            runs.len(),
+            short(value)
+        ),
+        advice: advice.into(),
+        runs,
+    }
+}

@@ -1,0 +1,202 @@
+//! Wrong signs and wrong units: gains that are -1 or a ratio of units.
+
+use super::against::Table;
+use super::align::Fit;
+use super::robust::{deviation, mean, median, spread};
+use super::{Fault, FaultKind, Severity, run_name, short};
+
+/// Ratios of units: how many of the recorded unit make one of the named unit, and what that would be.
+/// Each is looked for upside down, too.
+const FACTORS: [(f64, &str); 17] = [
+    (1e6, "a factor of a million, such as MPa and Pa"),
+    (1e5, "bar and Pa"),
+    (6894.757, "psi and Pa"),
+    (1000.0, "a factor of thousand, such as kN and N, m and mm, s and ms"),
+    (100.0, "a factor of hundred, such as % and 1, m and cm"),
+    (180.0 / std::f64::consts::PI, "degrees and radians"),
+    (25.4, "inches and millimetres"),
+    (1.0 / 0.0254, "inches and metres"),
+    (10.0, "a factor of ten, such as daN and N, bar and MPa"),
+    (9.80665, "kgf and N, or g and m/s2"),
+    (60.0 / std::f64::consts::TAU, "rpm and rad/s"),
+    (std::f64::consts::TAU, "Hz and rad/s"),
+    (4.448222, "lbf and N"),
+    (3.6, "km/h and m/s"),
+    (1.0 / 0.3048, "feet and metres"),
+    (1.0 / 0.44704, "mph and m/s"),
+    (1.0 / 0.45359237, "pounds and kilograms"),
+];
+/// Factors beyond this (or below its inverse) are far from what model errors do.
+const FAR: f64 = 8.0;
+/// Relative tolerance of a far factor: parameters are wrong by 15 % or so, but nothing is near.
+const FAR_TOLERANCE: f64 = 0.25;
+/// Of the others: their neighbours are 10 % apart, a refitted model is better than that.
+const NEAR_TOLERANCE: f64 = 0.07;
+/// What may be left of the channel's deviation once a far or near factor is taken out.
+const FAR_LEFT: f64 = 0.7;
+const NEAR_LEFT: f64 = 0.35;
+/// A near factor in all runs: the gains may scatter by this much. Physics that changes a gain twofold
+/// changes it with conditions; a unit does not.
+const NEAR_SCATTER: f64 = 0.05;
+/// What may be left with the sign reversed.
+const SIGN_LEFT: f64 = 0.6;
+/// And at most this share of the best that a delay does without reversing. A sine is as well delayed by
+/// half a period (a resonance passed), so it does not tell signs.
+const SIGN_BETTER: f64 = 0.6;
+
+/// Finds reversed signs and units, and takes them out of `table`.
+pub fn units_and_signs(table: &mut Table) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    for channel in 0..table.channels.len() {
+        faults.extend(signs(table, channel));
+        faults.extend(units(table, channel));
+    }
+    faults
+}
+
+fn signs(table: &mut Table, channel: usize) -> Option<Fault> {
+    let mut hits = Vec::new();
+    // sines, which a delay of half a period explains as well
+    let mut open = Vec::new();
+    let mut looked_at = 0;
+    for pair in table.pairs[channel].iter().flatten() {
+        looked_at += 1;
+        let (size, end) = (pair.size(), pair.time.len());
+        let Some(reversed) = pair.best_in(0, end, pair.reach().min(pair.period() / 8.0), -1.0) else {
+            continue;
+        };
+        let (m, s, moves) = (mean(&pair.measured), mean(pair.simulated), deviation(pair.simulated));
+        // a mean that is there and reversed, too, tells a sine's sign
+        let mean_flips = s.abs() > 0.3 * moves && (-3.0..-0.33).contains(&(m / (s * reversed.gain.abs())));
+        let mean_stays = s.abs() > moves && m * s > 0.0;
+        if reversed.error > SIGN_LEFT * size || mean_stays {
+            continue;
+        }
+        let upright = pair.best().map_or(size, |fit| fit.error);
+        if reversed.error < SIGN_BETTER * upright || mean_flips {
+            hits.push((pair.run, reversed));
+        } else {
+            open.push((pair.run, reversed));
+        }
+    }
+    // they go with the others, if nearly all of those are reversed
+    if hits.len() + open.len() == looked_at && !hits.is_empty() {
+        hits.append(&mut open);
+        hits.sort_by_key(|h| h.0);
+    }
+    if hits.is_empty() {
+        return None;
+    }
+    for (run, _) in &hits {
+        if let Some(pair) = &mut table.pairs[channel][*run] {
+            pair.measured.iter_mut().for_each(|v| *v = -*v);
+        }
+    }
+    let gain = median(&hits.iter().map(|h| h.1.gain).collect::<Vec<_>>());
+    let name = &table.channels[channel];
+    Some(Fault {
+        kind: FaultKind::WrongSign,
+        severity: Severity::Fatal,
+        runs: hits.iter().map(|h| run_name(&table.measured[h.0].source)).collect(),
+        channel: Some(name.clone()),
+        span: None,
+        value: gain,
+        unit: "1".into(),
+        evidence: format!(
+            "In {} of {looked_at} run(s) measured {name} goes against the simulation, with a gain of {}; no \
+             delay explains that.",
+            hits.len(),
+            short(gain)
+        ),
+        advice: format!(
+            "Check the sensor's direction and the sign convention, and reverse {name} in these runs."
+        ),
+    })
+}
+
+/// Runs and their gains.
+type Runs = Vec<(usize, f64)>;
+
+fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
+    let fits: Vec<(usize, Fit, f64)> = table.pairs[channel]
+        .iter()
+        .flatten()
+        .filter_map(|pair| Some((pair.run, pair.best()?, pair.size())))
+        .filter(|(_, fit, size)| fit.error < FAR_LEFT * size)
+        .collect();
+    if fits.is_empty() {
+        return Vec::new();
+    }
+    let gains: Vec<f64> = fits.iter().map(|f| f.1.gain).collect();
+    // the runs that are right say what the model's own gain error is
+    let right: Vec<f64> = gains.iter().copied().filter(|g| (0.6..1.67).contains(g)).collect();
+    let usual = if right.is_empty() { 1.0 } else { median(&right) };
+    let steady = spread(&gains.iter().map(|g| g.ln()).collect::<Vec<_>>()) < NEAR_SCATTER;
+    let mut by_factor: Vec<(f64, &str, Runs)> = Vec::new();
+    for (run, fit, size) in &fits {
+        let Some((factor, what)) = factor(fit.gain / usual) else { continue };
+        let far = is_far(factor);
+        // one run alone has nothing to be steady with, nor has it other runs that are right
+        let trusted =
+            far || (fit.error < NEAR_LEFT * size && (!right.is_empty() || (steady && fits.len() > 1)));
+        if !trusted {
+            continue;
+        }
+        match by_factor.iter_mut().find(|f| f.0 == factor) {
+            Some(entry) => entry.2.push((*run, fit.gain)),
+            None => by_factor.push((factor, what, vec![(*run, fit.gain)])),
+        }
+    }
+    let name = table.channels[channel].clone();
+    let unit = table.unit(channel).to_owned();
+    let mut faults = Vec::new();
+    for (factor, what, hits) in by_factor {
+        for (run, _) in &hits {
+            if let Some(pair) = &mut table.pairs[channel][*run] {
+                pair.measured.iter_mut().for_each(|v| *v /= factor);
+            }
+        }
+        let gain = median(&hits.iter().map(|h| h.1).collect::<Vec<_>>());
+        faults.push(Fault {
+            kind: FaultKind::WrongUnit,
+            severity: Severity::Fatal,
+            runs: hits.iter().map(|h| run_name(&table.measured[h.0].source)).collect(),
+            channel: Some(name.clone()),
+            span: None,
+            value: factor,
+            unit: "1".into(),
+            evidence: format!(
+                "In {} of {} run(s) measured {name} is {} times the simulated one; {} is the ratio of {what}.",
+                hits.len(),
+                fits.len(),
+                short(gain),
+                short(factor)
+            ),
+            advice: format!(
+                "Check the unit of {name}, which the header calls [{unit}], and divide it by {} in these runs.",
+                short(factor)
+            ),
+        });
+    }
+    faults
+}
+
+fn is_far(factor: f64) -> bool {
+    factor.max(1.0 / factor) > FAR
+}
+
+/// The ratio of units that is nearest to a gain, if one is near enough.
+fn factor(gain: f64) -> Option<(f64, &'static str)> {
+    if !(gain > 0.0 && gain.is_finite()) {
+        return None;
+    }
+    let away = |factor: f64| (gain / factor).ln().abs();
+    FACTORS
+        .iter()
+        .flat_map(|(factor, what)| [(*factor, *what), (1.0 / factor, *what)])
+        .min_by(|a, b| away(a.0).total_cmp(&away(b.0)))
+        .filter(|(factor, _)| {
+            let tolerance = if is_far(*factor) { FAR_TOLERANCE } else { NEAR_TOLERANCE };
+            away(*factor) < tolerance
+        })
+}

@@ -1,0 +1,316 @@
+//! Where on a model an effect can sit: target, drivers, and natural sizes of its parameters there.
+
+use super::roles::Roles;
+use crate::effect::{Attachment, Chosen, Effect, Parameter, Port, Role, Signal, Source};
+use crate::fit::{Drive, Traces};
+use crate::model::unit::Unit;
+use crate::model::{Causality, Interface, Kind, Variability};
+use std::sync::Arc;
+
+/// Combinations of drivers that are tried at one target.
+const MAX_COMBINATIONS: usize = 6;
+
+/// An effect at a place, with the natural sizes of its parameters.
+#[derive(Debug, Clone)]
+pub struct Placement {
+    /// Which effect.
+    pub effect: &'static Effect,
+    /// What it changes there.
+    pub port: Port,
+    /// Indices of the changed variables: one, or several that it changes with the same parameters.
+    pub targets: Vec<usize>,
+    /// What drives it.
+    pub drivers: Vec<Signal>,
+    /// Size of one unit of each parameter, in the units of the machine.
+    pub scales: Vec<f64>,
+    /// Units of the parameters, where they have a name.
+    pub units: Vec<Option<String>>,
+}
+
+impl Placement {
+    /// Where it is, in words: `output force_y`.
+    pub fn place(&self, interface: &Interface) -> String {
+        let names: Vec<&str> = self.targets.iter().map(|v| interface.variables[*v].name.as_str()).collect();
+        let (names, plural) = (names.join(", "), if names.len() > 1 { "s" } else { "" });
+        match self.port {
+            Port::Input => format!("input{plural} {names}"),
+            Port::Output => format!("output{plural} {names}"),
+            Port::Parameter => format!("parameter{plural} {names}"),
+            Port::Force => format!("force at {names}"),
+        }
+    }
+
+    /// The effect attached here with parameters in multiples of their scales.
+    pub fn attach(&self, values: &[f64]) -> Vec<Attachment> {
+        let chosen = |((parameter, scale), (value, unit)): ((&Parameter, &f64), (&f64, &Option<String>))| {
+            Chosen { value: value * scale, range: range(parameter, *scale), unit: unit.clone() }
+        };
+        let parameters: Vec<Chosen> = self
+            .effect
+            .parameters
+            .iter()
+            .zip(&self.scales)
+            .zip(values.iter().zip(&self.units))
+            .map(chosen)
+            .collect();
+        let at = |target: &usize| Attachment {
+            effect: self.effect,
+            target: *target,
+            drivers: self.drivers.clone(),
+            parameters: parameters.clone(),
+        };
+        self.targets.iter().map(at).collect()
+    }
+
+    /// Names of what it depends on.
+    pub fn depends_on(&self, interface: &Interface) -> Vec<String> {
+        self.drivers
+            .iter()
+            .map(|signal| {
+                let name = &interface.variables[signal.variable].name;
+                match signal.source {
+                    Source::Value => name.clone(),
+                    Source::Rate => format!("rate of {name}"),
+                    Source::Integral => format!("integral of {name}"),
+                }
+            })
+            .collect()
+    }
+}
+
+fn range(parameter: &Parameter, scale: f64) -> (f64, f64) {
+    let (low, high) = parameter.search;
+    // rounding must not refuse what a search ends at
+    let slack = 1e-9 * (high - low) * scale;
+    (low * scale - if low == 0.0 { 0.0 } else { slack }, high * scale + slack)
+}
+
+/// What placements are made from.
+pub struct Site<'a> {
+    /// The model.
+    pub interface: &'a Interface,
+    /// What its variables are.
+    pub roles: &'a Roles,
+    /// The measured outputs.
+    pub measured: &'a [usize],
+    /// The driven inputs.
+    pub driven: Vec<usize>,
+    /// Tunable parameters that matter, the most important first.
+    pub tunable: Vec<usize>,
+    /// Typical size of every variable.
+    pub size: Vec<f64>,
+    /// Typical size of the rate and integral of every variable.
+    pub rate: Vec<(f64, f64)>,
+}
+
+impl Site<'_> {
+    /// Typical size of a signal.
+    fn size_of(&self, signal: &Signal) -> f64 {
+        match signal.source {
+            Source::Value => self.size[signal.variable],
+            Source::Rate => self.rate[signal.variable].0,
+            Source::Integral => self.rate[signal.variable].1,
+        }
+    }
+
+    /// Groups of variables that an effect can change together, with the port.
+    fn targets(&self, effect: &Effect) -> Vec<(Port, Vec<usize>)> {
+        let fits = |v: &usize| {
+            effect.targets.is_empty() || effect.targets.iter().any(|role| self.roles.is(*v, *role))
+        };
+        let forces = (0..self.interface.variables.len()).filter(|v| {
+            let info = &self.interface.variables[*v];
+            info.causality == Causality::Input && info.kind == Kind::Real && self.roles.is(*v, Role::Force)
+        });
+        let all: Vec<usize> = match effect.port {
+            Port::Output => self.measured.to_vec(),
+            Port::Input => self.driven.clone(),
+            Port::Parameter => self.tunable.clone(),
+            Port::Force => forces.collect(),
+        };
+        let mut groups: Vec<(Port, Vec<usize>)> =
+            all.into_iter().filter(fits).map(|v| (effect.port, vec![v])).collect();
+        // what is one cause, such as the friction of a tire or the clock of a recorder, changes all outputs alike
+        let is_relative = effect.parameters.iter().all(|p| p.scale.target == 0);
+        if effect.port == Port::Output && is_relative && groups.len() > 1 {
+            groups.push((effect.port, groups.iter().flat_map(|g| g.1.clone()).collect()));
+        }
+        for (port, role) in effect.also {
+            let list = if *port == Port::Parameter { &self.tunable } else { &self.driven };
+            let fits = |v: &&usize| *port == Port::Parameter || self.roles.is(**v, *role);
+            groups.extend(list.iter().filter(fits).map(|v| (*port, vec![*v])));
+        }
+        groups
+    }
+
+    /// Every place where an effect can sit.
+    pub fn placements(&self, effect: &'static Effect) -> Vec<Placement> {
+        let mut placements = Vec::new();
+        for (port, targets) in self.targets(effect) {
+            let lists: Vec<Vec<Signal>> =
+                effect.drivers.iter().map(|role| self.drivers(port, *role, &targets)).collect();
+            for drivers in combinations(&lists, self.interface) {
+                let sizes: Vec<f64> = drivers.iter().map(|s| self.size_of(s)).collect();
+                if sizes.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
+                    continue;
+                }
+                let own = self.size[targets[0]];
+                let scale = |parameter: &Parameter| {
+                    let factor = own.powi(i32::from(parameter.scale.target));
+                    sizes
+                        .iter()
+                        .zip(parameter.scale.drivers)
+                        .fold(factor, |f, (size, power)| f * size.powi(i32::from(power)))
+                };
+                let scales: Vec<f64> = effect.parameters.iter().map(scale).collect();
+                if scales.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
+                    continue;
+                }
+                let units = effect.parameters.iter().map(|p| self.unit(p, targets[0], &drivers)).collect();
+                placements.push(Placement { effect, port, targets: targets.clone(), drivers, scales, units });
+            }
+        }
+        placements
+    }
+
+    fn drivers(&self, port: Port, role: Role, targets: &[usize]) -> Vec<Signal> {
+        let mut signals = if role == Role::Other {
+            // anything that moves
+            let moves = |v: &usize| self.size[*v] > 0.0 && !targets.contains(v);
+            let variables = self.driven.iter().chain(self.measured).filter(|v| moves(v));
+            variables.map(|v| Signal { variable: *v, source: Source::Value }).collect()
+        } else {
+            self.roles.signals(self.interface, role)
+        };
+        // an output that is changed is no driver of its own change
+        if port == Port::Output {
+            signals.retain(|s| !targets.contains(&s.variable) || s.source != Source::Value);
+        }
+        signals.retain(|s| self.size_of(s) > 0.0);
+        signals
+    }
+
+    fn unit(&self, parameter: &Parameter, target: usize, drivers: &[Signal]) -> Option<String> {
+        let of = |variable: usize| {
+            let text = self.interface.variables[variable].unit.as_deref().unwrap_or("1");
+            Unit::parse(text).ok().filter(|u| u.factor == 1.0 && u.offset == 0.0)
+        };
+        let scale = parameter.scale;
+        if scale.unit == "1" && scale.target == 1 && scale.drivers == [0; 3] {
+            return self.interface.variables[target].unit.clone();
+        }
+        let mut exponents = Unit::parse(scale.unit).ok()?.exponents;
+        let mut add = |more: [i8; 8], power: i8, seconds: i8| {
+            for (sum, e) in exponents.iter_mut().zip(more) {
+                *sum += e * power;
+            }
+            exponents[2] += seconds * power;
+        };
+        if scale.target != 0 {
+            add(of(target)?.exponents, scale.target, 0);
+        }
+        for (signal, power) in drivers.iter().zip(scale.drivers) {
+            if power != 0 {
+                let seconds = match signal.source {
+                    Source::Value => 0,
+                    Source::Rate => -1,
+                    Source::Integral => 1,
+                };
+                add(of(signal.variable)?.exponents, power, seconds);
+            }
+        }
+        Some(unit_text(exponents))
+    }
+}
+
+/// The text of a unit, with newtons where that is shorter.
+fn unit_text(mut exponents: [i8; 8]) -> String {
+    let mut text: Vec<String> = Vec::new();
+    let mut put = |name: &str, e: i8| match e {
+        0 => {}
+        1 => text.push(name.into()),
+        e => text.push(format!("{name}{e}")),
+    };
+    if exponents[0].abs() == 1 && exponents[2] * exponents[0] <= -2 {
+        let sign = exponents[0];
+        put("N", sign);
+        exponents[0] = 0;
+        exponents[1] -= sign;
+        exponents[2] += 2 * sign;
+    }
+    for (name, e) in crate::model::unit::BASE.iter().zip(exponents) {
+        put(name, e);
+    }
+    if text.is_empty() { "1".into() } else { text.join(".") }
+}
+
+/// One of each list, with signals of one body kept together: a velocity that goes with a position has
+/// most of its name, or is its rate.
+fn combinations(lists: &[Vec<Signal>], interface: &Interface) -> Vec<Vec<Signal>> {
+    let mut all: Vec<Vec<Signal>> = vec![Vec::new()];
+    for list in lists {
+        all = all
+            .iter()
+            .flat_map(|head| {
+                list.iter().map(|signal| {
+                    let mut combination = head.clone();
+                    combination.push(*signal);
+                    combination
+                })
+            })
+            .collect();
+    }
+    let stem = |signal: &Signal| {
+        let name = &interface.variables[signal.variable].name;
+        let end = name.rfind(['_', '.']).unwrap_or(0);
+        name[..end].to_owned()
+    };
+    let kinship = |combination: &Vec<Signal>| {
+        let stems: Vec<String> = combination.iter().map(stem).collect();
+        stems.windows(2).filter(|w| w[0] == w[1]).count()
+    };
+    all.sort_by_key(|c| std::cmp::Reverse(kinship(c)));
+    all.truncate(if lists.len() > 1 { MAX_COMBINATIONS } else { all.len() });
+    all
+}
+
+/// Typical sizes of traced variables, and of their rates and integrals: root mean squares over runs.
+/// `traces` hold the variables of `watch` for each drive.
+pub fn sizes(
+    count: usize,
+    watch: &[usize],
+    drives: &[Arc<Drive>],
+    traces: &[Traces],
+) -> (Vec<f64>, Vec<(f64, f64)>) {
+    let (mut size, mut rate) = (vec![0.0; count], vec![(0.0, 0.0); count]);
+    for (column, variable) in watch.iter().enumerate() {
+        let mut sums = [0.0; 3];
+        let mut samples = 0.0;
+        for (drive, run) in drives.iter().zip(traces) {
+            let values = &run[column];
+            let mut integral = 0.0;
+            for (k, value) in values.iter().enumerate() {
+                sums[0] += value * value;
+                if k > 0 {
+                    sums[1] += ((value - values[k - 1]) / drive.step).powi(2);
+                    integral += 0.5 * (value + values[k - 1]) * drive.step;
+                    sums[2] += integral * integral;
+                }
+                samples += 1.0;
+            }
+        }
+        let [own, first, second] = sums.map(|s: f64| (s / f64::max(samples, 1.0)).sqrt());
+        size[*variable] = own;
+        rate[*variable] = (first, second);
+    }
+    // parameters have the size of their value, which the caller knows
+    (size, rate)
+}
+
+/// True if a variable can be modulated while the model runs.
+pub fn is_tunable(interface: &Interface, variable: usize) -> bool {
+    let info = &interface.variables[variable];
+    info.causality == Causality::Parameter
+        && info.variability == Variability::Tunable
+        && info.kind == Kind::Real
+}

@@ -1,0 +1,183 @@
+//! The recordings of a diagnosis: which channel is which variable, which run is for what, and each run
+//! ready to be simulated.
+
+use super::result::Use;
+use crate::effect::Role;
+use crate::fit::{Channel, Drive, Run};
+use crate::model::{Causality, Interface, Kind};
+use crate::recording::{Recording, interpolate};
+use crate::{Error, Result};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Names that tell the use of recordings.
+const RUNS_FILE: &str = "runs.toml";
+/// Communication steps per sample at most: inputs are straight between samples, and the model has a step
+/// of its own.
+const MAX_PARTS: f64 = 2.0;
+/// Communication steps in one run at most.
+const MAX_POINTS: usize = 2_000_000;
+
+/// What the channels of the recordings are: the content of a file of `--map`.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Map {
+    /// Channels by their name in the recordings.
+    #[serde(default)]
+    channels: BTreeMap<String, MapEntry>,
+    /// Roles of variables whose names do not tell.
+    #[serde(default)]
+    roles: BTreeMap<String, Role>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MapEntry {
+    /// The model's variable; without one the channel is left out.
+    variable: Option<String>,
+    /// The unit, if the column has none or a wrong one.
+    unit: Option<String>,
+}
+
+impl Map {
+    /// Reads a map.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no map.
+    pub fn read(path: &Path) -> Result<Self> {
+        let place = path.display();
+        let text = std::fs::read_to_string(path).map_err(|e| Error::file(format!("{place}: {e}")))?;
+        toml::from_str(&text).map_err(|e| {
+            let line = e.span().map_or(1, |s| crate::model::line_of(&text, s.start));
+            Error::file(format!("{place}:{line}: {}", e.message()))
+        })
+    }
+
+    /// Roles that the user gave.
+    pub fn roles(&self) -> Vec<(String, Role)> {
+        self.roles.iter().map(|(name, role)| (name.clone(), *role)).collect()
+    }
+
+    /// Renames channels as the map says.
+    pub fn apply(&self, recording: &mut Recording) {
+        recording.channels.retain_mut(|channel| match self.channels.get(&channel.name) {
+            None => true,
+            Some(entry) => {
+                if let Some(unit) = &entry.unit {
+                    channel.unit.clone_from(unit);
+                }
+                match &entry.variable {
+                    Some(variable) => {
+                        channel.name.clone_from(variable);
+                        true
+                    }
+                    None => false,
+                }
+            }
+        });
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RunsFile {
+    runs: BTreeMap<String, Use>,
+}
+
+/// The uses of the runs with these names: as `runs.toml` in the folder says, else every third run is for
+/// checking.
+///
+/// # Errors
+/// A file that is wrong, names no run that is there, or leaves nothing to fit or to check.
+pub fn uses(folder: &Path, names: &[String]) -> Result<Vec<Use>> {
+    let path = folder.join(RUNS_FILE);
+    let place = path.display();
+    let uses: Vec<Use> = if path.is_file() {
+        let text = std::fs::read_to_string(&path).map_err(|e| Error::file(format!("{place}: {e}")))?;
+        let file: RunsFile = toml::from_str(&text).map_err(|e| {
+            let line = e.span().map_or(1, |s| crate::model::line_of(&text, s.start));
+            Error::file(format!("{place}:{line}: {}", e.message()))
+        })?;
+        let same = |given: &str, name: &str| given == name || given.trim_end_matches(".csv") == name;
+        if let Some(stray) = file.runs.keys().find(|given| !names.iter().any(|name| same(given, name))) {
+            return Err(Error::file(format!("{place}: there is no recording {stray:?}")));
+        }
+        let of =
+            |name: &String| file.runs.iter().find(|(given, _)| same(given, name)).map_or(Use::Fit, |r| *r.1);
+        names.iter().map(of).collect()
+    } else {
+        // the middle of every three, so that a series that rises is checked within its range
+        (0..names.len()).map(|i| if i % 3 == 1 { Use::Check } else { Use::Fit }).collect()
+    };
+    for (needed, word) in [(Use::Fit, "to fit"), (Use::Check, "to check")] {
+        if !uses.contains(&needed) {
+            return Err(Error::file(format!(
+                "{}: no run is left {word}; a diagnosis needs runs for both, and never the same samples (`runs.toml` says which)",
+                folder.display()
+            )));
+        }
+    }
+    Ok(uses)
+}
+
+/// A run of a recording on a model: inputs on an even grid, outputs as measured.
+///
+/// # Errors
+/// Channels that are no variables or cannot be converted, no inputs or outputs, too many steps.
+pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: Option<f64>) -> Result<Run> {
+    let at = |e: Error| e.at(name);
+    let (Some(first), Some(last)) = (recording.time.first(), recording.time.last()) else {
+        return Err(Error::file(format!("{name}: the recording is empty")));
+    };
+    let mut intervals: Vec<f64> = recording.time.windows(2).map(|w| w[1] - w[0]).collect();
+    intervals.sort_by(f64::total_cmp);
+    let interval = intervals.get(intervals.len() / 2).copied().unwrap_or(interface.communication_step);
+    let step = step.unwrap_or_else(|| {
+        let whole = (interval / interface.communication_step - 1e-6).ceil();
+        // a whole part of the interval between samples, unless the model's step is longer than that
+        if whole > 1.0 { interval / whole.min(MAX_PARTS) } else { interface.communication_step }
+    });
+    let points = ((last - first) / step - 1e-6).ceil() as usize + 1;
+    if points > MAX_POINTS {
+        return Err(Error::file(format!("{name}: {points} steps of {step} s are more than can be kept")));
+    }
+    let mut drive = Drive { start: *first, step, inputs: Vec::new(), points };
+    let grid: Vec<f64> = (0..points).map(|k| drive.time(k).min(*last)).collect();
+    let mut channels = Vec::new();
+    for channel in &recording.channels {
+        let variable = interface.find(&channel.name).map_err(|e| {
+            at(Error::file(format!(
+                "{e}; `[channels]` in a file of --map says what a channel is, or leaves it out"
+            )))
+        })?;
+        let info = &interface.variables[variable];
+        let values = recording.channel_in(&channel.name, info.unit.as_deref().unwrap_or("1"))?;
+        match info.causality {
+            Causality::Input if info.kind == Kind::Real => {
+                let on_grid = grid.iter().map(|t| interpolate(&recording.time, &values, *t)).collect();
+                drive.inputs.push((variable, on_grid));
+            }
+            Causality::Input => {
+                let hold = |t: &f64| {
+                    let next = recording.time.partition_point(|s| *s <= t + 1e-6 * step);
+                    values[next.saturating_sub(1)]
+                };
+                drive.inputs.push((variable, grid.iter().map(hold).collect()));
+            }
+            Causality::Output | Causality::Local if info.kind == Kind::Real => {
+                channels.push(Channel { variable, values });
+            }
+            _ => {
+                return Err(at(Error::file(format!("{} is neither an input nor an output", channel.name))));
+            }
+        }
+    }
+    if channels.is_empty() {
+        return Err(at(Error::file("there is no measured output to compare with")));
+    }
+    channels.sort_by_key(|c| c.variable);
+    drive.inputs.sort_by_key(|i| i.0);
+    Ok(Run { name: name.into(), drive: Arc::new(drive), time: recording.time.clone(), channels })
+}

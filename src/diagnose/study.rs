@@ -1,0 +1,264 @@
+//! [`Study`]: a model, its runs, and the fits of the model with effects to them.
+
+use super::blocks::redundancy;
+use super::placement::Placement;
+use super::subject::FreeParameter;
+use crate::fit::{Bench, Fit, Knob, Options, OutputError, Problem, Run, Traces, Unknown, least_squares};
+use crate::{Error, Result};
+
+/// What is known beforehand about a parameter: its standard deviation as a share of the nominal value.
+const PRIOR: f64 = 0.3;
+/// Step of differences for parameters, as a share.
+const STEP: f64 = 1e-3;
+/// Parameters that are fitted at most; those with the most effect on the outputs.
+const MAX_FREE: usize = 14;
+/// A parameter that moves the outputs by less than this share of their size, over its whole prior, stays.
+const MIN_EFFECT: f64 = 1e-3;
+/// Blocks of a run that errors are compared over.
+const BLOCKS: usize = 24;
+
+/// A model with its recordings.
+pub struct Study<'a> {
+    /// What runs.
+    pub bench: &'a Bench,
+    /// Runs to fit and runs to check.
+    pub fit_runs: Vec<&'a Run>,
+    /// Runs to check.
+    pub check_runs: Vec<&'a Run>,
+    /// Parameters that are fitted.
+    pub free: Vec<FreeParameter>,
+    /// Largest lag of all channels \[s\] that filters of a recorder may make, and no physics.
+    pub lag: f64,
+    /// Weight of each measured channel.
+    pub weights: Vec<f64>,
+    /// How many neighbouring samples tell as much as one.
+    pub redundancy: f64,
+}
+
+/// Effects at places with their fitted parameters, and the fitted parameters of the model.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// Values of the free parameters, as multiples of their nominal values, and of the recorder's lag.
+    pub parameters: Vec<f64>,
+    /// Effects, with parameters as multiples of their scales.
+    pub effects: Vec<(Placement, Vec<f64>)>,
+}
+
+/// A model fitted to the fit runs.
+pub struct Fitted {
+    /// The model.
+    pub model: Model,
+    /// What the unknowns were, in the order: parameters, effects.
+    pub unknowns: Vec<Unknown>,
+    /// The fit.
+    pub fit: Fit,
+}
+
+/// What a model leaves of some runs.
+#[derive(Debug, Clone)]
+pub struct Rest {
+    /// Simulated channels of each run at its samples.
+    pub simulated: Vec<Traces>,
+    /// Weighted squared error in each block.
+    pub blocks: Vec<f64>,
+    /// Weighted squared error.
+    pub total: f64,
+}
+
+impl Study<'_> {
+    pub(super) fn problem<'b>(&'b self, model: &Model, runs: Vec<&'b Run>) -> OutputError<'b> {
+        let knob = |p: &FreeParameter| Knob::Parameter(p.variable, p.nominal);
+        let mut knobs: Vec<Knob> = self.free.iter().map(knob).collect();
+        knobs.push(Knob::Lag(self.lag));
+        let mut first = 0;
+        for (placement, _) in &model.effects {
+            let end = first + placement.targets.len();
+            for (k, scale) in placement.scales.iter().enumerate() {
+                knobs.push(Knob::Effect(first, end, k, *scale));
+            }
+            first = end;
+        }
+        OutputError {
+            bench: self.bench,
+            runs,
+            knobs,
+            values: Vec::new(),
+            attachments: model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect(),
+            weights: self.weights.clone(),
+        }
+    }
+
+    fn unknowns(&self, model: &Model) -> Vec<Unknown> {
+        let mut unknowns: Vec<Unknown> = self
+            .free
+            .iter()
+            .map(|p| {
+                let (a, b) = (p.low / p.nominal, p.high / p.nominal);
+                Unknown { start: 1.0, mean: 1.0, low: a.min(b), high: a.max(b), step: STEP, prior: PRIOR }
+            })
+            .collect();
+        unknowns.push(Unknown { start: 0.0, mean: 0.0, low: 0.0, high: 1.0, step: 0.05, prior: 1.0 });
+        for (placement, _) in &model.effects {
+            for parameter in placement.effect.parameters {
+                let (low, high) = parameter.search;
+                let typical = parameter.probes.first().map_or(high - low, |p| p.abs());
+                let off = parameter.off.unwrap_or(typical);
+                // what is known beforehand: that it is within the search; weak, for directions without data
+                let prior = (high - low).abs().max(f64::MIN_POSITIVE);
+                let step = if parameter.off.is_some() { 0.02 * typical } else { 0.02 * typical.max(1e-9) };
+                unknowns.push(Unknown { start: off, mean: off, low, high, step, prior });
+            }
+        }
+        unknowns
+    }
+
+    /// The point of a model among its unknowns.
+    pub(super) fn point(model: &Model) -> Vec<f64> {
+        model.parameters.iter().chain(model.effects.iter().flat_map(|(_, v)| v)).copied().collect()
+    }
+
+    /// The model as it is given.
+    pub fn nominal(&self) -> Model {
+        let mut parameters = vec![1.0; self.free.len()];
+        parameters.push(0.0);
+        Model { parameters, effects: Vec::new() }
+    }
+
+    /// Fits a model to the fit runs, beginning where it stands.
+    ///
+    /// # Errors
+    /// A model that cannot be run.
+    pub fn fit(&self, model: &Model, iterations: usize) -> Result<Fitted> {
+        let problem = self.problem(model, self.fit_runs.clone());
+        let mut unknowns = self.unknowns(model);
+        for (unknown, x) in unknowns.iter_mut().zip(Self::point(model)) {
+            unknown.start = x;
+        }
+        let options = Options { iterations, redundancy: self.redundancy, ..Options::default() };
+        let fit = least_squares(&problem, &unknowns, options)?;
+        let own = self.free.len() + 1;
+        let parameters = fit.x[..own].to_vec();
+        let mut rest = fit.x[own..].iter();
+        let effects = model
+            .effects
+            .iter()
+            .map(|(placement, values)| {
+                (placement.clone(), rest.by_ref().take(values.len()).copied().collect())
+            })
+            .collect();
+        Ok(Fitted { model: Model { parameters, effects }, unknowns, fit })
+    }
+
+    /// What a model leaves of some runs.
+    ///
+    /// # Errors
+    /// It cannot be run on one of them.
+    pub fn rest(&self, model: &Model, runs: &[&Run]) -> Result<Rest> {
+        let problem = self.problem(model, runs.to_vec());
+        let simulated = problem.simulate(&[Self::point(model)]).pop().flatten();
+        let simulated =
+            simulated.ok_or_else(|| Error::numeric("the model cannot be run on the check runs"))?;
+        let mut blocks = Vec::new();
+        for (run, traces) in runs.iter().zip(&simulated) {
+            let n = run.time.len();
+            let count = BLOCKS.min((n as f64 / (4.0 * self.redundancy)) as usize).max(1);
+            let mut sums = vec![0.0; count];
+            for ((channel, trace), weight) in run.channels.iter().zip(traces).zip(&self.weights) {
+                for (k, (s, m)) in trace.iter().zip(&channel.values).enumerate() {
+                    sums[k * count / n] += (weight * (s - m)).powi(2);
+                }
+            }
+            blocks.extend(sums);
+        }
+        let total = blocks.iter().sum();
+        Ok(Rest { simulated, blocks, total })
+    }
+
+    /// The parameters that matter: those with the most effect on the outputs, the most important first.
+    ///
+    /// # Errors
+    /// The model cannot be run with its nominal values.
+    pub fn choose_free(&mut self, candidates: &[FreeParameter]) -> Result<()> {
+        self.free = candidates.to_vec();
+        let model = self.nominal();
+        let problem = self.problem(&model, self.fit_runs.clone());
+        let mut points = vec![model.parameters.clone()];
+        for (i, p) in self.free.iter().enumerate() {
+            let mut point = model.parameters.clone();
+            // over the prior if the range allows, else over the range
+            let room = ((p.high - p.nominal) / p.nominal.abs()).min(0.05);
+            point[i] += if room > 1e-6 { room * p.nominal.signum() } else { -0.05 };
+            points.push(point);
+        }
+        let mut answers = problem.residuals(&points).into_iter();
+        let base = answers.next().flatten();
+        let base = base.ok_or_else(|| self.why_not(&problem))?;
+        let size = (base.len() as f64).sqrt();
+        let mut effects: Vec<(f64, usize)> = Vec::new();
+        for (i, answer) in answers.enumerate() {
+            let Some(moved) = answer else { continue };
+            let change = base.iter().zip(&moved).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+            let step = (points[i + 1][i] - 1.0).abs();
+            effects.push((change / size / step * PRIOR, i));
+        }
+        effects.retain(|(effect, i)| *effect > MIN_EFFECT || self.free[*i].asked);
+        effects.sort_by(|a, b| b.0.total_cmp(&a.0));
+        effects.truncate(MAX_FREE);
+        self.free = effects.iter().map(|(_, i)| candidates[*i].clone()).collect();
+        Ok(())
+    }
+
+    /// The error of a run that fails.
+    fn why_not(&self, problem: &OutputError<'_>) -> Error {
+        let setup = std::sync::Arc::new(problem.setup(&[]));
+        for run in &problem.runs {
+            let drives = [std::sync::Arc::clone(&run.drive)];
+            let answers = self.bench.run(&[std::sync::Arc::clone(&setup)], &drives, &problem.watch());
+            if let Some(Err(error)) = answers.into_iter().next() {
+                return error.at(format!("{}: the model cannot be run", run.name));
+            }
+        }
+        Error::numeric("the model cannot be run with its nominal values")
+    }
+
+    /// Sets weights and redundancy from what a model leaves: every channel counts in multiples of its
+    /// own error, but none for more than a thousand times its relative precision.
+    pub fn weigh(&mut self, runs: &[&Run], rest: &Rest) {
+        let mut spans = Vec::new();
+        for (c, weight) in self.weights.iter_mut().enumerate() {
+            let (mut error, mut size, mut n) = (0.0, 0.0, 0.0);
+            for (run, traces) in runs.iter().zip(&rest.simulated) {
+                let Some(channel) = run.channels.get(c) else { continue };
+                let difference: Vec<f64> =
+                    traces[c].iter().zip(&channel.values).map(|(s, m)| s - m).collect();
+                error += difference.iter().map(|d| d * d).sum::<f64>();
+                let mean = channel.values.iter().sum::<f64>() / channel.values.len().max(1) as f64;
+                size += channel.values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+                n += channel.values.len() as f64;
+                spans.push(redundancy(&difference));
+            }
+            if n > 0.0 && error > 0.0 {
+                *weight = 1.0 / (error / n).sqrt().max(1e-3 * (size / n).sqrt());
+            }
+        }
+        spans.sort_by(f64::total_cmp);
+        self.redundancy = spans.get(spans.len() / 2).copied().unwrap_or(1.0).max(1.0);
+    }
+}
+
+/// Weights of channels before anything is known: one over their spread.
+pub fn first_weights(runs: &[&Run]) -> Vec<f64> {
+    let count = runs.first().map_or(0, |r| r.channels.len());
+    (0..count)
+        .map(|c| {
+            let (mut square, mut n) = (0.0, 0.0);
+            for channel in runs.iter().filter_map(|r| r.channels.get(c)) {
+                let mean = channel.values.iter().sum::<f64>() / channel.values.len().max(1) as f64;
+                square += channel.values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+                n += channel.values.len() as f64;
+            }
+            let spread = (square / f64::max(n, 1.0)).sqrt();
+            if spread > 0.0 { 1.0 / spread } else { 1.0 }
+        })
+        .collect()
+}

@@ -1,0 +1,35 @@
+//! A motion that the rig does not make at once.
+
+use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
+
+/// T dx/dt + x = x_cmd.
+pub const EFFECT: Effect = Effect {
+    id: "actuator-lag",
+    name: "Actuator that follows late",
+    family: Family::Rig,
+    port: Port::Input,
+    also: &[],
+    equation: "T dx/dt + x = x_cmd",
+    source: "standard engineering knowledge",
+    signature: "all outputs lag behind one command by the same time; its fast parts are missing in all of them",
+    confused_with: &[
+        ("sensor-lag", "one output only"),
+        ("relaxation-length", "the lag goes with 1/V"),
+        ("actuator-resonance", "overshoots"),
+    ],
+    targets: &[Role::Position, Role::Velocity, Role::SlipAngle, Role::Camber, Role::Slip, Role::TravelSpeed],
+    drivers: &[],
+    parameters: &[Parameter::amplitude(
+        "time",
+        "Time in which 63 % of a step are reached",
+        Scale::plain("s"),
+        (0.0, 1.0),
+        (0.0, 2.0),
+        &[0.005],
+    )],
+    apply,
+};
+
+fn apply(p: &[f64], memory: &mut Memory, call: &Call<'_>) -> f64 {
+    if p[0] <= 0.0 { call.target } else { memory.lag(0, call.target, p[0], call.dt) }
+}

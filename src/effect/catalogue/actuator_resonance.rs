@@ -1,0 +1,46 @@
+//! A motion that rings.
+
+use super::operator::mode;
+use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
+
+/// A share of the commanded motion passes a mode.
+pub const EFFECT: Effect = Effect {
+    id: "actuator-resonance",
+    name: "Actuator or mount with a mode",
+    family: Family::Rig,
+    port: Port::Input,
+    also: &[],
+    equation: "x = x_cmd + a (u - x_cmd), u'' + 2 D w u' + w^2 (u - x_cmd) = 0, w = 2 pi f",
+    source: "standard engineering knowledge",
+    signature: "all outputs ring at one fixed frequency after fast commands",
+    confused_with: &[("frame-resonance", "one output only"), ("actuator-lag", "no overshoot")],
+    targets: &[Role::Position, Role::Velocity, Role::SlipAngle, Role::Camber],
+    drivers: &[],
+    parameters: &[
+        Parameter::amplitude(
+            "share",
+            "Share that passes the mode",
+            Scale::plain("1"),
+            (0.0, 1.3),
+            (-0.5, 1.5),
+            &[0.05],
+        ),
+        Parameter::shape(
+            "frequency",
+            "Frequency",
+            Scale::plain("Hz"),
+            (2.0, 100.0),
+            (1.0, 200.0),
+            &[5.0, 15.0, 40.0],
+        ),
+        Parameter::shape("damping", "Damping ratio", Scale::plain("1"), (0.005, 0.7), (0.003, 0.9), &[0.05]),
+    ],
+    apply,
+};
+
+fn apply(p: &[f64], memory: &mut Memory, call: &Call<'_>) -> f64 {
+    if p[0] == 0.0 {
+        return call.target;
+    }
+    call.target + p[0] * (mode(memory, 0, call.target, p[1], p[2], call.dt) - call.target)
+}

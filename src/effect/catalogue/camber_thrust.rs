@@ -1,0 +1,31 @@
+//! A lateral force of a tire that leans.
+
+use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
+
+/// F + C camber.
+pub const EFFECT: Effect = Effect {
+    id: "camber-thrust",
+    name: "Camber thrust",
+    family: Family::Tire,
+    port: Port::Output,
+    also: &[],
+    equation: "F = F_0 + C camber",
+    source: "MF-Tyre/MF-Swift 6.2 equation manual (linear part)",
+    signature: "in phase with the camber, at any slip angle",
+    confused_with: &[("cross-talk", "a copy of a channel by the sensor"), ("conicity", "without camber too")],
+    targets: &[Role::LateralForce],
+    drivers: &[Role::Camber],
+    parameters: &[Parameter::amplitude(
+        "stiffness",
+        "Force per camber",
+        Scale::of("1", 1, [-1, 0, 0]),
+        (-2.0, 2.0),
+        (-2.0, 2.0),
+        &[0.02],
+    )],
+    apply,
+};
+
+fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
+    if p[0] == 0.0 { call.target } else { call.target + p[0] * call.drivers[0] }
+}

@@ -1,0 +1,35 @@
+//! A disc that is thicker on one side.
+
+use super::operator::harmonic;
+use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
+
+/// The brake acts more at one angle: x (1 + a cos(theta) + b sin(theta)).
+pub const EFFECT: Effect = Effect {
+    id: "disc-thickness-variation",
+    name: "Brake disc of uneven thickness",
+    family: Family::Brake,
+    port: Port::Input,
+    also: &[],
+    equation: "x = x_0 (1 + a cos(theta) + b sin(theta))",
+    source: "dbausa.com T004; fliphtml5 Automotive Chassis Engineering p324",
+    signature: "a line at the first order of the wheel while the brake acts, in proportion to it",
+    confused_with: &[
+        ("non-uniformity", "without braking too"),
+        ("tone-ring", "in the wheel speed alone"),
+        ("imbalance", "grows with the square of the speed"),
+    ],
+    targets: &[Role::Pressure, Role::Force],
+    drivers: &[Role::WheelAngle],
+    parameters: &[
+        Parameter::amplitude("cosine", "Cosine part", Scale::plain("1"), (-0.5, 0.5), (-1.0, 1.0), &[0.01]),
+        Parameter::amplitude("sine", "Sine part", Scale::plain("1"), (-0.5, 0.5), (-1.0, 1.0), &[0.01]),
+    ],
+    apply,
+};
+
+fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
+    if p[0] == 0.0 && p[1] == 0.0 {
+        return call.target;
+    }
+    call.target * (1.0 + harmonic(p[0], p[1], call.drivers[0]))
+}

@@ -1,0 +1,51 @@
+//! A frame that vibrates with what it carries.
+
+use super::operator::mode;
+use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Scale};
+
+/// A share of the number passes a mode.
+pub const EFFECT: Effect = Effect {
+    id: "frame-resonance",
+    name: "Mode of the rig or of a fixture",
+    family: Family::Rig,
+    port: Port::Output,
+    also: &[],
+    equation: "y_m = y + a (u - y), u'' + 2 D w u' + w^2 (u - y) = 0, w = 2 pi f",
+    source: "PMC2665306 (structure compliance and dynamics reduce load fidelity); the mode: standard engineering knowledge",
+    signature: "a peak at a fixed frequency, whatever the speed, the pressure and the tire",
+    confused_with: &[
+        ("belt-mode", "moves with the inflation pressure; needs the tire"),
+        ("belt-order", "moves with the speed"),
+        ("mains-hum", "there without excitation"),
+        ("sensor-lag", "no peak"),
+    ],
+    targets: &[],
+    drivers: &[],
+    parameters: &[
+        Parameter::amplitude(
+            "share",
+            "Share that passes the mode",
+            Scale::plain("1"),
+            (0.0, 1.3),
+            (-0.5, 1.5),
+            &[0.05],
+        ),
+        Parameter::shape(
+            "frequency",
+            "Frequency",
+            Scale::plain("Hz"),
+            (2.0, 300.0),
+            (1.0, 400.0),
+            &[8.0, 20.0, 50.0, 120.0],
+        ),
+        Parameter::shape("damping", "Damping ratio", Scale::plain("1"), (0.005, 0.4), (0.003, 0.9), &[0.05]),
+    ],
+    apply,
+};
+
+fn apply(p: &[f64], memory: &mut Memory, call: &Call<'_>) -> f64 {
+    if p[0] == 0.0 {
+        return call.target;
+    }
+    call.target + p[0] * (mode(memory, 0, call.target, p[1], p[2], call.dt) - call.target)
+}

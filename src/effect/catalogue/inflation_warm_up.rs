@@ -1,0 +1,50 @@
+//! A tire that warms up and gets stiffer.
+
+use super::operator::{bounded, store};
+use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
+
+/// Rolling warms it: dU/dt = |V| / T - U / T; F (1 + a U).
+pub const EFFECT: Effect = Effect {
+    id: "inflation-warm-up",
+    name: "Inflation pressure that rises while rolling",
+    family: Family::Tire,
+    port: Port::Output,
+    also: &[(Port::Parameter, Role::Other)],
+    equation: "F = F_0 (1 + a U), T dU/dt + U = |V|, U = 0 at the start",
+    source: "ideal gas at constant volume, standard engineering knowledge; here one heat store",
+    signature: "a slow rise of all stiffnesses from the start of a run, the more the faster it rolls",
+    confused_with: &[
+        ("thermal-softening", "less force, from sliding"),
+        ("sensor-drift", "in zero too"),
+        ("pressure-dependent-friction", "follows a pressure that is known"),
+    ],
+    targets: &[Role::Force],
+    drivers: &[Role::TravelSpeed],
+    parameters: &[
+        Parameter::amplitude(
+            "rise",
+            "Relative rise of the force per speed, warmed through",
+            Scale::of("1", 0, [-1, 0, 0]),
+            (0.0, 0.5),
+            (-1.0, 1.0),
+            &[0.02],
+        ),
+        Parameter::shape(
+            "time",
+            "Time constant of the warming",
+            Scale::plain("s"),
+            (2.0, 3000.0),
+            (1.0, 3000.0),
+            &[5.0, 100.0],
+        ),
+    ],
+    apply,
+};
+
+fn apply(p: &[f64], memory: &mut Memory, call: &Call<'_>) -> f64 {
+    if p[0] == 0.0 || p[1] <= 0.0 {
+        return call.target;
+    }
+    let warm = store(memory, 0, bounded(call.drivers[0].abs()), p[1], call.dt) / p[1];
+    call.target * (1.0 + p[0] * warm)
+}

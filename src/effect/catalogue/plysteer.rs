@@ -1,0 +1,39 @@
+//! A tire whose belt plies pull to a side.
+
+use super::operator::soft_sign;
+use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
+
+/// F + c |Fz| tanh(V / 0.1 m/s).
+pub const EFFECT: Effect = Effect {
+    id: "plysteer",
+    name: "Ply steer",
+    family: Family::Tire,
+    port: Port::Output,
+    also: &[],
+    equation: "F = F_0 + c |Fz| tanh(V / 0.1 m/s)",
+    source: "scribd 459127951 ply steer and conicity",
+    signature: "an offset of the lateral force that turns with the direction of rotation",
+    confused_with: &[
+        ("conicity", "does not turn with the direction"),
+        ("steering-compliance", "goes with the force"),
+        ("rolling-resistance", "in the longitudinal force"),
+    ],
+    targets: &[Role::LateralForce],
+    drivers: &[Role::Load, Role::TravelSpeed],
+    parameters: &[Parameter::amplitude(
+        "coefficient",
+        "Force per load",
+        Scale::of("1", 1, [-1, 0, 0]),
+        (-0.5, 0.5),
+        (-1.0, 1.0),
+        &[0.01],
+    )],
+    apply,
+};
+
+fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
+    if p[0] == 0.0 {
+        return call.target;
+    }
+    call.target + p[0] * call.drivers[0].abs() * soft_sign(call.drivers[1], 0.1)
+}

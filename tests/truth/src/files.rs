@@ -1,0 +1,52 @@
+//! Writes cases and answers.
+
+use crate::draw::draw;
+use crate::recording::{Recorded, record};
+use serde::Serialize;
+use std::path::Path;
+
+/// A case of a study, simulated.
+///
+/// # Errors
+/// A case that does not exist or cannot be drawn.
+pub fn case(seed: u64, number: usize) -> Result<Recorded, String> {
+    Ok(record(&draw(seed, number)?))
+}
+
+/// Writes what a diagnosis may see: the name of the model and the recordings.
+///
+/// # Errors
+/// As [`case`], or a folder that cannot be written.
+pub fn write_case(seed: u64, number: usize, folder: &Path) -> Result<(), String> {
+    for (name, content) in case(seed, number)?.files {
+        write(&folder.join(name), &content)?;
+    }
+    Ok(())
+}
+
+/// Writes the answer and the floor of the noise.
+///
+/// # Errors
+/// As [`write_case`].
+pub fn write_answer(seed: u64, number: usize, folder: &Path) -> Result<(), String> {
+    let recorded = case(seed, number)?;
+    let name = &recorded.answer.case;
+    write_json(&folder.join(format!("{name}.json")), &recorded.answer)?;
+    write_json(&folder.join(format!("{name}.reference.json")), &recorded.reference)
+}
+
+fn write_json(path: &Path, value: &impl Serialize) -> Result<(), String> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| format!("{}: {e}", path.display()))?;
+    write(path, &(text + "\n"))
+}
+
+/// Writes a file, with the folders above it.
+///
+/// # Errors
+/// A place that cannot be written.
+pub fn write(path: &Path, content: &str) -> Result<(), String> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder)
+        .and_then(|()| std::fs::write(path, content))
+        .map_err(|e| format!("{} cannot be written: {e}", path.display()))
+}

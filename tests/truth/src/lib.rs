@@ -1,0 +1,23 @@
+//! Recordings of machines in which an effect is concealed, the sealed answers to them, and the score.
+//!
+//! Nothing here depends on latsch. A [`study`] is a list of kinds, shuffled by its seed; [`draw`] makes
+//! a case of one of them: a base machine with parameters of its own, what is [hidden] in it, a
+//! [`programme`], [sensors](sensor) and perhaps a [`fault`] of the recording; [`recording`] simulates it.
+//! The same seed gives the same bytes on every machine.
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod answer;
+pub mod base;
+pub mod catalogue;
+pub mod draw;
+pub mod fault;
+pub mod files;
+pub mod hidden;
+pub mod programme;
+pub mod random;
+pub mod recording;
+pub mod score;
+pub mod sensor;
+pub mod simulate;
+pub mod sizing;
+pub mod study;

@@ -1,0 +1,97 @@
+//! `latsch-truth`: cases with concealed effects, their sealed answers, and the score.
+
+use clap::Parser;
+use latsch_truth::study::{name, study};
+use latsch_truth::{files, score};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Recordings with concealed effects, sealed answers, and their score
+#[derive(Parser)]
+enum Command {
+    /// Write the recordings of a case, without a word about what is in them
+    Case {
+        /// Number of the case, from 1
+        number: usize,
+        /// Folder of the case
+        #[arg(long)]
+        output: PathBuf,
+        #[command(flatten)]
+        seed: Seed,
+    },
+    /// Write the answers of cases; only the scorer may see them, and only when all diagnoses are there
+    Answers {
+        /// Numbers of the cases, from 1 [default: all]
+        numbers: Vec<usize>,
+        /// Folder of the answers
+        #[arg(long)]
+        output: PathBuf,
+        #[command(flatten)]
+        seed: Seed,
+    },
+    /// Say how many cases there are
+    Count {
+        #[command(flatten)]
+        seed: Seed,
+    },
+    /// List every case with its kind: this breaks the seal, it is for those who build the study
+    Reveal {
+        #[command(flatten)]
+        seed: Seed,
+    },
+    /// Hold diagnoses (RESULTS/CASE/diagnosis.json) against answers and print the table
+    Score {
+        /// Folder of the answers
+        answers: PathBuf,
+        /// Folder of the results
+        results: PathBuf,
+    },
+}
+
+#[derive(clap::Args)]
+struct Seed {
+    /// Seed of the study
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+fn main() -> ExitCode {
+    match run(&Command::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("latsch-truth: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn index(number: usize) -> Result<usize, String> {
+    number.checked_sub(1).ok_or_else(|| "cases are numbered from 1".to_owned())
+}
+
+fn run(command: &Command) -> Result<(), String> {
+    match command {
+        Command::Case { number, output, seed } => files::write_case(seed.seed, index(*number)?, output),
+        Command::Answers { numbers, output, seed } => {
+            let all: Vec<usize> = (1..=study(seed.seed).len()).collect();
+            for number in if numbers.is_empty() { &all } else { numbers } {
+                files::write_answer(seed.seed, index(*number)?, output)?;
+            }
+            Ok(())
+        }
+        Command::Count { seed } => {
+            println!("{}", study(seed.seed).len());
+            Ok(())
+        }
+        Command::Reveal { seed } => {
+            for (number, kind) in study(seed.seed).iter().enumerate() {
+                println!("{} {kind:?}", name(number));
+            }
+            Ok(())
+        }
+        Command::Score { answers, results } => {
+            print!("{}", score::report(&score::judge_all(answers, results)?));
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! The recordings and the answer of a case.
+
+use crate::answer::{Answer, Effect, Parameter, Reference, ReferenceRun};
+use crate::catalogue::{alike, family};
+use crate::draw::Case;
+use crate::fault::Tables;
+use crate::sensor::{Quantum, quantum};
+use crate::simulate::STEP;
+use crate::study::Kind;
+
+/// A case as it is written.
+#[derive(Debug, Clone)]
+pub struct Recorded {
+    /// Name and content of the files of its folder.
+    pub files: Vec<(String, String)>,
+    /// What is true.
+    pub answer: Answer,
+    /// What no model can explain.
+    pub reference: Reference,
+}
+
+/// Time stamps have this resolution \[s\].
+const STAMP: Quantum = Quantum { mantissa: 1, exponent: -5 };
+
+/// Simulates a case and records it.
+#[must_use]
+pub fn record(case: &Case) -> Recorded {
+    let world = &case.world;
+    let (inputs, outputs) = (world.base.inputs(), world.base.outputs());
+    let mut random = case.random.clone();
+    let stamp_error = random.within(0.001, 0.01);
+    let share: Vec<f64> = outputs.iter().map(|_| random.within(0.1, 0.5)).collect();
+    let quanta: Vec<Quantum> = case.noise.iter().zip(&share).map(|(n, s)| quantum(n.deviation * s)).collect();
+    let input_quanta = input_quanta(case);
+    let mut tables = Tables { stamps: Vec::new(), columns: Vec::new(), inputs: inputs.len() };
+    let mut floor = Vec::new();
+    for (number, run) in (0_u64..).zip(&case.runs) {
+        let ideal = world.run(run, number, STEP);
+        let interval = run.time.last().copied().unwrap_or(1.0) / (run.time.len().max(2) - 1) as f64;
+        let stamps = run.time.iter().map(|t| {
+            let error =
+                if *t > 0.0 { stamp_error * interval * random.normal().clamp(-3.0, 3.0) } else { 0.0 };
+            STAMP.round(t + error)
+        });
+        tables.stamps.push(stamps.collect());
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        for (values, resolution) in ideal.inputs.iter().zip(&input_quanta) {
+            columns.push(values.iter().map(|v| resolution.round(*v)).collect());
+        }
+        let mut squares = Vec::new();
+        for ((values, noise), (resolution, row)) in
+            ideal.outputs.iter().zip(&case.noise).zip(quanta.iter().zip(outputs))
+        {
+            let errors = noise.values(&mut random, values.len());
+            let recorded: Vec<f64> =
+                values.iter().zip(&errors).map(|(v, e)| resolution.round(v + e)).collect();
+            let square = recorded.iter().zip(values).map(|(r, v)| (r - v) * (r - v)).sum::<f64>()
+                / values.len() as f64;
+            squares.push((row.0.to_owned(), square));
+            columns.push(recorded);
+        }
+        tables.columns.push(columns);
+        floor.push(ReferenceRun { name: file_name(floor.len()), samples: run.time.len(), channels: squares });
+    }
+    let mut fault = None;
+    if let Kind::Fault(name) = case.kind {
+        let offered: Vec<usize> = (0..outputs.len())
+            .filter(|c| outputs[*c].0 != "wheel_angle" && (inputs.len() != 5 || *c < 3))
+            .collect();
+        let channel = tables.spoil(name, &offered, &mut random);
+        fault = Some((name.to_owned(), outputs[channel].0.to_owned()));
+    }
+    let quanta: Vec<Quantum> = input_quanta.into_iter().chain(quanta).collect();
+    let mut files = vec![("model".to_owned(), format!("{}\n", world.base.name()))];
+    for run in 0..case.runs.len() {
+        files.push((format!("recordings/{}", file_name(run)), csv(case, &tables, run, &quanta)));
+    }
+    if let Some(check) = &case.check {
+        files.push(("recordings/runs.toml".to_owned(), runs_toml(check)));
+    }
+    Recorded { files, answer: answer(case, fault), reference: Reference { runs: floor } }
+}
+
+fn file_name(run: usize) -> String {
+    format!("run-{:02}.csv", run + 1)
+}
+
+fn input_quanta(case: &Case) -> Vec<Quantum> {
+    (0..case.world.base.inputs().len())
+        .map(|i| {
+            let values = || case.runs.iter().flat_map(|run| run.inputs[i].iter().copied());
+            let (low, high) =
+                values().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+            let range = (high - low).max(1e-3 * high.abs()).max(1e-6);
+            quantum(range / 2e4)
+        })
+        .collect()
+}
+
+fn csv(case: &Case, tables: &Tables, run: usize, quanta: &[Quantum]) -> String {
+    let rows = case.world.base.inputs().iter().chain(case.world.base.outputs());
+    let mut text = String::from("time [s]");
+    for row in rows {
+        text += &format!(",{} [{}]", row.0, row.1);
+    }
+    for (k, stamp) in tables.stamps[run].iter().enumerate() {
+        text += &format!("\n{stamp:.5}");
+        for (column, resolution) in tables.columns[run].iter().zip(quanta) {
+            text.push(',');
+            // what a fault has scaled no longer lies on its grid
+            let fine = matches!(case.kind, Kind::Fault("unit" | "swapped"));
+            if fine { text += &format!("{:.7e}", column[k]) } else { text += &resolution.text(column[k]) }
+        }
+    }
+    text + "\n"
+}
+
+fn runs_toml(check: &[bool]) -> String {
+    let line = |(k, check): (usize, &bool)| {
+        format!("\"{}\" = \"{}\"\n", file_name(k), if *check { "check" } else { "fit" })
+    };
+    format!("[runs]\n{}", check.iter().enumerate().map(line).collect::<String>())
+}
+
+fn answer(case: &Case, fault: Option<(String, String)>) -> Answer {
+    let base = case.world.base;
+    let outputs = base.outputs();
+    let effects = case.world.hidden.iter().zip(&case.marks).map(|(hidden, (depends_on, left))| {
+        let over_noise = left.iter().copied().fold(0.0, f64::max);
+        let mut order: Vec<usize> = (0..left.len()).filter(|c| left[*c] > 0.4 * over_noise).collect();
+        order.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
+        Effect {
+            id: hidden.id.to_owned(),
+            family: family(hidden.id).unwrap_or_default().to_owned(),
+            channels: order.into_iter().map(|c| outputs[c].0.to_owned()).collect(),
+            depends_on: depends_on.clone(),
+            accept: if family(hidden.id).is_some() { alike(hidden.id) } else { Vec::new() },
+            size: hidden.size,
+            over_noise,
+        }
+    });
+    let detail = match case.kind {
+        Kind::Clear(id) | Kind::Faint(id) | Kind::Outside(id) | Kind::Fault(id) => id.to_owned(),
+        Kind::Mack(k) => format!("K{k}"),
+        _ => case.world.hidden.iter().map(|h| h.id).collect::<Vec<_>>().join(" + "),
+    };
+    Answer {
+        case: case.name.clone(),
+        kind: case.kind.name().to_owned(),
+        detail,
+        model: base.name().to_owned(),
+        effects: effects.collect(),
+        fault: fault.map(|(name, channel)| format!("{name} in {channel}")),
+        decoys: case.decoys.clone(),
+        parameters: base
+            .parameters()
+            .iter()
+            .zip(&case.world.parameters)
+            .map(|(row, value)| Parameter { name: row.0.to_owned(), start: row.2, value: *value })
+            .collect(),
+        to_find: case.to_find.clone(),
+    }
+}
