@@ -1,8 +1,7 @@
 //! Each effect against its closed form.
 
-use super::find;
 use super::tests::run;
-use crate::effect::Effect;
+use crate::effect::{Effect, find};
 use std::f64::consts::{E, PI, TAU};
 
 fn effect(id: &str) -> &'static Effect {

@@ -1,7 +1,7 @@
 //! What every effect of the catalogue has to keep.
 
-use super::{EFFECTS, find};
-use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role};
+use super::EFFECTS;
+use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, find};
 use proptest::prelude::*;
 
 /// A communication point: time since the last one, changed number, drivers.
