@@ -101,7 +101,7 @@ fn write(folder: &Path, outcome: &Outcome) -> Result<()> {
             Fitted { interval: interval(&name), name, value: *value }
         })
         .collect();
-    let text = corrected_text(interface, &fitted, &outcome.attachments, &[])?;
+    let text = corrected_text(interface, &fitted, &outcome.attachments, &outcome.intervals)?;
     write_file(&folder.join("corrected.toml"), text.as_bytes())?;
     let base = match &outcome.subject.base {
         Base::Shipped(name, settings) => CorrectedBase::Model(name.clone(), settings.clone()),

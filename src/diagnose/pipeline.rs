@@ -69,6 +69,8 @@ pub struct Outcome {
     pub parameters: Vec<(usize, f64)>,
     /// The corrected model: its effects.
     pub attachments: Vec<crate::effect::Attachment>,
+    /// 95 % intervals of their parameters, where the recordings fix them.
+    pub intervals: Vec<Vec<Option<(f64, f64)>>>,
     /// The check runs: as measured, with the refitted model, with the corrected model.
     pub check: Vec<CheckTraces>,
 }
@@ -190,6 +192,23 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
             }
         }
     }
+    let fine: Vec<(Run, Use)>;
+    if !current.model.effects.is_empty() {
+        // effects act at communication points: what is handed on is fitted where shorter steps change nothing
+        progress("fitting the corrected model with short steps", 0.9);
+        fine = runs.iter().map(|(run, use_)| (finer(run), *use_)).collect();
+        let of =
+            |wanted: Use| fine.iter().filter(|(_, u)| *u == wanted).map(|(r, _)| r).collect::<Vec<&Run>>();
+        study.fit_runs = of(Use::Fit);
+        study.check_runs = of(Use::Check);
+        current = study.fit(&current.model, 4)?;
+        current_check = study.rest(&current.model, &study.check_runs)?;
+        for (finding, estimates) in
+            findings.iter_mut().chain(&mut unknown).zip(all_estimates(&study, &current))
+        {
+            finding.parameters = estimates;
+        }
+    }
     progress("writing it down", 0.95);
     let improved = sign_flip(&differences(&nominal_rest.blocks, &base_rest.blocks));
     let verdict = match (&findings[..], &unknown) {
@@ -224,9 +243,16 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     diagnosis.next_experiment = next_experiment(&diagnosis);
     let check = traces(&study, &subject, &base_model, &current.model, &recordings, &names)?;
     let parameters =
-        study.free.iter().zip(&current.model.parameters).map(|(p, x)| (p.variable, p.nominal * x)).collect();
+        study.free.iter().zip(&current.model.parameters).map(|(p, x)| (p.variable, p.scale * x)).collect();
     let attachments = current.model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect();
-    Ok(Outcome { diagnosis, parameters, attachments, check, subject })
+    let ends = |e: &Estimate| Some((e.low?, e.high?));
+    let mut intervals = Vec::new();
+    for ((placement, _), estimates) in current.model.effects.iter().zip(all_estimates(&study, &current)) {
+        let own: Vec<_> = estimates.iter().map(ends).collect();
+        // one attachment for each place
+        intervals.extend(placement.targets.iter().map(|_| own.clone()));
+    }
+    Ok(Outcome { diagnosis, parameters, attachments, intervals, check, subject })
 }
 
 fn read_folder(folder: &Path, map: &Map) -> Result<(Vec<String>, Vec<hygiene::RawRecording>)> {
@@ -329,6 +355,33 @@ fn some_of<'a>(runs: &[&'a Run]) -> Vec<&'a Run> {
     (0..n).map(|i| runs[(2 * i + 1) * runs.len() / (2 * n)]).collect()
 }
 
+/// The same run with a quarter of the communication step.
+fn finer(run: &Run) -> Run {
+    const PARTS: usize = 4;
+    let drive = &run.drive;
+    let points = (drive.points - 1) * PARTS + 1;
+    let refine = |values: &Vec<f64>| {
+        (0..points)
+            .map(|k| {
+                let (i, part) = (k / PARTS, k % PARTS);
+                let next = values[(i + 1).min(values.len() - 1)];
+                if part == 0 {
+                    values[i]
+                } else {
+                    values[i] + (next - values[i]) * part as f64 / PARTS as f64
+                }
+            })
+            .collect()
+    };
+    let drive = Drive {
+        start: drive.start,
+        step: drive.step / PARTS as f64,
+        inputs: drive.inputs.iter().map(|(v, values)| (*v, refine(values))).collect(),
+        points,
+    };
+    Run { drive: Arc::new(drive), ..run.clone() }
+}
+
 /// The shortest of the runs' median sampling intervals \[s\].
 fn shortest_interval(runs: &[&Run]) -> f64 {
     let median = |run: &&Run| {
@@ -376,7 +429,13 @@ fn screen<'a>(
     let drives: Vec<Arc<Drive>> = runs.iter().map(|r| Arc::clone(&r.drive)).collect();
     let (mut size, rate) = sizes(interface.variables.len(), &watch, &drives, &screen.traces);
     for p in &study.free {
-        size[p.variable] = p.nominal.abs();
+        size[p.variable] = p.scale;
+    }
+    // a model may leave an output at rest that moves
+    for channel in runs.iter().flat_map(|r| &r.channels) {
+        let n = channel.values.len().max(1) as f64;
+        let own = (channel.values.iter().map(|v| v * v).sum::<f64>() / n).sqrt();
+        size[channel.variable] = size[channel.variable].max(own);
     }
     let measured: Vec<usize> =
         runs.first().map_or(Vec::new(), |r| r.channels.iter().map(|c| c.variable).collect());
@@ -445,8 +504,8 @@ fn choose(screened: &[Screened]) -> Vec<Screened> {
                 break;
             }
             // other places of the same effect only if they are about as good
-            let same = chosen.iter().filter(|c| c.placement.effect.id == s.placement.effect.id).count();
-            if same > 0 && (same > 1 || s.gain < 0.8 * best) {
+            let mut same = chosen.iter().filter(|c| c.placement.effect.id == s.placement.effect.id);
+            if same.clone().count() > 1 || same.next().is_some_and(|first| s.gain < 0.6 * first.gain) {
                 continue;
             }
             chosen.push(s.clone());
@@ -465,7 +524,7 @@ fn try_out(
 ) -> Option<Tried> {
     let mut model = current.clone();
     model.effects.push((screened.placement.clone(), screened.values.clone()));
-    // from near the off value, so that the parameters move along; from the linear prediction if that fails
+    // from near the off value, so that the parameters move along
     if let Some((placement, values)) = model.effects.last_mut() {
         for (value, parameter) in values.iter_mut().zip(placement.effect.parameters) {
             if let Some(off) = parameter.off {
@@ -476,9 +535,8 @@ fn try_out(
     }
     let mut fitted = study.fit(&model, 6).ok();
     if fitted.as_ref().is_none_or(|f| f.fit.cost > current_fit.total * (1.0 - 0.5 * screened.gain)) {
-        if let Some((_, values)) = model.effects.last_mut() {
-            values.clone_from(&screened.values);
-        }
+        // a refit without the effect may have bent the parameters far: from the nominal ones as well
+        model.parameters = study.nominal().parameters;
         let other = study.fit(&model, 5).ok();
         fitted = match (fitted, other) {
             (Some(a), Some(b)) => Some(if a.fit.cost <= b.fit.cost { a } else { b }),
@@ -684,9 +742,27 @@ fn affected(study: &Study<'_>, subject: &Subject, t: &Tried, before: &Rest) -> V
 
 /// Parameters of the last effect with 95 % intervals.
 fn estimates(study: &Study<'_>, fitted: &Fitted) -> Vec<Estimate> {
+    all_estimates(study, fitted).pop().unwrap_or_default()
+}
+
+/// Parameters of all effects with 95 % intervals.
+fn all_estimates(study: &Study<'_>, fitted: &Fitted) -> Vec<Vec<Estimate>> {
     let covariance = fitted.fit.covariance(&fitted.unknowns, study.redundancy);
-    let Some((placement, values)) = fitted.model.effects.last() else { return Vec::new() };
-    let first = fitted.unknowns.len() - values.len();
+    let mut first = study.free.len() + 1;
+    let mut all = Vec::new();
+    for (placement, values) in &fitted.model.effects {
+        all.push(estimates_of(placement, values, &covariance, first));
+        first += values.len();
+    }
+    all
+}
+
+fn estimates_of(
+    placement: &Placement,
+    values: &[f64],
+    covariance: &nalgebra::DMatrix<f64>,
+    first: usize,
+) -> Vec<Estimate> {
     placement
         .effect
         .parameters
@@ -714,11 +790,11 @@ fn fitted_parameters(study: &Study<'_>, subject: &Subject, fitted: &Fitted) -> V
         // as wide as what was known beforehand: the recordings say nothing
         let known = half < 1.8 * fitted.unknowns[i].prior;
         let info = &subject.interface.variables[p.variable];
-        let ends = [(x - half) * p.nominal, (x + half) * p.nominal];
+        let ends = [(x - half) * p.scale, (x + half) * p.scale];
         FittedParameter {
             name: info.name.clone(),
             start: p.nominal,
-            value: x * p.nominal,
+            value: x * p.scale,
             low: known.then_some(ends[0].min(ends[1])),
             high: known.then_some(ends[0].max(ends[1])),
             unit: info.unit.clone().unwrap_or_else(|| "1".into()),

@@ -71,18 +71,24 @@ impl Roles {
                 .map(|variable| Signal { variable, source })
                 .collect()
         };
-        let direct = with(role, Source::Value);
-        let (from, source) = match role {
-            Role::Velocity => (Role::Position, Source::Rate),
-            Role::Acceleration => (Role::Velocity, Source::Rate),
-            Role::WheelAngle => (Role::WheelSpeed, Source::Integral),
-            Role::TravelDistance => (Role::TravelSpeed, Source::Integral),
-            Role::Position => (Role::Velocity, Source::Integral),
-            Role::TravelSpeed => (Role::TravelDistance, Source::Rate),
-            Role::WheelSpeed => (Role::WheelAngle, Source::Rate),
-            _ => return direct,
+        let sources: &[(Role, Source)] = match role {
+            Role::Velocity => &[(Role::Position, Source::Rate)],
+            Role::Acceleration => &[
+                (Role::Velocity, Source::Rate),
+                (Role::TravelSpeed, Source::Rate),
+                (Role::WheelSpeed, Source::Rate),
+            ],
+            Role::WheelAngle => &[(Role::WheelSpeed, Source::Integral)],
+            Role::TravelDistance => &[(Role::TravelSpeed, Source::Integral)],
+            Role::Position => &[(Role::Velocity, Source::Integral)],
+            Role::TravelSpeed => &[(Role::TravelDistance, Source::Rate)],
+            Role::WheelSpeed => &[(Role::WheelAngle, Source::Rate)],
+            _ => &[],
         };
-        if direct.is_empty() { with(from, source) } else { direct }
+        let direct = with(role, Source::Value);
+        let made =
+            sources.iter().map(|(role, source)| with(*role, *source)).find(|signals| !signals.is_empty());
+        if direct.is_empty() { made.unwrap_or_default() } else { direct }
     }
 }
 

@@ -38,7 +38,7 @@ pub struct Study<'a> {
 /// Effects at places with their fitted parameters, and the fitted parameters of the model.
 #[derive(Debug, Clone)]
 pub struct Model {
-    /// Values of the free parameters, as multiples of their nominal values, and of the recorder's lag.
+    /// Values of the free parameters, as multiples of their sizes, and of the recorder's lag.
     pub parameters: Vec<f64>,
     /// Effects, with parameters as multiples of their scales.
     pub effects: Vec<(Placement, Vec<f64>)>,
@@ -67,7 +67,7 @@ pub struct Rest {
 
 impl Study<'_> {
     pub(super) fn problem<'b>(&'b self, model: &Model, runs: Vec<&'b Run>) -> OutputError<'b> {
-        let knob = |p: &FreeParameter| Knob::Parameter(p.variable, p.nominal);
+        let knob = |p: &FreeParameter| Knob::Parameter(p.variable, p.scale);
         let mut knobs: Vec<Knob> = self.free.iter().map(knob).collect();
         knobs.push(Knob::Lag(self.lag));
         let mut first = 0;
@@ -93,8 +93,11 @@ impl Study<'_> {
             .free
             .iter()
             .map(|p| {
-                let (a, b) = (p.low / p.nominal, p.high / p.nominal);
-                Unknown { start: 1.0, mean: 1.0, low: a.min(b), high: a.max(b), step: STEP, prior: PRIOR }
+                let nominal = p.nominal / p.scale;
+                // of a parameter that is zero nothing is known but its range
+                let prior = if p.nominal == 0.0 { 1.0 } else { PRIOR };
+                let (low, high) = (p.low / p.scale, p.high / p.scale);
+                Unknown { start: nominal, mean: nominal, low, high, step: STEP, prior }
             })
             .collect();
         unknowns.push(Unknown { start: 0.0, mean: 0.0, low: 0.0, high: 1.0, step: 0.05, prior: 1.0 });
@@ -119,7 +122,7 @@ impl Study<'_> {
 
     /// The model as it is given.
     pub fn nominal(&self) -> Model {
-        let mut parameters = vec![1.0; self.free.len()];
+        let mut parameters: Vec<f64> = self.free.iter().map(|p| p.nominal / p.scale).collect();
         parameters.push(0.0);
         Model { parameters, effects: Vec::new() }
     }
@@ -186,8 +189,8 @@ impl Study<'_> {
         for (i, p) in self.free.iter().enumerate() {
             let mut point = model.parameters.clone();
             // over the prior if the range allows, else over the range
-            let room = ((p.high - p.nominal) / p.nominal.abs()).min(0.05);
-            point[i] += if room > 1e-6 { room * p.nominal.signum() } else { -0.05 };
+            let room = ((p.high - p.nominal) / p.scale).min(0.05);
+            point[i] += if room > 1e-6 { room } else { -0.05 };
             points.push(point);
         }
         let mut answers = problem.residuals(&points).into_iter();
@@ -198,7 +201,7 @@ impl Study<'_> {
         for (i, answer) in answers.enumerate() {
             let Some(moved) = answer else { continue };
             let change = base.iter().zip(&moved).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-            let step = (points[i + 1][i] - 1.0).abs();
+            let step = (points[i + 1][i] - points[0][i]).abs();
             effects.push((change / size / step * PRIOR, i));
         }
         effects.retain(|(effect, i)| *effect > MIN_EFFECT || self.free[*i].asked);

@@ -46,6 +46,8 @@ pub struct FreeParameter {
     pub variable: usize,
     /// Value before the fit.
     pub nominal: f64,
+    /// Its typical size: that of the value, or of its range if the value is zero.
+    pub scale: f64,
     /// Bounds.
     pub low: f64,
     /// Bounds.
@@ -145,7 +147,8 @@ fn free_parameters(
         let low = low.max(info.min.unwrap_or(f64::NEG_INFINITY));
         let high = high.min(info.max.unwrap_or(f64::INFINITY));
         let asked = !settings.fit.is_empty();
-        Some(FreeParameter { variable, nominal: nominal.clamp(low, high.max(low)), low, high, asked })
+        let scale = if nominal == 0.0 { 0.5 * (high - low) } else { nominal.abs() };
+        Some(FreeParameter { variable, nominal: nominal.clamp(low, high.max(low)), scale, low, high, asked })
     };
     if settings.fit.is_empty() {
         let names = |name: &str| NUMERICAL.iter().any(|part| name.to_ascii_lowercase().contains(part));
@@ -168,7 +171,8 @@ fn free_parameters(
         if info.causality != Causality::Parameter || info.kind != Kind::Real {
             return Err(at(Error::variable(format!("{} is no real parameter", entry.name))));
         }
-        let found = parameter(variable, entry.range).filter(|p| p.high > p.low);
+        let found = parameter(variable, entry.range)
+            .filter(|p| p.high > p.low && p.scale.is_finite() && p.scale > 0.0);
         free.push(found.ok_or_else(|| {
             at(Error::variable(format!("{}: its start value and range leave nothing to fit", entry.name)))
         })?);

@@ -1,0 +1,118 @@
+"""Six cases of the blind study, and what a diagnosis writes, from outside."""
+
+import csv
+import json
+import subprocess
+import sys
+
+import fmpy
+import numpy as np
+import pytest
+
+from conftest import ROOT, TARGET, latsch
+
+# number, verdict, what is to be found first and where
+CASES = {
+    3: ("parameters", None, None),
+    5: ("nothing", None, None),
+    12: ("effect", "speed-dependent-friction", "parameter friction"),
+    20: ("effect", "progressive-spring", "force at force"),
+    23: ("effect", "sensor-bias", "output velocity"),
+    41: ("recording", None, None),
+}
+
+
+@pytest.fixture(scope="module")
+def study():
+    folder = TARGET / "prove-test"
+    only = ",".join(f"case-{number:03}" for number in CASES)
+    command = [sys.executable, ROOT / "scripts" / "prove", "--only", only, "--output", folder]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=900)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def diagnosis(study, number):
+    return json.loads((study / "results" / f"case-{number:03}" / "diagnosis.json").read_text())
+
+
+@pytest.mark.parametrize("number", CASES)
+def test_a_concealed_effect_is_found_and_nothing_else(study, number):
+    verdict, effect, place = CASES[number]
+    found = diagnosis(study, number)
+    assert found["verdict"] == verdict, found["summary"]
+    if effect:
+        assert [(f["effect"], f["place"]) for f in found["findings"]][0] == (effect, place)
+        assert all(c["after"] <= 1.02 * c["before"] for c in found["check"])
+        assert min(c["after"] / c["before"] for c in found["check"]) < 0.6
+    else:
+        assert found["findings"] == []
+    # never the same samples for both
+    uses = {run["name"]: run["use"] for run in found["runs"]}
+    assert set(uses.values()) >= {"fit", "check"}
+
+
+def test_the_answers_were_written_after_the_diagnoses(study):
+    answers = list((study / "answers").glob("*.json"))
+    last = max((study / "results").glob("*/diagnosis.json"), key=lambda f: f.stat().st_mtime)
+    assert answers and all(a.stat().st_mtime >= last.stat().st_mtime for a in answers)
+    table = (study / "PROOF.md").read_text()
+    assert "| case" in table or "|" in table
+
+
+def test_the_corrected_fmu_gives_the_error_that_the_diagnosis_states(study):
+    """In FMPy, on the check runs, with the inputs as recorded."""
+    found = diagnosis(study, 20)
+    result = study / "results" / "case-020"
+    assert fmpy.supported_platforms(str(result / "corrected.fmu"))
+    squares, samples = {}, 0
+    for run in (r["name"] for r in found["runs"] if r["use"] == "check"):
+        with open(study / "cases" / "case-020" / "recordings" / run, newline="") as file:
+            header, *rows = csv.reader(file)
+        columns = {cell.split(" [")[0]: np.array([float(row[i]) for row in rows]) for i, cell in enumerate(header)}
+        time, force = columns["time"], columns["force"]
+        interval = float(np.median(np.diff(time))) / 20
+        grid = np.arange(time[0], time[-1], interval)
+        inputs = np.array(list(zip(grid, np.interp(grid + interval / 2, time, force))), dtype=[("time", float), ("force", float)])
+        simulated = fmpy.simulate_fmu(
+            str(result / "corrected.fmu"),
+            start_time=float(time[0]),
+            stop_time=float(grid[-1]),
+            output_interval=interval,
+            input=inputs,
+            start_values={"force": float(force[0])},
+        )
+        inside = time <= simulated["time"][-1]
+        for check in found["check"]:
+            name = check["channel"]
+            error = np.interp(time[inside], simulated["time"], simulated[name]) - columns[name][inside]
+            squares[name] = squares.get(name, 0.0) + float(np.sum(error**2))
+        samples += int(np.sum(inside))
+    for check in found["check"]:
+        # FMPy holds inputs between communication points, so they are those of the middle; the acceleration shows what is left of that
+        rms = (squares[check["channel"]] / samples) ** 0.5
+        assert rms < 0.5 * check["before"], check["channel"]
+        assert rms == pytest.approx(check["after"], rel=0.15), check["channel"]
+
+
+def test_the_page_and_the_corrections_are_whole(study):
+    result = study / "results" / "case-020"
+    page = (result / "report.html").read_text()
+    assert "Progressive spring" in page
+    for outside in ("src=\"http", "href=\"http", "@import"):
+        assert outside not in page
+    assert (result / "report.html").stat().st_size < 3e6
+    text = (result / "corrected.toml").read_text()
+    assert 'id = "progressive-spring"' in text and "low = " in text
+
+
+def test_what_cannot_be_diagnosed_is_said(study, tmp_path):
+    model = study / "models" / "oscillator.fmu"
+    done = latsch("diagnose", model, "--recordings", tmp_path, "--output", tmp_path / "out")
+    assert done.returncode == 2 and "no recording" in done.stderr
+    (tmp_path / "a.csv").write_text("time [s],force [N],position [m]\n0,0,0\n0.01,1,0\n0.02,1,0\n")
+    done = latsch("diagnose", model, "--recordings", tmp_path, "--output", tmp_path / "out")
+    assert done.returncode == 2 and "to check" in done.stderr
+    (tmp_path / "b.csv").write_text("time [s],forse [N],position [m]\n0,0,0\n0.01,1,0\n0.02,1,0\n")
+    done = latsch("diagnose", model, "--recordings", tmp_path, "--output", tmp_path / "out")
+    assert done.returncode == 2 and "forse" in done.stderr and "b.csv" in done.stderr
