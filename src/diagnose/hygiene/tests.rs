@@ -49,7 +49,7 @@ impl Programme {
             level: random.within(-1.0, 1.0),
             speed: random.within(5.0, 30.0),
             ramp: random.within(-0.3, 0.3),
-            phases: std::array::from_fn(|_| random.within(0.0, 6.28)),
+            phases: std::array::from_fn(|_| random.within(0.0, std::f64::consts::TAU)),
         }
     }
     /// Force and speed at `t` of a run of `length`.
@@ -109,7 +109,7 @@ impl Rig {
         for i in 0..count {
             let (u, speed) = programme.at(i as f64 * STEP, length);
             let stop = self.stop * ((x - 0.05_f64).max(0.0) + (x + 0.05_f64).min(0.0));
-            z += STEP * (v - (v as f64).abs() * z / 0.01);
+            z += STEP * (v - f64::abs(v) * z / 0.01);
             let spring = self.stiffness * x + self.cubic * x * x * x + self.damping * v + stop;
             let rubbed = self.friction * (v / 0.01).tanh() + self.hysteresis * z / 0.01;
             v += STEP * (u - spring - rubbed) / self.mass;
@@ -124,7 +124,7 @@ impl Rig {
             } else {
                 side
             };
-            let force = spring + self.order * (angle as f64).cos();
+            let force = spring + self.order * f64::cos(angle);
             lagged = if self.lag > 0.0 { lagged + STEP / self.lag * (force - lagged) } else { force };
             grid[0].push(x);
             grid[1].push(self.gain * lagged + self.bias + self.drift * i as f64 * STEP);
