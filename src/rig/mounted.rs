@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 /// moment of the tire no longer depends on it and tells nothing about where it vanishes.
 const MAX_START_SLIP: f64 = 0.05;
 /// A wheel whose moment is less than this share of load times radius starts free of torque.
-const START_TORQUE: f64 = 1e-8;
-/// Steps of the search for that.
-const MAX_START_STEPS: usize = 60;
+const START_TORQUE: f64 = 1e-7;
+/// Steps of the search for that: secants take a few; so many halvings of the range get as far.
+const MAX_START_STEPS: usize = 30;
 
 /// The ring-and-brush tire with its rim and what is measured between them.
 #[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
