@@ -318,3 +318,64 @@ fn on_a_road_without_grip_wheels_start_at_the_speed_of_rolling() {
         assert_close("speed", get(&mut corner, "vehicle_speed"), 20.0, 1e-3);
     }
 }
+
+#[test]
+fn a_wheel_starts_free_of_torque_or_it_is_said() {
+    let mut seen = [0, 0];
+    for factor in [0.0, 0.01, 0.015, 0.02, 0.03, 0.2, 1.0] {
+        for (speed, load) in [(20.0, 4100.0), (-20.0, 4100.0), (60.0, 8000.0)] {
+            let mut wheel: Wheel =
+                started(&[("initial_speed", speed), ("initial_load", load), ("friction_factor", factor)]);
+            let left = get(&mut wheel, "moment_y");
+            let free = get(&mut wheel, "stationary_start") == 1.0;
+            let case = format!("factor {factor}, {speed} m/s, {load} N: {left} N.m, free: {free}");
+            assert_eq!(free, left.abs() < 1e-6 * load, "{case}");
+            assert_eq!(free, wheel.warning().is_none(), "{case}");
+            assert!(wheel.warning().is_none_or(|w| w.contains("rolling resistance")), "{case}");
+            seen[usize::from(free)] += 1;
+        }
+    }
+    assert!(seen.iter().all(|n| *n > 4), "{seen:?}");
+}
+
+/// What is said at the start with these values.
+fn refused<M: latsch::model::Model>(values: &[(&str, f64)]) -> String {
+    let mut slave: Native<M> = Native::new(&Default::default()).unwrap();
+    set(&mut slave, values);
+    slave.start(0.0, None).unwrap();
+    slave.finish_start().err().map(|e| e.to_string()).unwrap_or_default()
+}
+
+#[test]
+fn steps_that_are_too_long_for_the_parameters_are_refused_at_the_start() {
+    type C = RingBrushCorner;
+    type W = RingBrushWheel;
+    for (message, names) in [
+        (refused::<C>(&[("fore_aft_damping", 1e6)]), ["fore_aft_damping", "hub_mass"]),
+        (refused::<C>(&[("fore_aft_stiffness", 1e9), ("hub_mass", 1.0)]), ["fore_aft_stiffness", "hub_mass"]),
+        (refused::<C>(&[("suspension_damping", 1e6)]), ["suspension_damping", "hub_mass"]),
+        (refused::<C>(&[("hub_mass", 0.1)]), ["fore_aft_damping", "hub_mass"]),
+        (refused::<W>(&[("hub_inertia", 1e-3)]), ["sidewall_windup_damping", "hub_inertia"]),
+        (refused::<W>(&[("hub_mass", 0.1), ("step_size", 5e-4)]), ["sidewall_radial", "hub_mass"]),
+    ] {
+        for word in names.iter().chain(&["step_size = ", "at most"]) {
+            assert!(message.contains(word), "{word}: {message:?}");
+        }
+    }
+    // up to the limit it runs
+    for values in [
+        [("fore_aft_damping", 3.4e5), ("hub_mass", 40.0)],
+        [("fore_aft_stiffness", 1e9), ("hub_mass", 40.0)],
+        [("suspension_damping", 1e5), ("hub_mass", 40.0)],
+    ] {
+        let mut corner: Corner = started(&values);
+        set(&mut corner, &[("brake_torque", 500.0)]);
+        advance(&mut corner, 1e-3, 0, 300);
+        assert!(get(&mut corner, "vehicle_speed") < 27.5);
+    }
+    // a damper that is made stiffer on the way is seen as well
+    let mut corner: Corner = started(&[]);
+    set(&mut corner, &[("fore_aft_damping", 1e6)]);
+    let message = corner.step(0.0, 1e-3).unwrap_err().to_string();
+    assert!(message.contains("fore_aft_damping"), "{message}");
+}

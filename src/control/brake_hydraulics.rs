@@ -62,7 +62,7 @@ impl Model for BrakeHydraulics {
         parameter("build_rate", "Pa/s", real!(parameters.build_rate), 1.2e8, "Rise of the line pressure through the open inlet valve (placeholder)").range(1e5, 1e11).tunable(),
         parameter("dump_rate", "Pa/s", real!(parameters.dump_rate), 9e7, "Fall of the line pressure through the open outlet valve (placeholder)").range(0.0, 1e11).tunable(),
         parameter("release_rate", "Pa/s", real!(parameters.release_rate), 3e8, "Fall of the line pressure through the check valve beside the inlet valve, while it is above the driver's (placeholder)").range(1e5, 1e11).tunable(),
-        parameter("step_size", "s", real!(step_size), 1e-3, "Step of the model's own time grid; the inputs are held over it, and that is its only error").range(1e-6, 0.1),
+        parameter("step_size", "s", real!(step_size), 1e-4, "Step of the model's own time grid; the inputs are held over it, and that is its only error").range(1e-6, 0.1),
     ];
 
     fn step_size(&self) -> f64 {
@@ -71,7 +71,8 @@ impl Model for BrakeHydraulics {
 
     fn initialize(&mut self) -> Result<()> {
         let source = self.source();
-        self.line = if self.net_rate() < 0.0 { 0.0 } else { source };
+        let (inflow, outflow) = self.flows();
+        self.line = if inflow < outflow { 0.0 } else { source };
         self.caliper = self.line;
         let contact = self.caliper > self.parameters.contact_pressure;
         self.contact_time = if contact { self.parameters.onset_time } else { 0.0 };
@@ -141,17 +142,17 @@ impl BrakeHydraulics {
         self.driver_pressure.max(0.0)
     }
 
-    /// Rate of the line pressure below the driver's.
-    fn net_rate(&self) -> f64 {
-        // an input that came with its rate runs on past its range
+    /// Rates at which the line pressure would rise through the inlet valve and fall through the outlet valve.
+    fn flows(&self) -> (f64, f64) {
+        // an input that came with its rate may end past its range by rounding
         let (inlet, outlet) = (self.inlet_valve.clamp(0.0, 1.0), self.outlet_valve.clamp(0.0, 1.0));
-        inlet * self.parameters.build_rate - outlet * self.parameters.dump_rate
+        (inlet * self.parameters.build_rate, outlet * self.parameters.dump_rate)
     }
 
     /// How the line pressure goes on, for `rest` seconds or until it meets a limit, and where it ends.
     fn next_ramp(&self, rest: f64) -> (Ramp, f64) {
-        let (start, source, net) = (self.line, self.source(), self.net_rate());
-        let outflow = self.outlet_valve.clamp(0.0, 1.0) * self.parameters.dump_rate;
+        let (start, source, (inflow, outflow)) = (self.line, self.source(), self.flows());
+        let net = inflow - outflow;
         let (rate, limit) = if start > source {
             (-self.parameters.release_rate - outflow, source)
         } else if net > 0.0 {
@@ -322,6 +323,20 @@ mod tests {
         set(&mut brake, &[("inlet_valve", 0.0), ("outlet_valve", 1.0)]);
         brake.step(0.0, time).unwrap();
         assert_eq!(get(&mut brake, "pressure"), 0.0);
+    }
+
+    #[test]
+    fn a_valve_that_closes_evenly_is_closed_in_spite_of_rounding() {
+        let mut brake = brake(&[("driver_pressure", 1e7), ("step_size", 1e-3)]);
+        set(&mut brake, &[("inlet_valve", 0.0), ("outlet_valve", 0.1)]);
+        let outlet = brake.find("outlet_valve").unwrap();
+        brake.step(0.0, 0.05).unwrap();
+        let held = get(&mut brake, "pressure");
+        // 0.1 - 100.00000005 * 0.001 is below 0 by 5e-11
+        brake.set_rate(outlet, -100.000_000_05).unwrap();
+        brake.step(0.05, 1e-3).unwrap();
+        assert!(get(&mut brake, "outlet_valve") < 0.0);
+        assert_eq!(get(&mut brake, "pressure"), held);
     }
 
     #[test]

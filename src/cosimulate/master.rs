@@ -14,6 +14,8 @@ const CONVERGED: f64 = 1e-10;
 /// An interval is not halved more often than this: each halving is a level of recursion, and a component that
 /// refuses a billionth of the interval has a fault that shorter ones do not cure.
 const MAX_HALVINGS: u32 = 30;
+/// An interval is not cut into more parts than this.
+const MAX_PARTS: usize = 4096;
 
 /// How the components of a system are coupled.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -26,7 +28,7 @@ pub struct Coupling {
     /// the exchanged values agree. 0: each interval is run once.
     pub iterate: usize,
     /// How often an interval is halved at most, from saved states, when a component refuses a step. More
-    /// than 30 are taken for 30.
+    /// than 30 are taken for 30, and an interval is cut into 4096 parts at most.
     pub halvings: u32,
 }
 
@@ -74,6 +76,10 @@ pub(super) struct Exchange {
     last_length: f64,
     /// Whether all components save and restore their states.
     can_roll_back: bool,
+    /// How often intervals are halved at most; 0 where a component cannot vary its step.
+    halvings: u32,
+    /// Into how many more parts the present interval may be cut.
+    parts_left: usize,
     /// Saved states, by depth of halving and component.
     saved: Vec<Vec<Snapshot>>,
     /// Intervals that were repeated as often as allowed and did not converge.
@@ -149,7 +155,7 @@ impl System {
                 bond.reset(self.exchange.flows[i].applied.0);
             }
         }
-        self.coupling.halvings = self.coupling.halvings.min(MAX_HALVINGS);
+        self.exchange.halvings = self.coupling.halvings.min(MAX_HALVINGS);
         if self.coupling.iterate > 0 || self.coupling.halvings > 0 {
             self.try_saving();
         }
@@ -209,10 +215,10 @@ impl System {
 
     /// Finds out whether all components can save their states.
     fn try_saving(&mut self) {
-        let halving = self.coupling.halvings > 0;
+        let halving = self.exchange.halvings > 0;
         if let Some(component) = self.components.iter().find(|c| halving && c.even_steps_only) {
             self.warnings.push(format!("{} cannot vary its step: intervals are not halved", component.name));
-            self.coupling.halvings = 0;
+            self.exchange.halvings = 0;
         }
         let mut unable = Vec::new();
         for component in &mut self.components {
@@ -235,19 +241,24 @@ impl System {
     /// # Errors
     /// A component that refuses the step, also in the shortest interval that is allowed.
     pub fn advance(&mut self, time: f64, length: f64) -> Result<()> {
+        self.exchange.parts_left = MAX_PARTS;
         self.interval(time, length, 0)
     }
 
     fn interval(&mut self, time: f64, length: f64, depth: u32) -> Result<()> {
         let saving =
-            self.exchange.can_roll_back && (self.coupling.iterate > 0 || depth < self.coupling.halvings);
+            self.exchange.can_roll_back && (self.coupling.iterate > 0 || depth < self.exchange.halvings);
         if saving {
             self.save(depth as usize)?;
         }
         match self.passes(time, length, depth as usize) {
-            Err(_) if saving && depth < self.coupling.halvings => {
+            Err(error) if saving && depth < self.exchange.halvings => {
+                if self.exchange.parts_left < 2 {
+                    return Err(error.at(format!("in one of {MAX_PARTS} parts of the interval")));
+                }
                 self.restore(depth as usize)?;
                 self.exchange.halved += 1;
+                self.exchange.parts_left -= 1;
                 let half = 0.5 * length;
                 self.interval(time, half, depth + 1)?;
                 return self.interval(time + half, length - half, depth + 1);
@@ -336,7 +347,13 @@ impl System {
                     (true, false) => (flow.now, flow.now),
                 },
             };
-            let applied = (wire.map(begin), wire.map(end));
+            let mut applied = (wire.map(begin), wire.map(end));
+            if wire.derivative && !earlier && !repeated {
+                // the source may be about to turn at the end of what the input accepts
+                let info = &slave.interface().variables[wire.to.variable];
+                let (min, max) = (info.min.unwrap_or(f64::MIN), info.max.unwrap_or(f64::MAX));
+                applied.1 = applied.1.min(max).max(min);
+            }
             flow.applied = applied;
             slave.set(wire.to.variable, applied.0)?;
             // also a rate of zero: what the input kept from the interval before is its own business

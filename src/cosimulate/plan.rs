@@ -40,7 +40,7 @@ pub struct Plan {
     pub iterate: usize,
     /// See [`Coupling::halvings`].
     pub halvings: u32,
-    /// Every how many communication points are recorded; 0 is taken for 1.
+    /// Every how many communication points are recorded, beside the last one; 0 is taken for 1.
     pub record_every: usize,
     /// What was read and is not used.
     pub warnings: Vec<String>,

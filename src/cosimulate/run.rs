@@ -25,7 +25,7 @@ pub struct Experiment {
     pub stop: f64,
     /// Communication step \[s\].
     pub step: f64,
-    /// Every how many communication points are recorded.
+    /// Every how many communication points are recorded. The last one is, in any case.
     pub record_every: usize,
     /// Internal quantities and inputs that nothing is connected to are recorded, too.
     pub all: bool,
@@ -87,12 +87,15 @@ pub fn cosimulate(
 ) -> Result<Outcome> {
     let schedule = experiment.schedule()?;
     let every = experiment.record_every.max(1);
-    let samples = schedule.steps / every + 1;
+    let samples = schedule.steps.div_ceil(every) + 1;
     let mut recorder = Recorder::new(system, experiment.all, samples)?;
     for feed in &system.feeds {
         let recording =
             Recording { time: feed.time.to_vec(), source: system.name(feed.to), ..Recording::default() };
         recording.covers(schedule.start, schedule.stop)?;
+    }
+    for warning in coarse_replay(system, &schedule) {
+        system.warn(warning);
     }
     if !schedule.is_even()
         && let Some(component) = system.components.iter().find(|c| c.even_steps_only)
@@ -110,15 +113,16 @@ pub fn cosimulate(
     recorder.take(system, schedule.start)?;
     for k in 0..schedule.steps {
         let (now, next) = (schedule.point(k), schedule.point(k + 1));
-        let sample = (k + 1) / every;
+        let (sample, last) = ((k + 1) / every, k + 1 == schedule.steps);
         // no sum of steps, so that the samples do not drift; the last interval may be a shorter one
-        let time = if every == 1 || k + 1 == schedule.steps {
+        let time = if every == 1 || last {
             next
         } else {
             schedule.start + sample as f64 * (every as f64 * schedule.step)
         };
         let step = system.advance(now, next - now).and_then(|()| match (k + 1) % every {
             0 => recorder.take(system, time),
+            _ if last => recorder.take(system, time),
             _ => Ok(()),
         });
         if let Err(error) = step {
@@ -134,6 +138,33 @@ pub fn cosimulate(
         unconverged: system.exchange.unconverged,
         halved: system.exchange.halved,
     })
+}
+
+/// Warnings about inputs of an opened component whose recording has not every communication point: what held
+/// its value there, such as a valve that switched, goes evenly from sample to sample here.
+fn coarse_replay(system: &System, schedule: &Schedule) -> Vec<String> {
+    let gap = |time: &[f64]| {
+        let inside = |pair: &&[f64]| pair[1] > schedule.start && pair[0] < schedule.stop;
+        time.windows(2).filter(inside).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
+    };
+    let mut coarse: Vec<(f64, Vec<String>)> = Vec::new();
+    for feed in system.feeds.iter().filter(|feed| feed.lead && feed.continuous) {
+        let longest = gap(&feed.time);
+        if longest > schedule.step * (1.0 + STEP_TOLERANCE) {
+            match coarse.iter_mut().find(|(other, _)| *other == longest) {
+                Some((_, names)) => names.push(system.name(feed.to)),
+                None => coarse.push((longest, vec![system.name(feed.to)])),
+            }
+        }
+    }
+    let warning = |(gap, names): &(f64, Vec<String>)| {
+        format!(
+            "samples of the recording are up to {gap:.3e} s apart, and the communication step is {} s: {} go evenly from sample to sample, also where they jumped; record every communication point",
+            schedule.step,
+            names.join(", ")
+        )
+    };
+    coarse.iter().map(warning).collect()
 }
 
 /// Warnings about the energies of the bonds after a run with this communication step.

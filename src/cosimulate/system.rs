@@ -304,11 +304,8 @@ impl System {
         self.check_unset(to, &place)?;
         let values = recording.channel_in(channel, info.unit.as_deref().unwrap_or("1"))?;
         for (time, value) in recording.time.iter().zip(&values) {
-            let value = match info.kind {
-                Kind::Real => Value::Real(*value),
-                Kind::Boolean if *value == 0.0 || *value == 1.0 => Value::Boolean(*value == 1.0),
-                Kind::Integer | Kind::Enumeration(_) if value.fract() == 0.0 => Value::Integer(*value as i32),
-                _ => return wrong(format!("at {time} s {name} = {value}: {} is needed", kind(&info.kind))),
+            let Some(value) = typed(&info.kind, *value) else {
+                return wrong(format!("at {time} s {name} = {value}: {} is needed", kind(&info.kind)));
             };
             info.accept(&value).map_err(|e| Error::file(format!("{place}: at {time} s {e}")))?;
         }
@@ -450,6 +447,19 @@ fn is_multiple(long: f64, short: f64) -> bool {
     ratio.round() >= 1.0 && (ratio / ratio.round() - 1.0).abs() <= 1e-9
 }
 
+/// The number as a value of this type, if it is one.
+fn typed(kind: &Kind, value: f64) -> Option<Value> {
+    match kind {
+        Kind::Real => Some(Value::Real(value)),
+        Kind::Boolean => (value == 0.0 || value == 1.0).then_some(Value::Boolean(value == 1.0)),
+        // the cast goes to the nearest number that there is
+        Kind::Integer | Kind::Enumeration(_) => {
+            (f64::from(value as i32) == value).then_some(Value::Integer(value as i32))
+        }
+        Kind::Text => None,
+    }
+}
+
 enum Conversion {
     None,
     Factor(f64, f64),
@@ -503,9 +513,25 @@ fn word(causality: Causality) -> &'static str {
 fn kind(kind: &Kind) -> &'static str {
     match kind {
         Kind::Real => "a real number",
-        Kind::Integer => "a whole number",
+        Kind::Integer => "a whole number (32 bits)",
         Kind::Boolean => "a switch (0 or 1)",
         Kind::Text => "a text",
         Kind::Enumeration(_) => "an item of an enumeration",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_that_no_integer_holds_are_not_cut_to_one() {
+        assert_eq!(typed(&Kind::Integer, 2147483647.0), Some(Value::Integer(i32::MAX)));
+        assert_eq!(typed(&Kind::Integer, -3.0), Some(Value::Integer(-3)));
+        for value in [1e10, -1e10, 2147483648.0, 0.5, f64::NAN, f64::INFINITY] {
+            assert_eq!(typed(&Kind::Integer, value), None, "{value}");
+            assert_eq!(typed(&Kind::Enumeration(Vec::new()), value), None, "{value}");
+        }
+        assert_eq!(typed(&Kind::Boolean, 0.5), None);
     }
 }

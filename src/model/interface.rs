@@ -174,7 +174,8 @@ impl VariableInfo {
             if low && high {
                 return Ok(());
             }
-            let unit = self.unit.as_deref().map(|u| format!(" {u}")).unwrap_or_default();
+            let unit =
+                self.unit.as_deref().filter(|u| *u != "1").map(|u| format!(" {u}")).unwrap_or_default();
             Err(Error::variable(match (self.min, self.max) {
                 (Some(min), Some(max)) => format!(
                     "{} = {}{unit} is outside its range {} to {}{unit}",

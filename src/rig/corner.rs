@@ -2,6 +2,7 @@
 //! sprung mass and wheel move vertically, vehicle and wheel along the road, the wheel spins freely.
 
 use super::hub::slip;
+use super::stability::{ABOUT, ALONG, Link, check_step_size};
 use super::table::{tire_table, with_road};
 use super::wheel::SLIP_FLOOR;
 use super::{Hub, HubParameters, MountedTire, OnRoad};
@@ -143,6 +144,7 @@ impl Model for RingBrushCorner {
                 sprung_mass + hub_mass
             )));
         }
+        self.check_steps()?;
         self.hub_parameters.gravity = gravity;
         self.hub = Hub { velocity: Vector3::new(self.initial_speed, 0.0, 0.0), ..Hub::default() };
         self.body = Body { velocity: [self.initial_speed, 0.0], ..Body::default() };
@@ -161,6 +163,7 @@ impl Model for RingBrushCorner {
     }
 
     fn tune(&mut self) -> Result<()> {
+        self.check_steps()?;
         self.tire.tune()
     }
 
@@ -232,6 +235,26 @@ impl RingBrushCorner {
         force.y = 0.0;
         let torque = self.tire.spin_moment() + self.drive_torque;
         self.hub.load(&self.hub_parameters, &force, torque);
+    }
+
+    /// Checks that `step_size` is short enough for the masses and what is between them.
+    fn check_steps(&self) -> Result<()> {
+        let Vehicle { vehicle_mass, sprung_mass, stiffness, damping } = self.vehicle;
+        let HubParameters { mass, inertia, .. } = self.hub_parameters;
+        let guidance = Link {
+            stiffness: ("fore_aft_stiffness", stiffness[0]),
+            damping: ("fore_aft_damping", damping[0]),
+            mass: ("vehicle_mass less hub_mass", vehicle_mass - mass),
+        };
+        let suspension = Link {
+            stiffness: ("suspension_stiffness", stiffness[1]),
+            damping: ("suspension_damping", damping[1]),
+            mass: ("sprung_mass", sprung_mass),
+        };
+        let hub = ("hub_mass", mass);
+        check_step_size(self.step_size, hub, &[guidance, self.tire.radial()], &ALONG)?;
+        check_step_size(self.step_size, hub, &[suspension, self.tire.radial()], &ALONG)?;
+        check_step_size(self.step_size, ("hub_inertia", inertia), &[self.tire.windup()], &ABOUT)
     }
 
     /// Power of the suspension's dampers \[W\].

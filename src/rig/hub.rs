@@ -72,8 +72,10 @@ impl Hub {
         self.speed = braked(free, brake * half / p.inertia);
         let taken = (free - self.speed) * p.inertia;
         self.brake_torque += taken / dt;
-        // over the half kick the impulse acts at the mean of the speeds before and after
-        self.brake_energy += taken * 0.5 * (before + self.speed);
+        // over the half kick the impulse acts at the mean of the speeds before and after; where the rest turns the
+        // spin round, friction is taken off behind the turn, and acts from there
+        let from = if before * free < 0.0 { 0.0 } else { before };
+        self.brake_energy += taken * 0.5 * (from + self.speed);
     }
 
     /// The rim's motion as the tire sees it, at attitude (camber, steer) and its rates.
@@ -142,6 +144,33 @@ mod tests {
             run(&mut hub, torque, 80.0, 1e-3, 100);
             assert!((hub.speed - torque.signum() * 10.0 / 1.2 * 0.1).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn whatever_turns_the_wheel_the_brake_takes_energy_and_gives_none() {
+        // a linear congruential generator: speeds, torques and brakes of all sizes and both signs
+        let mut seed = 1_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let mut turned = 0;
+        for _ in 0..10_000 {
+            let mut hub = Hub { speed: random().powi(3), ..Hub::default() };
+            let brake = 500.0 * random().abs();
+            for _ in 0..5 {
+                let (speed, energy) = (hub.speed, hub.brake_energy);
+                run(&mut hub, 2000.0 * random().powi(3), brake, 1e-3, 1);
+                turned += usize::from(speed * hub.speed < 0.0);
+                assert!(
+                    hub.brake_energy >= energy,
+                    "{speed} to {} rad/s: {} J",
+                    hub.speed,
+                    hub.brake_energy - energy
+                );
+            }
+        }
+        assert!(turned > 1000, "{turned}");
     }
 
     #[test]

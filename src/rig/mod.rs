@@ -7,6 +7,7 @@ mod flat_track;
 mod hub;
 mod mounted;
 mod on_road;
+mod stability;
 mod table;
 mod wheel;
 

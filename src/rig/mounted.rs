@@ -1,5 +1,6 @@
 //! A tire on a rim whose motion somebody else decides: a rig's imposed motion, a hub, a master.
 
+use super::stability::Link;
 use crate::tire::ring_brush::{Parameters, State, Stationary, Tire, Vertical, stationary};
 use crate::tire::{Ground, Motion, Plane};
 use crate::{Result, clone_in_place};
@@ -9,6 +10,10 @@ use serde::{Deserialize, Serialize};
 /// The slip at which a free wheel starts is looked for up to here. It is a few thousandths; beyond, the
 /// moment of the tire no longer depends on it and tells nothing about where it vanishes.
 const MAX_START_SLIP: f64 = 0.05;
+/// A wheel whose moment is less than this share of load times radius starts free of torque.
+const START_TORQUE: f64 = 1e-7;
+/// Steps of the search for that: secants take a few; so many halvings of the range get as far.
+const MAX_START_STEPS: usize = 30;
 
 /// The ring-and-brush tire with its rim and what is measured between them.
 #[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -29,9 +34,21 @@ pub struct MountedTire {
     pub moment: Vector3<f64>,
     /// The start is a stationary state.
     pub stationary_start: bool,
+    /// Torque about the wheel's axis that a free wheel starts with, because it cannot be without \[N.m\].
+    pub start_torque: f64,
 }
 
-clone_in_place!(MountedTire { name, parameters, tire, rim, state, force, moment, stationary_start });
+clone_in_place!(MountedTire {
+    name,
+    parameters,
+    tire,
+    rim,
+    state,
+    force,
+    moment,
+    stationary_start,
+    start_torque
+});
 
 impl MountedTire {
     /// Makes the tire from its parameters; the first thing in a model's `initialize`.
@@ -61,6 +78,12 @@ impl MountedTire {
 
     /// What the user should know about the start.
     pub fn warning(&self) -> Option<String> {
+        if self.start_torque != 0.0 {
+            return Some(format!(
+                "no spin was found at which the wheel starts free of torque: the friction of the road is too low for the rolling resistance; it starts at the speed of rolling, with {:.3} N.m about its axis",
+                self.start_torque
+            ));
+        }
         (!self.stationary_start).then(|| {
             "no stationary state was found for the start; the tire starts rolling straight and free".into()
         })
@@ -73,6 +96,7 @@ impl MountedTire {
     /// Not even free rolling is possible there.
     pub fn start(&mut self, rim: &Motion<f64>, ground: &impl Ground) -> Result<()> {
         self.rim = *rim;
+        self.start_torque = 0.0;
         let (plane, on_plane) = self.on_plane(ground);
         let (tire, stationary) = match self.stationary(ground) {
             Ok(found) => {
@@ -108,7 +132,8 @@ impl MountedTire {
     /// [`start`](Self::start) free of torque, at the height at which the tire carries `load` \[N\], the
     /// force on the rim along the road's normal. Height and spin rate of `rim` do not matter; those found
     /// are in the field `rim` afterwards. Where the road's friction cannot turn the wheel against its
-    /// rolling resistance, it starts at the speed of rolling and is not free of torque.
+    /// rolling resistance, it starts at the speed of rolling and is not free of torque: the field
+    /// `start_torque` says how much, and `stationary_start` is false.
     ///
     /// # Errors
     /// As [`start`](Self::start).
@@ -131,25 +156,50 @@ impl MountedTire {
             let about = to_heading(slower.angles.z, &found.on_rim.moment);
             Ok::<f64, crate::Error>(about.y * cos + about.z * sin)
         };
-        let (mut spins, mut change) = (on_plane.rates.y, -1e-4 * on_plane.rates.y);
-        let mut before = moment(spins)?;
-        for _ in 0..3 {
-            let next = spins + change;
-            if (next - on_plane.rates.y).abs() > MAX_START_SLIP * on_plane.rates.y.abs() {
-                spins = on_plane.rates.y;
-                break;
+        let free = on_plane.rates.y;
+        let at_free = moment(free)?;
+        let enough = START_TORQUE * load.abs() * self.parameters.rolling_radius;
+        let reach = MAX_START_SLIP * free.abs();
+        let mut best = (free, at_free);
+        if reach > 0.0 {
+            // secants, kept within the spins between which the moment changes its sign; it falls with the spin
+            let (mut low, mut high) = if at_free > 0.0 { (free, free + reach) } else { (free - reach, free) };
+            let end = if at_free > 0.0 { high } else { low };
+            let mut turns = false;
+            let (mut last, mut next) = (best, free + (1e-4 * free).abs().copysign(at_free));
+            for _ in 0..MAX_START_STEPS {
+                if best.1.abs() <= enough {
+                    break;
+                }
+                let Ok(now) = moment(next) else { break };
+                turns |= now * at_free < 0.0;
+                if next == end && !turns {
+                    break;
+                }
+                if now > 0.0 {
+                    low = next
+                } else {
+                    high = next
+                }
+                let secant = next - now * (next - last.0) / (now - last.1);
+                last = (next, now);
+                if now.abs() < best.1.abs() {
+                    best = last;
+                }
+                next = match low < secant && secant < high {
+                    true => secant,
+                    false if turns => 0.5 * (low + high),
+                    false => end,
+                };
             }
-            spins = next;
-            let now = moment(spins)?;
-            if change == 0.0 || now == before {
-                break;
-            }
-            change *= -now / (now - before);
-            before = now;
         }
-        self.rim.rates.y += spins - on_plane.rates.y;
+        let balanced = reach == 0.0 || best.1.abs() <= enough;
+        self.rim.rates.y += if balanced { best.0 - free } else { 0.0 };
         let rim = self.rim;
-        self.start(&rim, ground)
+        self.start(&rim, ground)?;
+        self.start_torque = if balanced { 0.0 } else { at_free };
+        self.stationary_start &= balanced;
+        Ok(())
     }
 
     /// The plane under the rim, taken to stand still, and the rim's motion against it.
@@ -198,6 +248,36 @@ impl MountedTire {
         self.tire.step(&mut self.state, &before, rim, ground, dt)?;
         self.measure();
         Ok(())
+    }
+
+    /// The side wall between rim and belt in the plane of the wheel.
+    pub(super) fn radial(&self) -> Link {
+        let p = &self.parameters;
+        Link {
+            stiffness: ("sidewall_radial_stiffness", p.sidewall_radial_stiffness),
+            damping: ("sidewall_radial_damping", p.sidewall_radial_damping),
+            mass: ("belt_mass", p.belt_mass),
+        }
+    }
+
+    /// The same along the wheel's axis.
+    pub(super) fn lateral(&self) -> Link {
+        let p = &self.parameters;
+        Link {
+            stiffness: ("sidewall_lateral_stiffness", p.sidewall_lateral_stiffness),
+            damping: ("sidewall_lateral_damping", p.sidewall_lateral_damping),
+            mass: ("belt_mass", p.belt_mass),
+        }
+    }
+
+    /// The same about the wheel's axis.
+    pub(super) fn windup(&self) -> Link {
+        let p = &self.parameters;
+        Link {
+            stiffness: ("sidewall_windup_stiffness", p.sidewall_windup_stiffness),
+            damping: ("sidewall_windup_damping", p.sidewall_windup_damping),
+            mass: ("belt_inertia_polar", p.belt_inertia_polar),
+        }
     }
 
     fn measure(&mut self) {

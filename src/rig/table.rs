@@ -59,7 +59,7 @@ macro_rules! tire_table {
                 local("pressure_max", "Pa", real!(tire.state.patch.pressure_max), "Largest pressure of a bristle").nominal(1e5),
                 local("negative_pressure_share", "1", real!(tire.state.patch.negative_share), "Sum of negative normal forces of bristles over the normal force: at light load the printed pressure distribution pulls at one end of the patch"),
                 local("pressure_state", "", Access::Integer(|m: &Self| m.tire.state.patch.pressure_state as i32, |_: &mut Self, _| {}), "What became of the pressure distribution").items(PRESSURE_STATES),
-                local("stationary_start", "", boolean!(tire.stationary_start), "The start is a stationary state; false: none was found for the start inputs, and the tire starts rolling straight and free"),
+                local("stationary_start", "", boolean!(tire.stationary_start), "The start is a stationary state; false: none was found for the start inputs, and the tire starts rolling straight and free, or the friction of the road cannot turn a free wheel against its rolling resistance"),
                 text_parameter("tire_name", Access::Text(|m: &Self| &m.tire.name, |m: &mut Self, text: &str| m.tire.name = text.into()), "Kaden 2015, example of section 4.2.10 (225 mm)", "Name of the tire, for reports"),
                 parameter("tire_radius", "m", real!(tire.parameters.radius), 0.338, "Largest radius of the belt shell (R_Rmax)").range(0.05, 2.0),
                 parameter("tire_width", "m", real!(tire.parameters.width), 0.225, "Width of the belt shell (B_R)").range(0.01, 1.5),

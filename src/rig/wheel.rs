@@ -2,6 +2,7 @@
 //! and brake torque in, motion out: the unit that couples safely.
 
 use super::hub::slip;
+use super::stability::{ABOUT, ALONG, check_step_size};
 use super::table::{tire_table, with_road};
 use super::{Actuator, Command, Hub, HubParameters, MountedTire, OnRoad};
 use crate::model::{Model, Variable, input};
@@ -121,6 +122,7 @@ impl Model for RingBrushWheel {
     fn initialize(&mut self) -> Result<()> {
         self.tire.mount()?;
         self.road = Road::new(&self.road_parameters)?;
+        self.check_steps()?;
         self.hub_parameters.gravity = self.tire.parameters.gravity;
         self.actuators = [Actuator::at_rest(&self.commands[0]), Actuator::at_rest(&self.commands[1])];
         let (sin, cos) = libm::sincos(self.actuators[1].position);
@@ -137,6 +139,7 @@ impl Model for RingBrushWheel {
     }
 
     fn tune(&mut self) -> Result<()> {
+        self.check_steps()?;
         self.tire.tune()
     }
 
@@ -178,6 +181,15 @@ impl RingBrushWheel {
     fn rim_with(&self, velocity: &Vector3<f64>, speed: f64) -> Motion<f64> {
         let [camber, steer] = &self.actuators;
         self.hub.rim(velocity, speed, (camber.position, steer.position), (camber.velocity, steer.velocity))
+    }
+
+    /// Checks that `step_size` is short enough for the hub and the side wall.
+    fn check_steps(&self) -> Result<()> {
+        let HubParameters { mass, inertia, .. } = self.hub_parameters;
+        let hub = ("hub_mass", mass);
+        check_step_size(self.step_size, hub, &[self.tire.radial()], &ALONG)?;
+        check_step_size(self.step_size, hub, &[self.tire.lateral()], &ALONG)?;
+        check_step_size(self.step_size, ("hub_inertia", inertia), &[self.tire.windup()], &ABOUT)
     }
 
     /// Loads the hub with what acts on it now.

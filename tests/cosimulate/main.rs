@@ -241,6 +241,26 @@ fn a_loop_that_is_opened_and_replayed_has_the_same_bits() {
 }
 
 #[test]
+fn a_replayed_recording_that_is_coarser_than_the_interval_is_warned_of() {
+    let closed = |every: usize| {
+        run(&pair(&format!("step = 1e-3\norder = ['left', 'right']\nrecord_every = {every}"), false)).1
+    };
+    for (every, coarse) in [(1, false), (5, true)] {
+        let recording = closed(every).recording;
+        let (system, _) = run_with(&pair("step = 1e-3\norder = ['left', 'right']", false), |system, run| {
+            system.open(0, &recording).unwrap();
+            run
+        });
+        assert_eq!(system.warnings().len(), usize::from(coarse), "{:?}", system.warnings());
+        for warning in system.warnings() {
+            for word in ["5.000e-3 s apart", "0.001 s", "left.other_position, left.other_velocity"] {
+                assert!(warning.contains(word), "{word}: {warning}");
+            }
+        }
+    }
+}
+
+#[test]
 fn an_interval_that_is_refused_is_halved() {
     let text = |halvings: u32| {
         pair(&format!("step = 8e-3\nhalvings = {halvings}"), false)
@@ -267,11 +287,36 @@ fn an_interval_that_is_refused_is_halved() {
 }
 
 #[test]
+fn what_is_extrapolated_stays_within_the_range_of_the_input() {
+    // the spring takes -1e6 m to 1e6 m; the mass swings just so far, and before it turns its slope points beyond
+    let text = r#"
+stop = 1
+step = 1e-2
+[component.mass]
+model = "side"
+set = { stiffness = 400, x0 = 0.1 }
+[component.spring]
+model = "spring"
+[connect]
+"mass.position" = { to = "spring.position", factor = 1e7, derivative = true }
+"#;
+    let (_, outcome) = run(text);
+    let position = channel(&outcome, "spring.position");
+    let ends = position.iter().fold((0.0_f64, 0.0_f64), |(a, b), x| (a.min(*x), b.max(*x)));
+    assert_eq!(ends, (-1e6, 1e6));
+    // away from the ends it is the line that it was
+    let x = channel(&outcome, "mass.position");
+    assert!((position[6] - 1e7 * (2.0 * x[5] - x[4])).abs() < 1e-6);
+}
+
+#[test]
 fn a_shorter_last_interval_is_recorded_at_its_own_time() {
-    for every in [1, 2, 5] {
+    for every in [1, 2, 3, 5, 7, 100] {
         let head = format!("stop = 9.5e-3\nstep = 1e-3\nrecord_every = {every}");
         let (_, outcome) = run(&on_a_spring(&head, 400.0));
         assert_eq!(outcome.recording.time.last(), Some(&9.5e-3), "every {every}");
+        assert_eq!(outcome.recording.time.len(), 10_usize.div_ceil(every) + 1);
+        assert_eq!(channel(&outcome, "mass.position").len(), outcome.recording.time.len());
     }
 }
 
@@ -282,9 +327,37 @@ fn halving_ends_where_a_component_refuses_every_interval() {
     let (plan, mut system) = wire(&text).unwrap();
     let experiment = plan.experiment(&system, None, None, None).unwrap();
     let outcome = latsch::cosimulate::cosimulate(&mut system, &experiment, |_| ()).unwrap();
-    assert_eq!(system.coupling.halvings, 30);
     assert!(outcome.stopped.unwrap().to_string().contains("right"));
     assert!(outcome.halved <= 31, "{}", outcome.halved);
+}
+
+#[test]
+fn an_interval_is_cut_into_so_many_parts_and_no_more() {
+    // the faster it gets, the shorter the intervals that it takes: down to 3e-7 s
+    let text = pair("step = 8e-3\nhalvings = 30", false).replace(
+        "damping = 0.5, step_size = 1.25e-4",
+        "moves_at_most = 1e-7, damping = 0.5, step_size = 1e-7",
+    );
+    let (plan, mut system) = wire(&text).unwrap();
+    let experiment = plan.experiment(&system, None, None, None).unwrap();
+    let outcome = latsch::cosimulate::cosimulate(&mut system, &experiment, |_| ()).unwrap();
+    let message = outcome.stopped.unwrap().to_string();
+    assert!(message.contains("right") && message.contains("4096 parts"), "{message}");
+    assert!(outcome.halved >= 4095, "{}", outcome.halved);
+}
+
+#[test]
+fn a_reset_does_not_lose_the_warning_that_intervals_are_not_halved() {
+    let (_, mut system) = wire(&pair("step = 1e-3\nhalvings = 3", false)).unwrap();
+    system.component_mut(1).even_steps_only = true;
+    let mut slave = SystemSlave::new("pair", system, 1e-3).unwrap();
+    for _ in 0..2 {
+        slave.start(0.0, None).unwrap();
+        slave.finish_start().unwrap();
+        let warning = slave.warning().unwrap_or_default();
+        assert!(warning.contains("right cannot vary its step"), "{warning:?}");
+        slave.reset().unwrap();
+    }
 }
 
 #[test]

@@ -59,10 +59,10 @@ impl Archive {
         let fail = |what: String| Error::fmu(what).at(&name);
         let file = File::open(path).map_err(|e| fail(format!("the file cannot be opened: {e}")))?;
         if file.metadata().is_ok_and(|m| m.is_dir()) {
-            return Err(fail("this is a folder; an FMU is a zip archive with the ending .fmu".into()));
+            return Err(fail("this is a folder; a zip archive is needed, as which an FMU (.fmu) or an SSP system (.ssp) comes".into()));
         }
         let zip = ZipArchive::new(BufReader::new(file)).map_err(|e| {
-            fail(format!("this is not a complete zip archive, so it is no FMU or a damaged one ({e})"))
+            fail(format!("this is not a complete zip archive: it is something else, or damaged ({e})"))
         })?;
         if zip.len() > limits.entries {
             return Err(fail(format!(

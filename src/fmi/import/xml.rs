@@ -193,7 +193,7 @@ pub(crate) fn read<E: From<Broken>>(
 ) -> std::result::Result<(), E> {
     let text = std::str::from_utf8(bytes).map_err(|e| Broken {
         place: None,
-        what: format!("byte {} is not UTF-8, which FMI demands", e.valid_up_to() + 1),
+        what: format!("byte {} is not UTF-8, as the standard demands", e.valid_up_to() + 1),
     })?;
     let text: Rc<str> = text.trim_start_matches('\u{feff}').into();
     let place =
