@@ -1,7 +1,6 @@
 //! The chain from recordings to a verdict.
 
 use super::blocks::{bootstrap_shares, sign_flip};
-use super::hygiene;
 use super::placement::{Placement, Site, is_tunable, sizes};
 use super::result::{
     Alternative, Candidate, ChannelCheck, Diagnosis, Estimate, Finding, Fitted as FittedParameter, RunUse,
@@ -12,6 +11,7 @@ use super::runs::{Map, prepare, uses};
 use super::screen::{Screen, Screened};
 use super::study::{Fitted, Model, Rest, Study, first_weights};
 use super::subject::Subject;
+use super::{hygiene, locate};
 use crate::effect::{Effect, catalogue, empirical};
 use crate::fit::{Bench, Drive, Run};
 use crate::model::{Causality, Settings};
@@ -209,6 +209,20 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
             finding.parameters = estimates;
         }
     }
+    progress("locating what is left", 0.93);
+    // sensors have noise of their own: what their residuals share has a cause in the machine
+    let left = study.check_runs.clone();
+    let common = if findings.is_empty() && unknown.is_none() && !fatal {
+        locate::common_cause(&left, &current_check.simulated)
+    } else {
+        None
+    };
+    if let Some(common) = &common {
+        unknown = Some(unnamed(&study, &subject, &roles, common, &current_check));
+    }
+    let noise: Vec<Option<f64>> =
+        (0..study.weights.len()).map(|c| locate::noise(&check_runs, &base_rest.simulated, c)).collect();
+    let map = locate::map(&check_runs, &base_rest.simulated, &subject.interface, &roles, &noise);
     progress("writing it down", 0.95);
     let improved = sign_flip(&differences(&nominal_rest.blocks, &base_rest.blocks));
     let verdict = match (&findings[..], &unknown) {
@@ -230,6 +244,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         check: channel_checks(&study, &subject, &base_rest, &current_check),
         parameters: fitted_parameters(&study, &subject, &current),
         candidates,
+        map,
         faults: faults.iter().filter(|f| f.counts()).map(fault).collect(),
         runs: names
             .iter()
@@ -275,6 +290,40 @@ fn read_folder(folder: &Path, map: &Map) -> Result<(Vec<String>, Vec<hygiene::Ra
     }
     let name = |p: &PathBuf| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
     Ok((files.iter().map(name).collect(), recordings))
+}
+
+/// Something that is missing in the dynamics and that nothing explains.
+fn unnamed(
+    study: &Study<'_>,
+    subject: &Subject,
+    roles: &Roles,
+    common: &locate::Common,
+    rest: &Rest,
+) -> Finding {
+    let channels = study.check_runs.first().map_or(&[][..], |r| &r.channels[..]);
+    let names: Vec<String> = common
+        .channels
+        .iter()
+        .filter_map(|c| channels.get(*c))
+        .map(|c| subject.interface.variables[c.variable].name.clone())
+        .collect();
+    Finding {
+        effect: "unknown".into(),
+        name: "Something in the machine that several channels share".into(),
+        family: "unknown".into(),
+        place: format!("outputs {}", names.join(", ")),
+        channels: names,
+        depends_on: locate::depends_on(&study.check_runs, &rest.simulated, &subject.interface, roles),
+        confidence: 0.9,
+        evidence: format!(
+            "{:.0} % of what is left in these channels between {:.3} and {:.3} Hz is coherent, which noise of separate sensors is not; chance does so with a probability of {:.1e}.",
+            100.0 * common.share,
+            common.band.0,
+            common.band.1,
+            common.p
+        ),
+        ..Finding::default()
+    }
 }
 
 /// Faults that show against the refitted model.
@@ -820,7 +869,7 @@ fn channel_checks(study: &Study<'_>, subject: &Subject, before: &Rest, after: &R
             unit: info.unit.clone().unwrap_or_else(|| "1".into()),
             before: error(before, c),
             after: error(after, c),
-            noise: None,
+            noise: locate::noise(&study.check_runs, &after.simulated, c),
         }
     };
     channels.iter().enumerate().map(of).collect()
@@ -898,6 +947,11 @@ fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, f64)) -> St
                 others.join("; ")
             )
         }
+        (Verdict::Unknown, [first, ..]) if first.parameters.is_empty() => format!(
+            "Something is missing that has no name here: {} have errors in common that depend on {}. Nothing that was tried explains them on other runs, so the model is only refitted.",
+            first.channels.join(" and "),
+            if first.depends_on.is_empty() { "nothing that was recorded".to_owned() } else { first.depends_on.join(", ") }
+        ),
         (Verdict::Unknown, [first, ..]) => format!(
             "Something is missing that has no name here; it acts at {} and depends on {}. An empirical function of that lowers the error of the check runs by {gain:.0} %.",
             first.place,

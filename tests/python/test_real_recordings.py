@@ -2,6 +2,7 @@
 repository: LATSCH_DATA names their folder, else ../shared/data beside the checkout is tried; without them the tests
 that need them are skipped."""
 
+import numpy
 import csv
 import importlib.machinery
 import importlib.util
@@ -138,8 +139,7 @@ def test_the_nominal_models_run_on_the_recordings(runs, models, tmp_path, name, 
     done = latsch("simulate", models(model), "--inputs", path, *settings, "--output", results)
     assert done.returncode == 0, done.stderr
     measured, simulated = read_results(path), read_results(results)
-    step = round((simulated["time"][1] - simulated["time"][0]) / (measured["time"][1] - measured["time"][0]), 6)
-    assert step == pytest.approx(1.0, abs=0.2), "communication points are samples"
-    count = min(len(measured["time"]), len(simulated["time"]))
-    left = [m - s for m, s in zip(measured[channel][:count], simulated[channel][:count])]
+    # samples are irregular: the simulation in between
+    there = lambda t: numpy.interp(t, simulated["time"], simulated[channel])
+    left = [m - there(t) for t, m in zip(measured["time"], measured[channel]) if t <= simulated["time"][-1]]
     assert error[0] < rms(left) < error[1]
