@@ -24,7 +24,7 @@ pub fn coloured(dice: &mut Dice, a: f64, n: usize) -> Vec<f64> {
 /// A run: inputs are the variables 0.., channels those after them.
 pub fn run(name: &str, step: f64, inputs: &[Vec<f64>], channels: &[Vec<f64>]) -> Run {
     let points = channels[0].len();
-    let inputs = inputs.to_vec().into_iter().enumerate().collect::<Vec<_>>();
+    let inputs = inputs.iter().cloned().enumerate().collect::<Vec<_>>();
     let first = inputs.len();
     Run {
         name: name.into(),

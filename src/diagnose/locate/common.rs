@@ -58,7 +58,7 @@ pub fn common_cause(runs: &[&Run], simulated: &[Traces]) -> Option<Common> {
             n > 0 && residuals.iter().chain(&slopes).all(|v| v[*r].len() == n)
         })
         .collect();
-    for values in residuals.iter_mut().chain([]) {
+    for values in &mut residuals {
         *values = whole.iter().map(|r| std::mem::take(&mut values[*r])).collect();
     }
     let slopes: Vec<Vec<Vec<f64>>> =

@@ -406,9 +406,10 @@ mod tests {
     fn a_condition_is_where_it_is() {
         let cells = look(1, |load, _, _| if load > 3400.0 { 12.0 } else { 0.0 });
         let found = significant(&cells);
-        let ranges: Vec<&&Cell> = found.iter().filter(|c| c.kind == CellKind::Condition).collect();
-        assert!(!ranges.is_empty());
-        assert!(ranges.iter().all(|c| c.channel == "force_y" && c.what == "load [N]" && c.high > 3400.0));
+        // the mean over the wheel's angle is not zero either
+        let ranges: Vec<&&Cell> = found.iter().filter(|c| c.what == "load [N]").collect();
+        assert!(!ranges.is_empty() && ranges.iter().all(|c| c.high > 3400.0), "{ranges:?}");
+        assert!(found.iter().all(|c| c.channel == "force_y"), "{found:?}");
         assert!(found.iter().all(|c| c.kind != CellKind::Order), "{found:?}");
     }
 
