@@ -24,8 +24,11 @@ const SAMPLES: usize = 30;
 /// condition is no explanation.
 const ABSENT: f64 = 0.4;
 
+/// A number of the times and values of a channel.
+type Kind = fn(&[f64], &[f64]) -> f64;
+
 /// What of a channel may be a condition: level, amplitude, frequency.
-const KINDS: [fn(&[f64], &[f64]) -> f64; 3] =
+const KINDS: [Kind; 3] =
     [|_, values| mean(values), |_, values| deviation(values), |time, values| 1.0 / period(time, values)];
 
 /// Whether a line over one operating condition explains the deviation of run number `odd`. `values` are the
