@@ -151,6 +151,17 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let nominal_rest = study.rest(&nominal, &check_runs)?;
     let base_rest = study.rest(&base.model, &check_runs)?;
 
+    // a command may rest as long as it likes, at the end of its range too
+    let is_input = |name: &String| {
+        subject
+            .interface
+            .index(name)
+            .is_some_and(|v| subject.interface.variables[v].causality == Causality::Input)
+    };
+    faults.retain(|f| {
+        !(matches!(f.kind, hygiene::FaultKind::Stuck | hygiene::FaultKind::Saturated)
+            && f.channel.as_ref().is_some_and(is_input))
+    });
     let all_runs: Vec<&Run> = runs.iter().map(|(run, _)| run).collect();
     faults.extend(faults_against(&study, &subject, &base.model, &all_runs, &recordings, &names)?);
     let fatal = faults.iter().any(|f| f.severity == hygiene::Severity::Fatal);
@@ -300,13 +311,8 @@ fn unnamed(
     common: &locate::Common,
     rest: &Rest,
 ) -> Finding {
-    let channels = study.check_runs.first().map_or(&[][..], |r| &r.channels[..]);
-    let names: Vec<String> = common
-        .channels
-        .iter()
-        .filter_map(|c| channels.get(*c))
-        .map(|c| subject.interface.variables[c.variable].name.clone())
-        .collect();
+    let names: Vec<String> =
+        common.channels.iter().map(|v| subject.interface.variables[*v].name.clone()).collect();
     Finding {
         effect: "unknown".into(),
         name: "Something in the machine that several channels share".into(),

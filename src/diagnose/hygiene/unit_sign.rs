@@ -4,27 +4,29 @@ use super::against::Table;
 use super::align::Fit;
 use super::robust::{deviation, mean, median, spread};
 use super::{Fault, FaultKind, Severity, run_name, short};
+use crate::model::unit::Unit;
 
 /// Ratios of units: how many of the recorded unit make one of the named unit, and what that would be.
-/// Each is looked for upside down, too.
-const FACTORS: [(f64, &str); 17] = [
-    (1e6, "a factor of a million, such as MPa and Pa"),
-    (1e5, "bar and Pa"),
-    (6894.757, "psi and Pa"),
-    (1000.0, "a factor of thousand, such as kN and N, m and mm, s and ms"),
-    (100.0, "a factor of hundred, such as % and 1, m and cm"),
-    (180.0 / std::f64::consts::PI, "degrees and radians"),
-    (25.4, "inches and millimetres"),
-    (1.0 / 0.0254, "inches and metres"),
-    (10.0, "a factor of ten, such as daN and N, bar and MPa"),
-    (9.80665, "kgf and N, or g and m/s2"),
-    (60.0 / std::f64::consts::TAU, "rpm and rad/s"),
-    (std::f64::consts::TAU, "Hz and rad/s"),
-    (4.448222, "lbf and N"),
-    (3.6, "km/h and m/s"),
-    (1.0 / 0.3048, "feet and metres"),
-    (1.0 / 0.44704, "mph and m/s"),
-    (1.0 / 0.45359237, "pounds and kilograms"),
+/// Each is looked for upside down, too. The last entry has the quantities that are recorded in these units;
+/// empty: any.
+const FACTORS: [(f64, &str, &[&str]); 17] = [
+    (1e6, "a factor of a million, such as MPa and Pa", &[]),
+    (1e5, "bar and Pa", &["Pa"]),
+    (6894.757, "psi and Pa", &["Pa"]),
+    (1000.0, "a factor of thousand, such as kN and N, m and mm, s and ms", &[]),
+    (100.0, "a factor of hundred, such as % and 1, m and cm", &[]),
+    (180.0 / std::f64::consts::PI, "degrees and radians", &["rad", "rad/s", "rad/s2"]),
+    (25.4, "inches and millimetres", &["m"]),
+    (1.0 / 0.0254, "inches and metres", &["m"]),
+    (10.0, "a factor of ten, such as daN and N, bar and MPa", &[]),
+    (9.80665, "kgf and N, or g and m/s2", &["N", "N.m", "m/s2"]),
+    (60.0 / std::f64::consts::TAU, "rpm and rad/s", &["rad/s"]),
+    (std::f64::consts::TAU, "Hz and rad/s", &["rad/s"]),
+    (4.448222, "lbf and N", &["N"]),
+    (3.6, "km/h and m/s", &["m/s"]),
+    (1.0 / 0.3048, "feet and metres", &["m", "m/s"]),
+    (1.0 / 0.44704, "mph and m/s", &["m/s"]),
+    (1.0 / 0.45359237, "pounds and kilograms", &["kg"]),
 ];
 /// Factors beyond this (or below its inverse) are far from what model errors do.
 const FAR: f64 = 8.0;
@@ -118,6 +120,7 @@ fn signs(table: &mut Table, channel: usize) -> Option<Fault> {
 type Runs = Vec<(usize, f64)>;
 
 fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
+    let unit = table.unit(channel).to_owned();
     let fits: Vec<(usize, Fit, f64)> = table.pairs[channel]
         .iter()
         .flatten()
@@ -134,12 +137,14 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
     let steady = spread(&gains.iter().map(|g| g.ln()).collect::<Vec<_>>()) < NEAR_SCATTER;
     let mut by_factor: Vec<(f64, &str, Runs)> = Vec::new();
     for (run, fit, size) in &fits {
-        let Some((factor, what)) = factor(fit.gain / usual) else { continue };
+        let Some((factor, what)) = factor(fit.gain / usual, &unit) else { continue };
         let far = is_far(factor);
-        // one run alone has nothing to be steady with, nor has it other runs that are right
-        let trusted =
-            far || (fit.error < NEAR_LEFT * size && (!right.is_empty() || (steady && fits.len() > 1)));
-        if !trusted {
+        // one run alone has nothing to be steady with, nor has it others that are mostly right
+        let trusted = far
+            || (fit.error < NEAR_LEFT * size
+                && (2 * right.len() > gains.len() || (steady && fits.len() > 1)));
+        let pair = table.pairs[channel].iter().flatten().find(|pair| pair.run == *run);
+        if !trusted || !pair.is_some_and(|pair| mean_agrees(&pair.measured, pair.simulated, factor)) {
             continue;
         }
         match by_factor.iter_mut().find(|f| f.0 == factor) {
@@ -148,7 +153,6 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
         }
     }
     let name = table.channels[channel].clone();
-    let unit = table.unit(channel).to_owned();
     let mut faults = Vec::new();
     for (factor, what, hits) in by_factor {
         for (run, _) in &hits {
@@ -181,19 +185,31 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
     faults
 }
 
+/// A unit scales the mean as well, where there is one; friction and the like do not.
+fn mean_agrees(measured: &[f64], simulated: &[f64], factor: f64) -> bool {
+    let (m, s) = (mean(measured), mean(simulated));
+    s.abs() < 2.0 * deviation(simulated) || ((m / s / factor).abs().ln().abs() < 0.5 && m * s > 0.0)
+}
+
 fn is_far(factor: f64) -> bool {
     factor.max(1.0 / factor) > FAR
 }
 
 /// The ratio of units that is nearest to a gain, if one is near enough.
-fn factor(gain: f64) -> Option<(f64, &'static str)> {
+/// Only those of the quantity that the header's unit names.
+fn factor(gain: f64, unit: &str) -> Option<(f64, &'static str)> {
     if !(gain > 0.0 && gain.is_finite()) {
         return None;
     }
     let away = |factor: f64| (gain / factor).ln().abs();
+    let dimension = |text: &str| Unit::parse(text).ok().map(|u| u.exponents);
+    let own = dimension(unit);
+    let possible =
+        |of: &[&str]| of.is_empty() || own.is_none() || of.iter().any(|text| dimension(text) == own);
     FACTORS
         .iter()
-        .flat_map(|(factor, what)| [(*factor, *what), (1.0 / factor, *what)])
+        .filter(|(_, _, of)| possible(of))
+        .flat_map(|(factor, what, _)| [(*factor, *what), (1.0 / factor, *what)])
         .min_by(|a, b| away(a.0).total_cmp(&away(b.0)))
         .filter(|(factor, _)| {
             let tolerance = if is_far(*factor) { FAR_TOLERANCE } else { NEAR_TOLERANCE };

@@ -33,7 +33,7 @@ pub const EFFECT: Effect = Effect {
             "velocity",
             "Velocity at which three quarters of it act",
             Scale::of("1", 0, [1, 0, 0]),
-            (0.0001, 0.3),
+            (0.0001, 0.5),
             (0.001, 0.5),
             &[0.03],
         ),
