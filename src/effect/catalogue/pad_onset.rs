@@ -40,7 +40,7 @@ pub const EFFECT: Effect = Effect {
             "contact",
             "Least pressure of contact",
             Scale::of("1", 1, [0, 0, 0]),
-            (0.0001, 0.5),
+            (0.0001, 0.3),
             (0.001, 0.3),
             &[0.03],
         ),
