@@ -376,20 +376,12 @@ fn spoil(case: &mut Case, kind: &str, random: &mut Random) {
             case.simulated[to].time = case.simulated[run].time.clone();
         }
         "unit of all runs" | "unit of some runs" => {
-            let factors = [
-                1000.0,
-                1e-3,
-                3.6,
-                1.0 / 3.6,
-                57.29578,
-                9.80665,
-                4.4482,
-                0.45359,
-                9.5493,
-                1e5,
-                0.3048,
-                0.0254,
-            ];
+            // lengths and forces are recorded in other units than each other
+            let factors = if name == "travel" {
+                [1000.0, 1e-3, 100.0, 0.01, 1.0 / 0.3048, 1.0 / 0.0254]
+            } else {
+                [1000.0, 1e-3, 9.80665, 1.0 / 9.80665, 4.4482, 1.0 / 4.4482]
+            };
             let factor = factors[random.below(factors.len())];
             for (i, recording) in case.measured.iter_mut().enumerate() {
                 if kind == "unit of all runs" || odd.contains(&i) {
