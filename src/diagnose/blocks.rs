@@ -73,6 +73,11 @@ pub fn sign_flip(gains: &[f64]) -> f64 {
     as_good as f64 / (DRAWS + 1) as f64
 }
 
+/// What a model leaves in each block less what another leaves.
+pub(super) fn differences(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
 /// How often each of several models has the least error when blocks are drawn anew: `errors[model][block]`.
 pub fn bootstrap_shares(errors: &[Vec<f64>]) -> Vec<f64> {
     let blocks = errors.first().map_or(0, Vec::len);

@@ -1,11 +1,14 @@
 //! Diagnosis: where recordings and simulation differ, and why.
 
 mod blocks;
+mod candidates;
+mod decision;
 pub mod hygiene;
 pub mod loads;
 pub mod locate;
 mod pipeline;
 mod placement;
+mod reading;
 mod result;
 mod roles;
 mod runs;
@@ -13,6 +16,7 @@ mod screen;
 pub mod spectrum;
 mod study;
 mod subject;
+mod tables;
 
 pub use pipeline::{CheckTraces, Outcome, Request, diagnose};
 pub use result::*;

@@ -1,0 +1,215 @@
+//! Candidates: effects screened at all their places, and the best of them fitted inside the simulation.
+
+use super::blocks::{differences, sign_flip};
+use super::placement::{Placement, Site, is_tunable, sizes};
+use super::roles::Roles;
+use super::screen::{Screen, Screened};
+use super::study::{Fitted, Model, Rest, Study};
+use super::subject::Subject;
+use crate::effect::{Effect, catalogue, empirical};
+use crate::fit::{Drive, Run};
+use crate::model::Causality;
+use crate::{Error, Result};
+use std::sync::Arc;
+
+/// Named effects that are fitted inside the simulation.
+const NAMED: usize = 7;
+/// Empirical functions that are fitted as rivals.
+const UNNAMED: usize = 3;
+/// Runs that effects are screened with.
+const SCREENED: usize = 4;
+/// An effect that promises less of the squared error of the fit runs is not fitted.
+const MIN_PROMISE: f64 = 0.005;
+
+/// A candidate that was fitted.
+pub(super) struct Tried {
+    pub placement: Placement,
+    pub fitted: Fitted,
+    pub fit_rest: Rest,
+    pub check_rest: Rest,
+    pub fit_gain: f64,
+    pub check_gain: f64,
+    pub p: f64,
+    /// Why it may not be named, if so.
+    pub refuted: Option<String>,
+}
+
+/// Runs for screening: a few, spread evenly.
+fn some_of<'a>(runs: &[&'a Run]) -> Vec<&'a Run> {
+    let n = runs.len().min(SCREENED);
+    (0..n).map(|i| runs[(2 * i + 1) * runs.len() / (2 * n)]).collect()
+}
+
+/// All that the catalogue and the empirical functions offer on this model, screened.
+pub(super) fn screen<'a>(
+    study: &'a Study<'a>,
+    subject: &'a Subject,
+    roles: &'a Roles,
+    current: &'a Fitted,
+) -> Result<Vec<Screened>> {
+    let interface = &subject.interface;
+    let runs = &some_of(&study.fit_runs);
+    let watch: Arc<[usize]> = interface
+        .variables
+        .iter()
+        .enumerate()
+        .filter(|(_, v)| v.is_real() && matches!(v.causality, Causality::Input | Causality::Output))
+        .map(|(i, _)| i)
+        .chain(runs.iter().flat_map(|r| r.channels.iter().map(|c| c.variable)))
+        .collect::<std::collections::BTreeSet<usize>>()
+        .into_iter()
+        .collect();
+    let problem = study.problem(&current.model, runs.clone());
+    let point = Study::point(&current.model);
+    let steps: Vec<f64> = current
+        .unknowns
+        .iter()
+        .zip(&point)
+        .map(|(u, x)| if x + u.step <= u.high { u.step } else { -u.step })
+        .collect();
+    let screen = Screen::new(&problem, &current.model, &point, &steps, Arc::clone(&watch), &study.weights);
+    let screen = screen.ok_or_else(|| Error::numeric("the fitted model cannot be run"))?;
+    let drives: Vec<Arc<Drive>> = runs.iter().map(|r| Arc::clone(&r.drive)).collect();
+    let (mut size, rate) = sizes(interface.variables.len(), &watch, &drives, &screen.traces);
+    for p in &study.free {
+        size[p.variable] = p.scale;
+    }
+    // a model may leave an output at rest that moves
+    for channel in runs.iter().flat_map(|r| &r.channels) {
+        let n = channel.values.len().max(1) as f64;
+        let own = (channel.values.iter().map(|v| v * v).sum::<f64>() / n).sqrt();
+        size[channel.variable] = size[channel.variable].max(own);
+    }
+    let measured: Vec<usize> =
+        runs.first().map_or(Vec::new(), |r| r.channels.iter().map(|c| c.variable).collect());
+    let driven: Vec<usize> =
+        runs.first().map_or(Vec::new(), |r| r.drive.inputs.iter().map(|(v, _)| *v).collect());
+    for variable in 0..size.len() {
+        if size[variable] == 0.0
+            && roles.is(variable, crate::effect::Role::Force)
+            && interface.variables[variable].causality == Causality::Input
+        {
+            size[variable] = force_size(study, &current.model, variable, &measured, &size);
+        }
+    }
+    let tunable =
+        study.free.iter().map(|p| p.variable).filter(|v| is_tunable(interface, *v)).take(5).collect();
+    let site = Site { interface, roles, measured: &measured, driven, tunable, size, rate };
+    let known = |placement: &Placement| {
+        current
+            .model
+            .effects
+            .iter()
+            .any(|(p, _)| p.effect.id == placement.effect.id && p.targets == placement.targets)
+    };
+    let placements: Vec<Placement> = catalogue::EFFECTS
+        .iter()
+        .chain(empirical::EFFECTS)
+        .flat_map(|effect: &'static Effect| site.placements(effect))
+        .filter(|p| !known(p))
+        .collect();
+    Ok(screen.screen(interface, &placements))
+}
+
+/// The size of a force at an input that nothing drives: what moves an output as much as it moves anyway.
+fn force_size(study: &Study<'_>, model: &Model, variable: usize, measured: &[usize], size: &[f64]) -> f64 {
+    let Some(run) = study.fit_runs.first() else { return 0.0 };
+    let setup = Arc::new(study.problem(model, vec![run]).setup(&Study::point(model)));
+    let watch: Arc<[usize]> = measured.into();
+    let respond = |force: f64| {
+        let mut drive = (*run.drive).clone();
+        drive.inputs.retain(|(v, _)| *v != variable);
+        // on and off, so that also what only shows in motion answers
+        let wave = (0..drive.points).map(|k| if (k / 50) % 2 == 0 { force } else { 0.0 }).collect();
+        drive.inputs.push((variable, wave));
+        study.bench.run(std::slice::from_ref(&setup), &[Arc::new(drive)], &watch).pop().and_then(Result::ok)
+    };
+    let (Some(still), Some(moved)) = (respond(0.0), respond(1.0)) else { return 0.0 };
+    let mut least = f64::INFINITY;
+    for ((a, b), variable) in still.iter().zip(&moved).zip(measured) {
+        let change = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len().max(1) as f64;
+        if change > 0.0 && size[*variable] > 0.0 {
+            least = least.min(size[*variable] / change.sqrt());
+        }
+    }
+    if least.is_finite() { least } else { 0.0 }
+}
+
+/// The best placement of the best effects: named ones and empirical functions.
+pub(super) fn choose(screened: &[Screened]) -> Vec<Screened> {
+    let mut chosen: Vec<Screened> = Vec::new();
+    for (named, limit) in [(true, NAMED), (false, UNNAMED)] {
+        let mut count = 0;
+        for s in screened.iter().filter(|s| empirical::is(s.placement.effect) != named) {
+            let best =
+                screened.iter().find(|s| empirical::is(s.placement.effect) != named).map_or(0.0, |b| b.gain);
+            if count == limit || s.gain < 0.1 * best || s.gain < MIN_PROMISE {
+                break;
+            }
+            // other places of the same effect only if they are about as good
+            let mut same = chosen.iter().filter(|c| c.placement.effect.id == s.placement.effect.id);
+            if same.clone().count() > 1 || same.next().is_some_and(|first| s.gain < 0.6 * first.gain) {
+                continue;
+            }
+            chosen.push(s.clone());
+            count += 1;
+        }
+    }
+    chosen
+}
+
+pub(super) fn try_out(
+    study: &Study<'_>,
+    current: &Model,
+    screened: &Screened,
+    current_fit: &Rest,
+    current_check: &Rest,
+) -> Option<Tried> {
+    let mut model = current.clone();
+    model.effects.push((screened.placement.clone(), screened.values.clone()));
+    // from near the off value, so that the parameters move along
+    if let Some((placement, values)) = model.effects.last_mut() {
+        for (value, parameter) in values.iter_mut().zip(placement.effect.parameters) {
+            if let Some(off) = parameter.off {
+                let small = parameter.probes.first().map_or(f64::INFINITY, |p| p.abs());
+                *value = off + (0.1 * (*value - off)).clamp(-small, small);
+            }
+        }
+    }
+    let mut fitted = study.fit(&model, 6).ok();
+    if fitted.as_ref().is_none_or(|f| f.fit.cost > current_fit.total * (1.0 - 0.5 * screened.gain)) {
+        // a refit without the effect may have bent the parameters far: from the nominal ones as well
+        model.parameters = study.nominal().parameters;
+        let other = study.fit(&model, 5).ok();
+        fitted = match (fitted, other) {
+            (Some(a), Some(b)) => Some(if a.fit.cost <= b.fit.cost { a } else { b }),
+            (a, b) => a.or(b),
+        };
+    }
+    let fitted = fitted?;
+    let fit_rest = study.rest(&fitted.model, &study.fit_runs).ok()?;
+    let check_rest = study.rest(&fitted.model, &study.check_runs).ok()?;
+    let p = sign_flip(&differences(&current_check.blocks, &check_rest.blocks));
+    let refuted = implausible(&fitted.model);
+    Some(Tried {
+        placement: screened.placement.clone(),
+        fit_gain: 1.0 - fit_rest.total / current_fit.total.max(f64::MIN_POSITIVE),
+        check_gain: 1.0 - check_rest.total / current_check.total.max(f64::MIN_POSITIVE),
+        fitted,
+        fit_rest,
+        check_rest,
+        p,
+        refuted,
+    })
+}
+
+/// A coefficient of the last effect that its name does not allow.
+fn implausible(model: &Model) -> Option<String> {
+    let (placement, values) = model.effects.last()?;
+    placement.effect.parameters.iter().zip(values).zip(&placement.scales).find_map(|((p, v), scale)| {
+        let (low, high) = p.plausible;
+        let slack = 1e-6 * (high - low).abs();
+        (*v < low - slack || *v > high + slack)
+            .then(|| format!("{} = {:.3e} is not plausible for this name", p.name, v * scale))
+    })
+}

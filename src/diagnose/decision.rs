@@ -1,0 +1,219 @@
+//! The decision of one round: which candidate is right by the check runs, and what cannot be told from it.
+
+use super::blocks::{bootstrap_shares, differences, sign_flip};
+use super::candidates::Tried;
+use super::locate;
+use super::result::{Alternative, Candidate, Finding};
+use super::roles::Roles;
+use super::study::{Rest, Study};
+use super::subject::Subject;
+use super::tables::estimates;
+use crate::effect::{Effect, empirical};
+
+/// Probability of chance below which a gain on the check runs counts, for all that were fitted together.
+pub(super) const LEVEL: f64 = 0.05;
+/// A gain on the check runs below this share of the squared error is not worth a name.
+const MIN_GAIN: f64 = 0.01;
+/// A rest that an empirical function explains, as a share of what the named effects explain, above which
+/// the names are not enough.
+const LEFT_OVER: f64 = 0.2;
+/// A rival is as good if chance makes such a difference with more than this probability.
+const TIE: f64 = 0.05;
+
+pub(super) enum Decision {
+    Nothing,
+    Named(usize, Finding),
+    Unnamed(usize, Finding),
+}
+
+#[allow(clippy::too_many_arguments)]
+pub(super) fn decide(
+    study: &Study<'_>,
+    subject: &Subject,
+    tried: &[Tried],
+    current_check: &Rest,
+    base_check: &Rest,
+    round: usize,
+    candidates: &mut Vec<Candidate>,
+) -> Decision {
+    let level = LEVEL / tried.len().max(1) as f64;
+    let counts = |t: &Tried| {
+        t.p <= level.max(2.5e-4)
+            && t.check_gain > MIN_GAIN
+            && t.fit_gain > 0.0
+            && visible(study, t, current_check)
+    };
+    let both = |t: &Tried| t.fit_rest.total + t.check_rest.total;
+    let blocks = |t: &Tried| [&t.fit_rest.blocks[..], &t.check_rest.blocks[..]].concat();
+    let is_named = |t: &&(usize, &Tried)| !empirical::is(t.1.placement.effect);
+    let all: Vec<(usize, &Tried)> = tried.iter().enumerate().collect();
+    let best_of = |named: bool| {
+        all.iter()
+            .filter(|t| is_named(t) == named && counts(t.1) && (t.1.refuted.is_none() || !named))
+            .min_by(|a, b| both(a.1).total_cmp(&both(b.1)))
+            .copied()
+    };
+    let (named, unnamed) = (best_of(true), best_of(false));
+    // an empirical function wins where it explains clearly more than any name
+    let better = |e: &Tried, n: &Tried| {
+        let explained = current_check.total - e.check_rest.total;
+        let missed = n.check_rest.total - e.check_rest.total;
+        missed > LEFT_OVER * explained && sign_flip(&differences(&blocks(n), &blocks(e))) < TIE
+    };
+    let decision = match (named, unnamed) {
+        (None, None) => None,
+        (Some((i, _)), None) => Some((i, true)),
+        (None, Some((i, _))) => Some((i, false)),
+        (Some((i, n)), Some((j, e))) => Some(if better(e, n) { (j, false) } else { (i, true) }),
+    };
+    // after a first name a rest that only an empirical function explains, and that is small, is left alone
+    let decision = decision.filter(|(i, named)| {
+        let explained_before = base_check.total - current_check.total;
+        let explained_now = current_check.total - tried[*i].check_rest.total;
+        *named || round == 0 || explained_now > LEFT_OVER * explained_before
+    });
+    let rivals: Vec<(usize, &Tried)> = match decision {
+        Some((chosen, true)) => all
+            .iter()
+            .filter(|t| is_named(t) && counts(t.1) && t.1.refuted.is_none())
+            .filter(|t| {
+                t.0 == chosen || {
+                    let behind = differences(&blocks(t.1), &blocks(&tried[chosen]));
+                    let lag = both(t.1) - both(&tried[chosen]);
+                    let gain = current_check.total - tried[chosen].check_rest.total;
+                    sign_flip(&behind) > TIE || lag < 0.03 * gain
+                }
+            })
+            .copied()
+            .collect(),
+        Some((chosen, false)) => vec![(chosen, &tried[chosen])],
+        None => Vec::new(),
+    };
+    let shares = bootstrap_shares(&rivals.iter().map(|t| blocks(t.1)).collect::<Vec<_>>());
+    for (i, t) in &all {
+        let placement = &t.placement;
+        let reason = match decision {
+            _ if t.refuted.is_some() => t.refuted.clone().unwrap_or_default(),
+            Some((chosen, _)) if chosen == *i => "chosen".into(),
+            _ if !counts(t) => "no gain on the check runs that chance does not make".into(),
+            _ if rivals.iter().any(|r| r.0 == *i) => {
+                "as good as the one chosen: these recordings do not separate them".into()
+            }
+            _ => "explains less than the one chosen".into(),
+        };
+        candidates.push(Candidate {
+            effect: placement.effect.id.into(),
+            name: placement.effect.name.into(),
+            family: family(placement.effect),
+            place: placement.place(&subject.interface),
+            fit_gain: Some(t.fit_gain),
+            check_gain: Some(t.check_gain),
+            p: Some(t.p),
+            reason,
+        });
+    }
+    let Some((chosen, is_named)) = decision else { return Decision::Nothing };
+    let t = &tried[chosen];
+    let share_of = |i: usize| rivals.iter().position(|r| r.0 == i).map_or(0.0, |k| shares[k]);
+    let mut alternatives: Vec<Alternative> = rivals
+        .iter()
+        .filter(|r| r.0 != chosen)
+        .map(|r| Alternative {
+            effect: r.1.placement.effect.id.into(),
+            family: family(r.1.placement.effect),
+            place: r.1.placement.place(&subject.interface),
+            confidence: share_of(r.0),
+        })
+        .collect();
+    alternatives.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
+    let placement = &t.placement;
+    let channels = affected(study, subject, t, current_check);
+    let finding = Finding {
+        effect: if is_named { placement.effect.id.into() } else { "unknown".into() },
+        name: placement.effect.name.into(),
+        family: if is_named { family(placement.effect) } else { "unknown".into() },
+        place: placement.place(&subject.interface),
+        channels,
+        depends_on: placement.depends_on(&subject.interface),
+        confidence: 0.97 * if is_named { share_of(chosen).max(0.05) } else { 1.0 },
+        parameters: estimates(study, &t.fitted),
+        alternatives,
+        evidence: format!(
+            "It takes away {:.0} % of the squared error of the check runs and {:.0} % of that of the fit runs beyond the refit; chance does so with a probability of {:.1e}.",
+            100.0 * t.check_gain,
+            100.0 * t.fit_gain,
+            t.p
+        ),
+    };
+    if is_named { Decision::Named(chosen, finding) } else { Decision::Unnamed(chosen, finding) }
+}
+
+fn family(effect: &Effect) -> String {
+    serde_json::to_value(effect.family).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
+/// True if an effect takes away an error that matters in some channel: a twentieth of the squared error
+/// and a thousandth of what the channel moves.
+fn visible(study: &Study<'_>, t: &Tried, before: &Rest) -> bool {
+    let channels = study.check_runs.first().map_or(0, |r| r.channels.len());
+    (0..channels).any(|c| {
+        let (mut a, mut b, mut spread) = (0.0, 0.0, 0.0);
+        for ((run, old), new) in study.check_runs.iter().zip(&before.simulated).zip(&t.check_rest.simulated) {
+            let values = &run.channels[c].values;
+            let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+            for ((m, x), y) in values.iter().zip(&old[c]).zip(&new[c]) {
+                a += (x - m).powi(2);
+                b += (y - m).powi(2);
+                spread += (m - mean).powi(2);
+            }
+        }
+        a - b > 0.05 * a && a - b > 1e-6 * spread
+    })
+}
+
+/// The channels whose error an effect changes most: all with at least a tenth of the change.
+fn affected(study: &Study<'_>, subject: &Subject, t: &Tried, before: &Rest) -> Vec<String> {
+    let mut change = vec![0.0; study.weights.len()];
+    for ((run, a), b) in study.check_runs.iter().zip(&before.simulated).zip(&t.check_rest.simulated) {
+        for (c, channel) in run.channels.iter().enumerate() {
+            let sum = |traces: &Vec<f64>| -> f64 {
+                traces.iter().zip(&channel.values).map(|(s, m)| (s - m).powi(2)).sum()
+            };
+            change[c] += (sum(&a[c]) - sum(&b[c])) * study.weights[c].powi(2);
+        }
+    }
+    let most = change.iter().copied().fold(0.0, f64::max);
+    let channels = study.check_runs.first().map_or(&[][..], |r| &r.channels[..]);
+    let mut order: Vec<usize> = (0..channels.len()).filter(|c| change[*c] > 0.1 * most).collect();
+    order.sort_by(|a, b| change[*b].total_cmp(&change[*a]));
+    order.iter().map(|c| subject.interface.variables[channels[*c].variable].name.clone()).collect()
+}
+
+/// Something that is missing in the dynamics and that nothing explains.
+pub(super) fn unnamed(
+    study: &Study<'_>,
+    subject: &Subject,
+    roles: &Roles,
+    common: &locate::Common,
+    rest: &Rest,
+) -> Finding {
+    let names: Vec<String> =
+        common.channels.iter().map(|v| subject.interface.variables[*v].name.clone()).collect();
+    Finding {
+        effect: "unknown".into(),
+        name: "Something in the machine that several channels share".into(),
+        family: "unknown".into(),
+        place: format!("outputs {}", names.join(", ")),
+        channels: names,
+        depends_on: locate::depends_on(&study.check_runs, &rest.simulated, &subject.interface, roles),
+        confidence: 0.9,
+        evidence: format!(
+            "{:.0} % of what is left in these channels between {:.3} and {:.3} Hz is coherent, which noise of separate sensors is not; chance does so with a probability of {:.1e}.",
+            100.0 * common.share,
+            common.band.0,
+            common.band.1,
+            common.p
+        ),
+        ..Finding::default()
+    }
+}

@@ -1,0 +1,209 @@
+//! What a diagnosis tells in numbers and sentences: estimates, errors, traces, the summary.
+
+use super::locate;
+use super::pipeline::CheckTraces;
+use super::placement::Placement;
+use super::result::{ChannelCheck, Diagnosis, Estimate, Finding, Fitted as FittedParameter, Verdict};
+use super::study::{Fitted, Model, Rest, Study};
+use super::subject::Subject;
+use crate::Result;
+use crate::recording::Recording;
+
+/// Parameters of the last effect with 95 % intervals.
+pub(super) fn estimates(study: &Study<'_>, fitted: &Fitted) -> Vec<Estimate> {
+    all_estimates(study, fitted).pop().unwrap_or_default()
+}
+
+/// Parameters of all effects with 95 % intervals.
+pub(super) fn all_estimates(study: &Study<'_>, fitted: &Fitted) -> Vec<Vec<Estimate>> {
+    let covariance = fitted.fit.covariance(&fitted.unknowns, study.redundancy);
+    let mut first = study.free.len() + 1;
+    let mut all = Vec::new();
+    for (placement, values) in &fitted.model.effects {
+        all.push(estimates_of(placement, values, &covariance, first));
+        first += values.len();
+    }
+    all
+}
+
+fn estimates_of(
+    placement: &Placement,
+    values: &[f64],
+    covariance: &nalgebra::DMatrix<f64>,
+    first: usize,
+) -> Vec<Estimate> {
+    placement
+        .effect
+        .parameters
+        .iter()
+        .enumerate()
+        .map(|(i, p)| {
+            let scale = placement.scales[i];
+            let half = 1.96 * covariance[(first + i, first + i)].max(0.0).sqrt();
+            let known = half < 0.5 * (p.search.1 - p.search.0);
+            Estimate {
+                name: p.name.into(),
+                value: values[i] * scale,
+                low: known.then_some((values[i] - half).max(p.search.0) * scale),
+                high: known.then_some((values[i] + half).min(p.search.1) * scale),
+                unit: placement.units[i].clone().unwrap_or_else(|| "1".into()),
+            }
+        })
+        .collect()
+}
+
+pub(super) fn fitted_parameters(
+    study: &Study<'_>,
+    subject: &Subject,
+    fitted: &Fitted,
+) -> Vec<FittedParameter> {
+    let covariance = fitted.fit.covariance(&fitted.unknowns, study.redundancy);
+    let of = |(i, p): (usize, &super::subject::FreeParameter)| {
+        let (x, half) = (fitted.model.parameters[i], 1.96 * covariance[(i, i)].max(0.0).sqrt());
+        // as wide as what was known beforehand: the recordings say nothing
+        let known = half < 1.8 * fitted.unknowns[i].prior;
+        let info = &subject.interface.variables[p.variable];
+        let ends = [(x - half) * p.scale, (x + half) * p.scale];
+        FittedParameter {
+            name: info.name.clone(),
+            start: p.nominal,
+            value: x * p.scale,
+            low: known.then_some(ends[0].min(ends[1])),
+            high: known.then_some(ends[0].max(ends[1])),
+            unit: info.unit.clone().unwrap_or_else(|| "1".into()),
+        }
+    };
+    study.free.iter().enumerate().map(of).collect()
+}
+
+pub(super) fn channel_checks(
+    study: &Study<'_>,
+    subject: &Subject,
+    before: &Rest,
+    after: &Rest,
+) -> Vec<ChannelCheck> {
+    let channels = study.check_runs.first().map_or(&[][..], |r| &r.channels[..]);
+    let error = |rest: &Rest, c: usize| {
+        let (mut sum, mut n) = (0.0, 0.0);
+        for (run, traces) in study.check_runs.iter().zip(&rest.simulated) {
+            sum += traces[c].iter().zip(&run.channels[c].values).map(|(s, m)| (s - m).powi(2)).sum::<f64>();
+            n += run.time.len() as f64;
+        }
+        (sum / f64::max(n, 1.0)).sqrt()
+    };
+    let of = |(c, channel): (usize, &crate::fit::Channel)| {
+        let info = &subject.interface.variables[channel.variable];
+        ChannelCheck {
+            channel: info.name.clone(),
+            unit: info.unit.clone().unwrap_or_else(|| "1".into()),
+            before: error(before, c),
+            after: error(after, c),
+            noise: locate::noise(&study.check_runs, &after.simulated, c),
+        }
+    };
+    channels.iter().enumerate().map(of).collect()
+}
+
+pub(super) fn traces(
+    study: &Study<'_>,
+    subject: &Subject,
+    base: &Model,
+    corrected: &Model,
+    recordings: &[Recording],
+    names: &[String],
+) -> Result<Vec<CheckTraces>> {
+    let before = study.rest(base, &study.check_runs)?;
+    let after = study.rest(corrected, &study.check_runs)?;
+    let mut check = Vec::new();
+    for (k, run) in study.check_runs.iter().enumerate() {
+        let Some(original) = names.iter().position(|n| *n == run.name).and_then(|i| recordings.get(i)) else {
+            continue;
+        };
+        let unit = |v: usize| subject.interface.variables[v].unit.clone().unwrap_or_else(|| "1".into());
+        let name = |v: usize| subject.interface.variables[v].name.clone();
+        let record = |traces: &[Vec<f64>]| Recording {
+            time: run.time.clone(),
+            channels: run
+                .channels
+                .iter()
+                .zip(traces)
+                .map(|(c, values)| crate::recording::Channel {
+                    name: name(c.variable),
+                    unit: unit(c.variable),
+                    values: values.clone(),
+                })
+                .collect(),
+            source: run.name.clone(),
+        };
+        let mut measured = record(&run.channels.iter().map(|c| c.values.clone()).collect::<Vec<_>>());
+        for channel in &original.channels {
+            if !measured.has(&channel.name) {
+                measured.channels.push(channel.clone());
+            }
+        }
+        check.push(CheckTraces {
+            measured,
+            before: record(&before.simulated[k]),
+            after: record(&after.simulated[k]),
+        });
+    }
+    Ok(check)
+}
+
+pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, f64)) -> String {
+    let root = |a: f64, b: f64| 100.0 * (1.0 - (a / b.max(f64::MIN_POSITIVE)).sqrt());
+    let gain = root(after, base);
+    let name = |f: &Finding| format!("{} ({})", f.name, f.place);
+    match (diagnosis.verdict, &diagnosis.findings[..]) {
+        (Verdict::Recording, _) => {
+            let words: Vec<&str> = diagnosis.faults.iter().take(2).map(|f| f.text.as_str()).collect();
+            format!("A recording is at fault, not the model: {}", words.join(" "))
+        }
+        (Verdict::Parameters, _) => format!(
+            "The parameters were off, nothing is missing: refitted on other runs they lower the error of the check runs by {:.0} %. What remains is not explained by anything in the catalogue or by a function of any signal.",
+            root(base, nominal)
+        ),
+        (Verdict::Effect, findings) => format!(
+            "The model lacks: {}. With it the error of the check runs is {gain:.0} % lower than after refitting the parameters alone.",
+            findings.iter().map(name).collect::<Vec<_>>().join("; then "),
+        ),
+        (Verdict::Family, [first, ..]) => {
+            let others: Vec<String> =
+                first.alternatives.iter().map(|a| format!("{} ({})", a.effect, a.place)).collect();
+            format!(
+                "The model lacks one of these, which the recordings do not tell apart: {}; {}. With the first the error of the check runs is {gain:.0} % lower than after refitting the parameters alone.",
+                name(first),
+                others.join("; ")
+            )
+        }
+        (Verdict::Unknown, [first, ..]) if first.parameters.is_empty() => format!(
+            "Something is missing that has no name here: {} have errors in common that depend on {}. Nothing that was tried explains them on other runs, so the model is only refitted.",
+            first.channels.join(" and "),
+            if first.depends_on.is_empty() { "nothing that was recorded".to_owned() } else { first.depends_on.join(", ") }
+        ),
+        (Verdict::Unknown, [first, ..]) => format!(
+            "Something is missing that has no name here; it acts at {} and depends on {}. An empirical function of that lowers the error of the check runs by {gain:.0} %.",
+            first.place,
+            if first.depends_on.is_empty() { "time".to_owned() } else { first.depends_on.join(", ") }
+        ),
+        _ => "Nothing is missing: the model explains the check runs as well as anything that was tried. Its parameters need no change.".into(),
+    }
+}
+
+pub(super) fn next_experiment(diagnosis: &Diagnosis) -> String {
+    let Some(first) = diagnosis.findings.first() else { return String::new() };
+    let lead = |id: &str, other: &str| {
+        let effect = crate::effect::find(id)?;
+        effect
+            .confused_with
+            .iter()
+            .find(|(o, _)| *o == other)
+            .map(|(_, how)| format!("{id} or {other}: {how}"))
+    };
+    let hints: Vec<String> = first
+        .alternatives
+        .iter()
+        .filter_map(|a| lead(&first.effect, &a.effect).or_else(|| lead(&a.effect, &first.effect)))
+        .collect();
+    hints.join("; ")
+}
