@@ -1,17 +1,14 @@
 //! A tire that is not the same all around, twice per revolution.
 
+use super::non_uniformity;
 use super::operator::harmonic;
-use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
+use crate::effect::{Call, Effect, Memory};
 
-/// |Fz| (a cos(2 theta) + b sin(2 theta)) is added to a force.
+/// |Fz| (a cos(2 theta) + b sin(2 theta)) is added to a force; all else as for the first order.
 pub const EFFECT: Effect = Effect {
     id: "non-uniformity-second",
     name: "Non-uniformity of a tire, second order",
-    family: Family::Tire,
-    port: Port::Output,
-    also: &[],
     equation: "F = F_0 + |Fz| (a cos(2 theta) + b sin(2 theta))",
-    source: "TST 17(3):158; TST 39(4):256",
     signature: "a line at the second order of the wheel that goes with the load and hardly with the speed",
     confused_with: &[
         ("non-uniformity", "once per revolution"),
@@ -19,27 +16,8 @@ pub const EFFECT: Effect = Effect {
         ("tone-ring", "in the wheel speed alone"),
         ("belt-order", "fixed to the road, not to the wheel"),
     ],
-    targets: &[Role::Force, Role::Load],
-    drivers: &[Role::WheelAngle, Role::Load],
-    parameters: &[
-        Parameter::amplitude(
-            "cosine",
-            "Cosine part per load",
-            Scale::of("1", 1, [0, -1, 0]),
-            (-0.3, 0.3),
-            (-1.0, 1.0),
-            &[0.005],
-        ),
-        Parameter::amplitude(
-            "sine",
-            "Sine part per load",
-            Scale::of("1", 1, [0, -1, 0]),
-            (-0.3, 0.3),
-            (-1.0, 1.0),
-            &[0.005],
-        ),
-    ],
     apply,
+    ..non_uniformity::EFFECT
 };
 
 fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
