@@ -12,6 +12,7 @@ use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
 use super::{hygiene, locate};
 use crate::Result;
+use crate::effect::Role;
 use crate::fit::{Bench, Drive, Run};
 use crate::model::{Causality, Settings};
 use crate::recording::Recording;
@@ -82,7 +83,13 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let mut runs: Vec<(Run, Use)> = Vec::new();
     for ((name, recording), use_) in names.iter().zip(&recordings).zip(&uses) {
         if *use_ != Use::Leave {
-            runs.push((prepare(&subject.interface, recording, name, request.step)?, *use_));
+            let mut run = prepare(&subject.interface, recording, name, request.step)?;
+            for channel in &mut run.channels {
+                channel.counts = [Role::WheelAngle, Role::TravelDistance]
+                    .iter()
+                    .any(|role| roles.is(channel.variable, *role));
+            }
+            runs.push((run, *use_));
         }
     }
     same_channels(&subject, &runs)?;
@@ -100,6 +107,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         free: Vec::new(),
         lag: 0.0,
         weights: Vec::new(),
+        unknowable: Vec::new(),
         redundancy: 1.0,
     };
     let check_runs = study.check_runs.clone();
@@ -111,6 +119,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     study.choose_free(&subject.free)?;
     let nominal = study.nominal();
     let mut base = study.fit(&nominal, 8)?;
+    study.find_unknowable(&base.model)?;
     for _ in 0..2 {
         let rest = study.rest(&base.model, &fit_runs)?;
         study.weigh(&fit_runs, &rest);

@@ -5,7 +5,7 @@ use super::result::Use;
 use crate::effect::Role;
 use crate::fit::{Channel, Drive, Run};
 use crate::model::{Causality, Interface, Kind};
-use crate::recording::{Recording, interpolate};
+use crate::recording::{Recording, Smooth};
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -145,7 +145,7 @@ pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: O
     }
     let mut drive = Drive { start: *first, step, inputs: Vec::new(), points };
     let grid: Vec<f64> = (0..points).map(|k| drive.time(k).min(*last)).collect();
-    let mut channels = Vec::new();
+    let (mut channels, mut resolution) = (Vec::new(), Vec::new());
     for channel in &recording.channels {
         let variable = interface.find(&channel.name).map_err(|e| {
             at(Error::file(format!(
@@ -156,8 +156,10 @@ pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: O
         let values = recording.channel_in(&channel.name, info.unit.as_deref().unwrap_or("1"))?;
         match info.causality {
             Causality::Input if info.kind == Kind::Real => {
-                let on_grid = grid.iter().map(|t| interpolate(&recording.time, &values, *t)).collect();
+                let smooth = Smooth::new(&recording.time, &values);
+                let on_grid = grid.iter().map(|t| smooth.at(*t)).collect();
                 drive.inputs.push((variable, on_grid));
+                resolution.push((variable, least_difference(&values)));
             }
             Causality::Input => {
                 let hold = |t: &f64| {
@@ -165,9 +167,10 @@ pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: O
                     values[next.saturating_sub(1)]
                 };
                 drive.inputs.push((variable, grid.iter().map(hold).collect()));
+                resolution.push((variable, 0.0));
             }
             Causality::Output | Causality::Local if info.kind == Kind::Real => {
-                channels.push(Channel { variable, values });
+                channels.push(Channel { variable, values, counts: false });
             }
             _ => {
                 return Err(at(Error::file(format!("{} is neither an input nor an output", channel.name))));
@@ -179,5 +182,20 @@ pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: O
     }
     channels.sort_by_key(|c| c.variable);
     drive.inputs.sort_by_key(|i| i.0);
-    Ok(Run { name: name.into(), drive: Arc::new(drive), time: recording.time.clone(), channels })
+    resolution.sort_by_key(|r| r.0);
+    Ok(Run {
+        name: name.into(),
+        drive: Arc::new(drive),
+        time: recording.time.clone(),
+        channels,
+        resolution: resolution.into_iter().map(|r| r.1).collect(),
+    })
+}
+
+/// The least difference of two values that are not the same: the step in which they were recorded.
+fn least_difference(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let least = sorted.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
 }

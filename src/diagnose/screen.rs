@@ -4,7 +4,7 @@
 use super::placement::Placement;
 use super::study::Model;
 use crate::effect::{Call, Memory, Port, Source};
-use crate::fit::{Bench, Drive, OutputError, Run, Setup, Traces};
+use crate::fit::{Bench, Channel, Drive, OutputError, Run, Setup, Traces};
 use crate::model::{Causality, Interface};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -217,9 +217,7 @@ impl<'a> Screen<'a> {
                         let Some(column) = self.watch.iter().position(|v| *v == channel.variable) else {
                             continue;
                         };
-                        let before = run.sample(&base[column], 0.0);
-                        change
-                            .extend(run.sample(trace, 0.0).iter().zip(before).map(|(a, b)| weight * (a - b)));
+                        change.extend(difference(run, channel, trace, &base[column], *weight));
                     }
                 }
                 if complete {
@@ -248,13 +246,24 @@ impl<'a> Screen<'a> {
                     change.extend(std::iter::repeat_n(0.0, channel.values.len()));
                     continue;
                 };
-                let column = self.watch.iter().position(|v| *v == channel.variable);
-                let before = column.map(|c| run.sample(&traces[c], 0.0)).unwrap_or_default();
-                change.extend(run.sample(&changed, 0.0).iter().zip(before).map(|(a, b)| weight * (a - b)));
+                let Some(column) = self.watch.iter().position(|v| *v == channel.variable) else { continue };
+                change.extend(difference(run, channel, &changed, &traces[column], *weight));
             }
         }
         self.thin(&change)
     }
+}
+
+/// Weighted change of a channel at its samples.
+fn difference(run: &Run, channel: &Channel, after: &[f64], before: &[f64], weight: f64) -> Vec<f64> {
+    let before = run.sample(before, 0.0);
+    let mut change: Vec<f64> = run.sample(after, 0.0).iter().zip(before).map(|(a, b)| a - b).collect();
+    if channel.counts {
+        let mean = change.iter().sum::<f64>() / change.len().max(1) as f64;
+        change.iter_mut().for_each(|c| *c -= mean);
+    }
+    change.iter_mut().for_each(|c| *c *= weight);
+    change
 }
 
 /// An output after an effect on it, from traces of the slave without that effect.

@@ -12,6 +12,20 @@ pub struct Channel {
     pub variable: usize,
     /// Measured values, in the unit of the output.
     pub values: Vec<f64>,
+    /// True if it counts on and on from a zero that means nothing, as the angle of a wheel does: only
+    /// its changes within a run are compared.
+    pub counts: bool,
+}
+
+impl Channel {
+    /// Moves a simulated course to the zero from which the measured one counts.
+    fn same_zero(&self, simulated: &mut [f64]) {
+        if self.counts {
+            let sum: f64 = self.values.iter().zip(&*simulated).map(|(m, s)| m - s).sum();
+            let mean = sum / self.values.len().max(1) as f64;
+            simulated.iter_mut().for_each(|s| *s += mean);
+        }
+    }
 }
 
 /// A recorded run, ready to be simulated.
@@ -25,6 +39,8 @@ pub struct Run {
     pub time: Vec<f64>,
     /// Measured channels; the same in every run, and empty where one lacks it.
     pub channels: Vec<Channel>,
+    /// Steps in which the inputs of the drive were recorded, 0 where that is not known.
+    pub resolution: Vec<f64>,
 }
 
 impl Run {
@@ -119,7 +135,12 @@ impl OutputError<'_> {
             .map(|(runs, point)| {
                 let lag = self.lag(point);
                 let sampled = runs.iter().zip(&self.runs).map(|(traces, run)| {
-                    traces.as_ref().ok().map(|traces| traces.iter().map(|t| run.sample(t, lag)).collect())
+                    let sample = |(trace, channel): (&Vec<f64>, &Channel)| {
+                        let mut values = run.sample(trace, lag);
+                        channel.same_zero(&mut values);
+                        values
+                    };
+                    traces.as_ref().ok().map(|traces| traces.iter().zip(&run.channels).map(sample).collect())
                 });
                 sampled.collect()
             })

@@ -2,10 +2,12 @@
 
 mod csv;
 mod profile;
+mod smooth;
 
 pub(crate) use csv::{Defect, read_csv_with_defects};
 pub use csv::{parse_csv, read_csv, to_csv, write_csv};
 pub use profile::{profile_from_csv, profile_value};
+pub use smooth::Smooth;
 
 use crate::model::unit::Unit;
 use crate::{Error, Result};
