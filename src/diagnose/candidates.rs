@@ -7,7 +7,7 @@ use super::screen::{Screen, Screened};
 use super::study::{Fitted, Model, Rest, Study};
 use super::subject::Subject;
 use crate::effect::{Effect, catalogue, empirical};
-use crate::fit::{Drive, Run};
+use crate::fit::{Drive, Run, Traces};
 use crate::model::Causality;
 use crate::{Error, Result};
 use std::sync::Arc;
@@ -18,8 +18,15 @@ const NAMED: usize = 7;
 const UNNAMED: usize = 3;
 /// Runs that effects are screened with.
 const SCREENED: usize = 4;
+/// Runs that all of them are screened with.
+const FIRST: usize = 2;
+/// Named and nameless placements, each, that are screened with more runs.
+const KEPT: usize = 30;
 /// An effect that promises less of the squared error of the fit runs is not fitted.
 const MIN_PROMISE: f64 = 0.005;
+
+/// Errors up to so many times the least are looked at closely.
+const NEARLY: f64 = 1.15;
 
 /// A candidate that was fitted.
 pub(super) struct Tried {
@@ -34,21 +41,61 @@ pub(super) struct Tried {
     pub refuted: Option<String>,
 }
 
-/// Runs for screening: a few, spread evenly.
-fn some_of<'a>(runs: &[&'a Run]) -> Vec<&'a Run> {
-    let n = runs.len().min(SCREENED);
-    (0..n).map(|i| runs[(2 * i + 1) * runs.len() / (2 * n)]).collect()
+/// Runs for screening, as numbers among the fit runs: those that leave most, then others spread evenly.
+fn some_of(study: &Study<'_>, rest: &Rest) -> Vec<usize> {
+    let count = study.fit_runs.len();
+    let left = |i: usize| {
+        let run = study.fit_runs[i];
+        let square: f64 = run
+            .channels
+            .iter()
+            .zip(&rest.simulated[i])
+            .zip(&study.weights)
+            .map(|((c, s), w)| c.values.iter().zip(s).map(|(m, s)| (w * (m - s)).powi(2)).sum::<f64>())
+            .sum();
+        square / run.time.len().max(1) as f64
+    };
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|a, b| left(*b).total_cmp(&left(*a)));
+    let mut chosen: Vec<usize> = order.iter().copied().take(SCREENED.div_ceil(2)).collect();
+    let n = SCREENED - chosen.len();
+    chosen.extend((0..n).map(|i| (2 * i + 1) * count / (2 * n)));
+    let mut seen = std::collections::BTreeSet::new();
+    chosen.retain(|i| seen.insert(*i));
+    chosen
 }
 
-/// All that the catalogue and the empirical functions offer on this model, screened.
-pub(super) fn screen<'a>(
-    study: &'a Study<'a>,
-    subject: &'a Subject,
-    roles: &'a Roles,
-    current: &'a Fitted,
+/// The same run with one communication step for each sample, if it has more: enough to rank effects.
+fn coarser(run: &Run) -> Run {
+    let drive = &run.drive;
+    let parts = drive.points.saturating_sub(1) / run.time.len().saturating_sub(1).max(1);
+    if parts < 2 || (drive.points - 1) % parts != 0 {
+        return run.clone();
+    }
+    let thin = |values: &Vec<f64>| values.iter().step_by(parts).copied().collect();
+    let drive = Drive {
+        start: drive.start,
+        step: drive.step * parts as f64,
+        inputs: drive.inputs.iter().map(|(v, values)| (*v, thin(values))).collect(),
+        points: (drive.points - 1) / parts + 1,
+    };
+    Run { drive: Arc::new(drive), ..run.clone() }
+}
+
+/// All that the catalogue and the empirical functions offer on this model, screened: all with two runs,
+/// the best of them with more.
+pub(super) fn screen(
+    study: &Study<'_>,
+    subject: &Subject,
+    roles: &Roles,
+    current: &Fitted,
+    current_fit: &Rest,
 ) -> Result<Vec<Screened>> {
     let interface = &subject.interface;
-    let runs = &some_of(&study.fit_runs);
+    let chosen = some_of(study, current_fit);
+    let coarse: Vec<Run> = chosen.iter().map(|i| coarser(study.fit_runs[*i])).collect();
+    let runs: Vec<&Run> = coarse.iter().collect();
+    let simulated: Vec<Traces> = chosen.iter().map(|i| current_fit.simulated[*i].clone()).collect();
     let watch: Arc<[usize]> = interface
         .variables
         .iter()
@@ -59,7 +106,6 @@ pub(super) fn screen<'a>(
         .collect::<std::collections::BTreeSet<usize>>()
         .into_iter()
         .collect();
-    let problem = study.problem(&current.model, runs.clone());
     let point = Study::point(&current.model);
     let steps: Vec<f64> = current
         .unknowns
@@ -67,8 +113,13 @@ pub(super) fn screen<'a>(
         .zip(&point)
         .map(|(u, x)| if x + u.step <= u.high { u.step } else { -u.step })
         .collect();
-    let screen = Screen::new(&problem, &current.model, &point, &steps, Arc::clone(&watch), &study.weights);
-    let screen = screen.ok_or_else(|| Error::numeric("the fitted model cannot be run"))?;
+    let prepare = |count: usize| {
+        let problem = study.problem(&current.model, runs[..count].to_vec());
+        let watch = Arc::clone(&watch);
+        Screen::new(&problem, &simulated[..count], &current.model, &point, &steps, watch, &study.weights)
+            .ok_or_else(|| Error::numeric("the fitted model cannot be run"))
+    };
+    let screen = prepare(runs.len())?;
     let drives: Vec<Arc<Drive>> = runs.iter().map(|r| Arc::clone(&r.drive)).collect();
     let (mut size, rate) = sizes(interface.variables.len(), &watch, &drives, &screen.traces);
     for p in &study.free {
@@ -108,7 +159,15 @@ pub(super) fn screen<'a>(
         .flat_map(|effect: &'static Effect| site.placements(effect))
         .filter(|p| !known(p))
         .collect();
-    Ok(screen.screen(interface, &placements))
+    if runs.len() <= FIRST {
+        return Ok(screen.screen(interface, &placements));
+    }
+    let first = prepare(FIRST)?.screen(interface, &placements);
+    let best = |named: bool| {
+        let same = first.iter().filter(move |s| empirical::is(s.placement.effect) != named);
+        same.take(KEPT).map(|s| s.placement.clone())
+    };
+    Ok(screen.screen(interface, &best(true).chain(best(false)).collect::<Vec<_>>()))
 }
 
 /// The size of a force at an input that nothing drives: what moves an output as much as it moves anyway.
@@ -158,14 +217,15 @@ pub(super) fn choose(screened: &[Screened]) -> Vec<Screened> {
     chosen
 }
 
+/// Fits a screened effect beside what is known already.
 pub(super) fn try_out(
     study: &Study<'_>,
-    current: &Model,
+    current: &Fitted,
     screened: &Screened,
     current_fit: &Rest,
     current_check: &Rest,
 ) -> Option<Tried> {
-    let mut model = current.clone();
+    let mut model = current.model.clone();
     model.effects.push((screened.placement.clone(), screened.values.clone()));
     // from near the off value, so that the parameters move along
     if let Some((placement, values)) = model.effects.last_mut() {
@@ -176,23 +236,48 @@ pub(super) fn try_out(
             }
         }
     }
-    let mut fitted = study.fit(&model, 6).ok();
+    let known = Some(&current.fit.jacobian);
+    let mut fitted = study.fit_near(&model, 8, known).ok();
     if fitted.as_ref().is_none_or(|f| f.fit.cost > current_fit.total * (1.0 - 0.5 * screened.gain)) {
         // a refit without the effect may have bent the parameters far: from the nominal ones as well
         model.parameters = study.nominal().parameters;
-        let other = study.fit(&model, 5).ok();
+        let other = study.fit_near(&model, 8, known).ok();
         fitted = match (fitted, other) {
             (Some(a), Some(b)) => Some(if a.fit.cost <= b.fit.cost { a } else { b }),
             (a, b) => a.or(b),
         };
     }
-    let fitted = fitted?;
+    assess(study, screened.placement.clone(), fitted?, current_fit, current_check)
+}
+
+/// Fits those that are nearly the best to the end, with derivatives of their own.
+pub(super) fn polish(study: &Study<'_>, tried: &mut [Tried], current_fit: &Rest, current_check: &Rest) {
+    let both = |t: &Tried| t.fit_rest.total + t.check_rest.total;
+    let best = tried.iter().map(both).fold(f64::INFINITY, f64::min);
+    for t in tried.iter_mut().filter(|t| both(t) < NEARLY * best) {
+        let better = study.fit(&t.fitted.model, 3).ok();
+        let better = better
+            .and_then(|fitted| assess(study, t.placement.clone(), fitted, current_fit, current_check))
+            .filter(|b| b.fit_rest.total <= t.fit_rest.total);
+        if let Some(better) = better {
+            *t = better;
+        }
+    }
+}
+
+fn assess(
+    study: &Study<'_>,
+    placement: Placement,
+    fitted: Fitted,
+    current_fit: &Rest,
+    current_check: &Rest,
+) -> Option<Tried> {
     let fit_rest = study.rest(&fitted.model, &study.fit_runs).ok()?;
     let check_rest = study.rest(&fitted.model, &study.check_runs).ok()?;
     let p = sign_flip(&differences(&current_check.blocks, &check_rest.blocks));
     let refuted = implausible(&fitted.model);
     Some(Tried {
-        placement: screened.placement.clone(),
+        placement,
         fit_gain: 1.0 - fit_rest.total / current_fit.total.max(f64::MIN_POSITIVE),
         check_gain: 1.0 - check_rest.total / current_check.total.max(f64::MIN_POSITIVE),
         fitted,

@@ -1,7 +1,7 @@
 //! The chain from recordings to a verdict.
 
 use super::blocks::{differences, sign_flip};
-use super::candidates::{choose, screen, try_out};
+use super::candidates::{choose, polish, screen, try_out};
 use super::decision::{Decision, LEVEL, decide, unnamed};
 use super::reading::{fault, faults_against, read_folder, same_channels, shortest_interval};
 use super::result::{Candidate, Diagnosis, Estimate, Finding, RunUse, Use, Verdict};
@@ -153,14 +153,15 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     for round in 0..if fatal { 0 } else { MAX_EFFECTS } {
         let progressed = 0.15 + 0.8 * round as f64 / MAX_EFFECTS as f64;
         progress("screening effects", progressed);
-        let screened = screen(&study, &subject, &roles, &current)?;
+        let screened = screen(&study, &subject, &roles, &current, &current_fit)?;
         progress("fitting effects inside the simulation", progressed + 0.05);
         let mut tried = Vec::new();
         for screened in choose(&screened) {
-            if let Some(t) = try_out(&study, &current.model, &screened, &current_fit, &current_check) {
+            if let Some(t) = try_out(&study, &current, &screened, &current_fit, &current_check) {
                 tried.push(t);
             }
         }
+        polish(&study, &mut tried, &current_fit, &current_check);
         let verdict = decide(&study, &subject, &tried, &current_check, &base_rest, round, &mut candidates);
         match verdict {
             Decision::Nothing => break,

@@ -52,9 +52,10 @@ pub struct Screened {
 impl<'a> Screen<'a> {
     /// Prepares: traces of all signals and the linear problem of the fitted parameters.
     ///
-    /// `problem` is that of the model on the runs, `point` where it stands.
+    /// `problem` is that of the model on the runs, `point` where it stands, `simulated` what it gives there.
     pub fn new(
         problem: &OutputError<'a>,
+        simulated: &[Traces],
         model: &'a Model,
         point: &[f64],
         steps: &[f64],
@@ -77,17 +78,18 @@ impl<'a> Screen<'a> {
             points.push(moved);
         }
         let mut answers = problem.simulate(&points).into_iter();
-        let base = answers.next()??;
-        let residual = problem.difference(&base);
+        let base = problem.difference(&answers.next()??);
+        let residual = problem.difference(simulated);
         let stride = residual.len().div_ceil(MAX_ROWS).max(1);
         let thin = |values: Vec<f64>| {
             DVector::from_iterator(values.len().div_ceil(stride), values.into_iter().step_by(stride))
         };
         let residual = -thin(residual);
+        let base = thin(base);
         let columns: Vec<DVector<f64>> = answers
             .zip(steps)
             .filter_map(|(answer, step)| {
-                answer.map(|moved| (thin(problem.difference(&moved)) + &residual) / *step)
+                answer.map(|moved| (thin(problem.difference(&moved)) - &base) / *step)
             })
             .collect();
         let basis = orthonormal(residual.len(), &columns);
