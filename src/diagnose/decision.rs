@@ -17,6 +17,9 @@ const MIN_GAIN: f64 = 0.01;
 /// A rest that an empirical function explains, as a share of what the named effects explain, above which
 /// the names are not enough.
 const LEFT_OVER: f64 = 0.2;
+/// Probability of chance below which what can be foretold counts, and the share from which on.
+const FORETOLD_LEVEL: f64 = 0.01;
+const MIN_FORETOLD: f64 = 0.03;
 /// A rival is as good if chance makes such a difference with more than this probability.
 const TIE: f64 = 0.05;
 
@@ -189,31 +192,120 @@ fn affected(study: &Study<'_>, subject: &Subject, t: &Tried, before: &Rest) -> V
     order.iter().map(|c| subject.interface.variables[channels[*c].variable].name.clone()).collect()
 }
 
-/// Something that is missing in the dynamics and that nothing explains.
-pub(super) fn unnamed(
-    study: &Study<'_>,
-    subject: &Subject,
-    roles: &Roles,
-    common: &locate::Common,
-    rest: &Rest,
-) -> Finding {
-    let names: Vec<String> =
-        common.channels.iter().map(|v| subject.interface.variables[*v].name.clone()).collect();
-    Finding {
-        effect: "unknown".into(),
-        name: "Something in the machine that several channels share".into(),
-        family: "unknown".into(),
-        place: format!("outputs {}", names.join(", ")),
-        channels: names,
-        depends_on: locate::depends_on(&study.check_runs, &rest.simulated, &subject.interface, roles),
-        confidence: 0.9,
-        evidence: format!(
-            "{:.0} % of what is left in these channels between {:.3} and {:.3} Hz is coherent, which noise of separate sensors is not; chance does so with a probability of {:.1e}.",
-            100.0 * common.share,
-            common.band.0,
-            common.band.1,
-            common.p
-        ),
-        ..Finding::default()
+/// What the named effects leave that is no noise of sensors.
+pub(super) struct Left {
+    /// What several channels share.
+    common: Option<locate::Common>,
+    /// What can be foretold in one channel, the most important one.
+    structure: Option<locate::Structure>,
+    /// The signals that it depends on.
+    depends_on: Vec<String>,
+    /// Weighted squared error of the check runs that is foretold, or shared.
+    error: f64,
+}
+
+impl Left {
+    /// Looks at what a model leaves of the fit runs and the check runs.
+    pub(super) fn of(
+        study: &Study<'_>,
+        subject: &Subject,
+        roles: &Roles,
+        fit: &Rest,
+        check: &Rest,
+    ) -> Self {
+        let runs = &study.check_runs;
+        let before = locate::Seen { runs: &study.fit_runs, simulated: &fit.simulated };
+        let then = locate::Seen { runs, simulated: &check.simulated };
+        let mut foretold = 0.0;
+        let mut structure = None;
+        let mut most = 0.0;
+        for s in locate::structure(before, then, &subject.interface, roles) {
+            if s.p < FORETOLD_LEVEL && s.share > MIN_FORETOLD {
+                let part = s.share * error_of(study, check, s.channel);
+                foretold += part;
+                if part > most {
+                    (most, structure) = (part, Some(s));
+                }
+            }
+        }
+        // sensors have noise of their own: what their residuals share has a cause in the machine
+        let all: Vec<&crate::fit::Run> = study.fit_runs.iter().chain(runs).copied().collect();
+        let simulated = [&fit.simulated[..], &check.simulated[..]].concat();
+        let common = locate::common_cause(&all, &simulated);
+        let shared = common.as_ref().map_or(0.0, |common| {
+            let channels = study.check_runs.first().map_or(&[][..], |r| &r.channels[..]);
+            let pair = common.channels.iter().take(2);
+            let numbers = pair.filter_map(|v| channels.iter().position(|c| c.variable == *v));
+            common.share * numbers.map(|c| error_of(study, check, c)).sum::<f64>()
+        });
+        let depends_on = match (&structure, &common) {
+            (Some(s), _) => s.depends_on.clone(),
+            (None, Some(_)) => locate::depends_on(runs, &check.simulated, &subject.interface, roles),
+            (None, None) => Vec::new(),
+        };
+        Self { common, structure, depends_on, error: f64::max(foretold, shared) }
     }
+
+    /// Whether it is worth a word beside effects that have taken away `explained`.
+    pub(super) fn counts(&self, explained: f64) -> bool {
+        if explained > 0.0 {
+            self.error > LEFT_OVER * (explained + self.error)
+        } else {
+            self.common.is_some() || self.structure.is_some()
+        }
+    }
+
+    /// The signals that an empirical function should have had, if that is known.
+    pub(super) fn depends_on(&self) -> Option<Vec<String>> {
+        self.structure.as_ref().map(|s| s.depends_on.clone())
+    }
+
+    /// Something that is missing and that nothing explains.
+    pub(super) fn finding(&self, subject: &Subject, study: &Study<'_>) -> Finding {
+        let name_of = |v: usize| subject.interface.variables[v].name.clone();
+        let (name, channels, evidence) = match (&self.common, &self.structure) {
+            (Some(common), _) => (
+                "Something in the machine that several channels share",
+                common.channels.iter().map(|v| name_of(*v)).collect::<Vec<_>>(),
+                format!(
+                    "{:.0} % of what is left in these channels between {:.3} and {:.3} Hz is coherent, which noise of separate sensors is not; chance does so with a probability of {:.1e}.",
+                    100.0 * common.share,
+                    common.band.0,
+                    common.band.1,
+                    common.p
+                ),
+            ),
+            (None, Some(s)) => (
+                "Something that other signals foretell",
+                study.check_runs.first().iter().map(|r| name_of(r.channels[s.channel].variable)).collect(),
+                format!(
+                    "Functions of {} that were found in the fit runs foretell {:.0} % of the squared error of the check runs; chance does so with a probability of {:.1e}.",
+                    s.depends_on.join(", "),
+                    100.0 * s.share,
+                    s.p
+                ),
+            ),
+            (None, None) => ("", Vec::new(), String::new()),
+        };
+        Finding {
+            effect: "unknown".into(),
+            name: name.into(),
+            family: "unknown".into(),
+            place: format!("outputs {}", channels.join(", ")),
+            channels,
+            depends_on: self.depends_on.clone(),
+            confidence: 0.9,
+            evidence,
+            ..Finding::default()
+        }
+    }
+}
+
+/// Weighted squared error of a channel.
+fn error_of(study: &Study<'_>, rest: &Rest, channel: usize) -> f64 {
+    let of = |(run, traces): (&&crate::fit::Run, &Vec<Vec<f64>>)| -> f64 {
+        let square = |(s, m): (&f64, &f64)| (study.weights[channel] * (s - m)).powi(2);
+        traces[channel].iter().zip(&run.channels[channel].values).map(square).sum()
+    };
+    study.check_runs.iter().zip(&rest.simulated).map(of).sum()
 }

@@ -2,7 +2,7 @@
 
 use super::blocks::{differences, sign_flip};
 use super::candidates::{choose, polish, screen, try_out};
-use super::decision::{Decision, LEVEL, decide, unnamed};
+use super::decision::{Decision, LEVEL, Left, decide};
 use super::reading::{fault, faults_against, read_folder, same_channels, shortest_interval};
 use super::result::{Candidate, Diagnosis, Estimate, Finding, RunUse, Use, Verdict};
 use super::roles::Roles;
@@ -78,7 +78,17 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let (names, raw) = read_folder(&request.recordings, &request.map)?;
     let mut faults = hygiene::faults_of_runs(&raw);
     let recordings: Vec<Recording> = raw.into_iter().map(|r| r.recording).collect();
-    let uses = uses(&request.recordings, &names)?;
+    let is_input = |name: &str| {
+        subject
+            .interface
+            .index(name)
+            .is_some_and(|v| subject.interface.variables[v].causality == Causality::Input)
+    };
+    let courses: Vec<Vec<&[f64]>> = recordings
+        .iter()
+        .map(|r| r.channels.iter().filter(|c| is_input(&c.name)).map(|c| &c.values[..]).collect())
+        .collect();
+    let uses = uses(&request.recordings, &names, &courses)?;
     let roles = Roles::of(&subject.interface, &request.map.roles())?;
     let mut runs: Vec<(Run, Use)> = Vec::new();
     for ((name, recording), use_) in names.iter().zip(&recordings).zip(&uses) {
@@ -129,15 +139,9 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let base_rest = study.rest(&base.model, &check_runs)?;
 
     // a command may rest as long as it likes, at the end of its range too
-    let is_input = |name: &String| {
-        subject
-            .interface
-            .index(name)
-            .is_some_and(|v| subject.interface.variables[v].causality == Causality::Input)
-    };
     faults.retain(|f| {
         !(matches!(f.kind, hygiene::FaultKind::Stuck | hygiene::FaultKind::Saturated)
-            && f.channel.as_ref().is_some_and(is_input))
+            && f.channel.as_deref().is_some_and(is_input))
     });
     let all_runs: Vec<&Run> = runs.iter().map(|(run, _)| run).collect();
     faults.extend(faults_against(&study, &subject, &base.model, &all_runs, &recordings, &names)?);
@@ -150,6 +154,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let base_model = current.model.clone();
     let mut findings: Vec<Finding> = Vec::new();
     let mut unknown: Option<Finding> = None;
+    let mut left_by_names = None;
     for round in 0..if fatal { 0 } else { MAX_EFFECTS } {
         let progressed = 0.15 + 0.8 * round as f64 / MAX_EFFECTS as f64;
         progress("screening effects", progressed);
@@ -174,12 +179,28 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
             }
             Decision::Unnamed(i, finding) => {
                 unknown = Some(finding);
+                left_by_names = Some(Left::of(&study, &subject, &roles, &current_fit, &current_check));
                 let t = tried.swap_remove(i);
                 current_check = t.check_rest;
                 current = t.fitted;
                 break;
             }
         }
+    }
+    progress("locating what is left", 0.88);
+    match &mut unknown {
+        Some(finding) => {
+            if let Some(signals) = left_by_names.and_then(|left| left.depends_on()) {
+                finding.depends_on = signals;
+            }
+        }
+        None if !fatal => {
+            let left = Left::of(&study, &subject, &roles, &current_fit, &current_check);
+            if left.counts(base_rest.total - current_check.total) {
+                unknown = Some(left.finding(&subject, &study));
+            }
+        }
+        None => {}
     }
     let fine: Vec<(Run, Use)>;
     if !current.model.effects.is_empty() {
@@ -197,17 +218,6 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         {
             finding.parameters = estimates;
         }
-    }
-    progress("locating what is left", 0.93);
-    // sensors have noise of their own: what their residuals share has a cause in the machine
-    let left = study.check_runs.clone();
-    let common = if findings.is_empty() && unknown.is_none() && !fatal {
-        locate::common_cause(&left, &current_check.simulated)
-    } else {
-        None
-    };
-    if let Some(common) = &common {
-        unknown = Some(unnamed(&study, &subject, &roles, common, &current_check));
     }
     let noise: Vec<Option<f64>> =
         (0..study.weights.len()).map(|c| locate::noise(&check_runs, &base_rest.simulated, c)).collect();

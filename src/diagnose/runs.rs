@@ -87,11 +87,11 @@ struct RunsFile {
 }
 
 /// The uses of the runs with these names: as `runs.toml` in the folder says, else every third run is for
-/// checking.
+/// checking, chosen so that what `inputs` do is alike in both.
 ///
 /// # Errors
 /// A file that is wrong, names no run that is there, or leaves nothing to fit or to check.
-pub fn uses(folder: &Path, names: &[String]) -> Result<Vec<Use>> {
+pub fn uses(folder: &Path, names: &[String], inputs: &[Vec<&[f64]>]) -> Result<Vec<Use>> {
     let path = folder.join(RUNS_FILE);
     let place = path.display();
     let uses: Vec<Use> = if path.is_file() {
@@ -108,8 +108,7 @@ pub fn uses(folder: &Path, names: &[String]) -> Result<Vec<Use>> {
             |name: &String| file.runs.iter().find(|(given, _)| same(given, name)).map_or(Use::Fit, |r| *r.1);
         names.iter().map(of).collect()
     } else {
-        // the middle of every three, so that a series that rises is checked within its range
-        (0..names.len()).map(|i| if i % 3 == 1 { Use::Check } else { Use::Fit }).collect()
+        split(inputs)
     };
     for (needed, word) in [(Use::Fit, "to fit"), (Use::Check, "to check")] {
         if !uses.contains(&needed) {
@@ -120,6 +119,71 @@ pub fn uses(folder: &Path, names: &[String]) -> Result<Vec<Use>> {
         }
     }
     Ok(uses)
+}
+
+/// A third of the runs for checking. `inputs` has the courses of the same inputs for each run. The runs to check
+/// are at first the middle of every three, and then changed for others as long as that makes the two sets
+/// more alike: in how much and around what each input moves, and which of them move together. A programme
+/// often repeats itself, and a set that lacks one kind of run checks nothing there.
+fn split(inputs: &[Vec<&[f64]>]) -> Vec<Use> {
+    let mut traits: Vec<Vec<f64>> = inputs.iter().map(|run| traits(run)).collect();
+    let n = traits.len();
+    let count = traits.iter().map(Vec::len).min().unwrap_or(0);
+    for k in 0..count {
+        let mean = traits.iter().map(|t| t[k]).sum::<f64>() / n as f64;
+        let spread = (traits.iter().map(|t| (t[k] - mean).powi(2)).sum::<f64>() / n as f64).sqrt();
+        // what differs by rounding only is the same
+        let scale = if spread > 1e-6 * mean.abs() { 1.0 / spread } else { 0.0 };
+        traits.iter_mut().for_each(|t| t[k] = (t[k] - mean) * scale);
+    }
+    let mut checked: Vec<bool> = (0..n).map(|i| i % 3 == 1).collect();
+    let unlike = |checked: &[bool]| -> f64 {
+        (0..count)
+            .map(|k| {
+                let mean = |which: bool| {
+                    let own = traits.iter().zip(checked).filter(|(_, c)| **c == which).map(|(t, _)| t[k]);
+                    let (sum, n) = own.fold((0.0, 0.0), |(sum, n), v| (sum + v, n + 1.0));
+                    sum / f64::max(n, 1.0)
+                };
+                (mean(true) - mean(false)).powi(2)
+            })
+            .sum()
+    };
+    let mut least = unlike(&checked);
+    loop {
+        let mut best = None;
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            if checked[i] && !checked[j] {
+                checked.swap(i, j);
+                let now = unlike(&checked);
+                checked.swap(i, j);
+                if now < 0.999 * best.map_or(least, |(_, _, b)| b) {
+                    best = Some((i, j, now));
+                }
+            }
+        }
+        let Some((i, j, now)) = best else { break };
+        checked.swap(i, j);
+        least = now;
+    }
+    checked.into_iter().map(|c| if c { Use::Check } else { Use::Fit }).collect()
+}
+
+/// Mean and movement of each input of a run, and the common movement of each two.
+fn traits(run: &[&[f64]]) -> Vec<f64> {
+    let mut all = Vec::new();
+    let mut moves = Vec::new();
+    for values in run {
+        let n = values.len().max(1) as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        all.push(mean);
+        moves.push((values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt());
+    }
+    for (i, a) in moves.iter().enumerate() {
+        all.push(*a);
+        all.extend(moves[i + 1..].iter().map(|b| (a * b).sqrt()));
+    }
+    all
 }
 
 /// A run of a recording on a model: inputs on an even grid, outputs as measured.

@@ -9,9 +9,9 @@ use crate::fit::{Run, Traces};
 /// Probability of chance below which a common cause counts.
 const LEVEL: f64 = 1e-3;
 /// Segments, the longest that leave enough of them.
-const LENGTHS: [usize; 2] = [256, 128];
+const LENGTHS: [usize; 3] = [512, 256, 128];
 /// Independent segments that are enough to take the longer ones; and those without which nothing is said.
-const ENOUGH: [f64; 2] = [40.0, 8.0];
+const ENOUGH: [f64; 3] = [40.0, 20.0, 8.0];
 /// Share of a band's residual that must be coherent.
 const MIN_SHARE: f64 = 0.3;
 /// Share of the residual that must be in that band, as a mean of both channels; and in each of them.

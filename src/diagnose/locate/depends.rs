@@ -18,7 +18,7 @@ const MORE: f64 = 1.3;
 /// Signals that tell about as much as the best.
 const ALIKE: f64 = 0.9;
 /// What stands for the time since the start.
-const TIME: &str = "time";
+pub(super) const TIME: &str = "time";
 
 /// The names of the one or two signals that tell best how large the residual is or which value it has:
 /// inputs and measured channels (as simulated), `rate of` them, `time` since the start, `slid energy`.
@@ -154,7 +154,7 @@ fn gain(residuals: &[Rest], cells: &[Option<usize>], count: usize) -> (f64, bool
 }
 
 /// Names and values in all runs on end.
-fn candidates(
+pub(super) fn candidates(
     runs: &[&Run],
     simulated: &[Traces],
     interface: &Interface,
@@ -227,6 +227,12 @@ fn rate(time: &[f64], values: &[f64]) -> Vec<f64> {
         if b > a { (values[b] - values[a]) / (time[b] - time[a]) } else { f64::NAN }
     };
     if values.len() == time.len() { (0..values.len()).map(of).collect() } else { Vec::new() }
+}
+
+/// Slope per sample between the neighbours.
+pub(super) fn rate_by_sample(values: &[f64]) -> Vec<f64> {
+    let samples: Vec<f64> = (0..values.len()).map(|k| k as f64).collect();
+    rate(&samples, values)
 }
 
 #[cfg(test)]

@@ -11,12 +11,14 @@ mod depends;
 mod map;
 mod noise;
 mod signals;
+mod structure;
 mod welch;
 
 pub use common::{Common, common_cause};
 pub use depends::depends_on;
 pub use map::map;
 pub use noise::noise;
+pub use structure::{Seen, Structure, structure};
 
 #[cfg(test)]
 mod bed;
