@@ -78,8 +78,9 @@ pub(super) fn differences(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// How often each of several models has the least error when blocks are drawn anew: `errors[model][block]`.
-pub fn bootstrap_shares(errors: &[Vec<f64>]) -> Vec<f64> {
+/// How often each of several models has the least `score` when blocks are drawn anew: `errors[model][block]`.
+/// `score` is given the number of a model and the blocks that were drawn of it.
+pub fn bootstrap_shares<B>(errors: &[Vec<B>], score: impl Fn(usize, &[&B]) -> f64) -> Vec<f64> {
     let blocks = errors.first().map_or(0, Vec::len);
     let mut wins = vec![0.0; errors.len()];
     if blocks == 0 {
@@ -89,8 +90,9 @@ pub fn bootstrap_shares(errors: &[Vec<f64>]) -> Vec<f64> {
     let draws = 1000;
     for _ in 0..draws {
         let chosen: Vec<usize> = (0..blocks).map(|_| dice.below(blocks)).collect();
-        let total = |e: &Vec<f64>| chosen.iter().map(|b| e[*b]).sum::<f64>();
-        let best = (0..errors.len()).min_by(|a, b| total(&errors[*a]).total_cmp(&total(&errors[*b])));
+        let of = |m: usize| score(m, &chosen.iter().map(|b| &errors[m][*b]).collect::<Vec<_>>());
+        let scores: Vec<f64> = (0..errors.len()).map(of).collect();
+        let best = (0..errors.len()).min_by(|a, b| scores[*a].total_cmp(&scores[*b]));
         if let Some(best) = best {
             wins[best] += 1.0 / f64::from(draws);
         }

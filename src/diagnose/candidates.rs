@@ -6,7 +6,7 @@ use super::roles::Roles;
 use super::screen::{Screen, Screened};
 use super::study::{Fitted, Model, Rest, Study};
 use super::subject::Subject;
-use crate::effect::{Effect, catalogue, empirical};
+use crate::effect::{Effect, Parameter, catalogue, empirical};
 use crate::fit::{Drive, Run, Traces};
 use crate::model::Causality;
 use crate::{Error, Result};
@@ -25,12 +25,17 @@ const KEPT: usize = 30;
 /// An effect that promises less of the squared error of the fit runs is not fitted.
 const MIN_PROMISE: f64 = 0.005;
 
+/// Iterations of a first fit, and of one to the end.
+const TRY_OUT: usize = 10;
+const POLISH: usize = 10;
 /// Errors up to so many times the least are looked at closely.
 const NEARLY: f64 = 1.15;
 
 /// A candidate that was fitted.
 pub(super) struct Tried {
     pub placement: Placement,
+    /// Number of places at which its effect was looked for.
+    pub places: usize,
     pub fitted: Fitted,
     pub fit_rest: Rest,
     pub check_rest: Rest,
@@ -159,15 +164,19 @@ pub(super) fn screen(
         .flat_map(|effect: &'static Effect| site.placements(effect))
         .filter(|p| !known(p))
         .collect();
+    let places = |id: &str| placements.iter().filter(|p| p.effect.id == id).count();
+    let counted = |screened: Vec<Screened>| -> Vec<Screened> {
+        screened.into_iter().map(|s| Screened { places: places(s.placement.effect.id), ..s }).collect()
+    };
     if runs.len() <= FIRST {
-        return Ok(screen.screen(interface, &placements));
+        return Ok(counted(screen.screen(interface, &placements)));
     }
     let first = prepare(FIRST)?.screen(interface, &placements);
     let best = |named: bool| {
         let same = first.iter().filter(move |s| empirical::is(s.placement.effect) != named);
         same.take(KEPT).map(|s| s.placement.clone())
     };
-    Ok(screen.screen(interface, &best(true).chain(best(false)).collect::<Vec<_>>()))
+    Ok(counted(screen.screen(interface, &best(true).chain(best(false)).collect::<Vec<_>>())))
 }
 
 /// The size of a force at an input that nothing drives: what moves an output as much as it moves anyway.
@@ -217,6 +226,14 @@ pub(super) fn choose(screened: &[Screened]) -> Vec<Screened> {
     chosen
 }
 
+impl Tried {
+    /// What its form costs, in units of twice the logarithm of a likelihood with so many independent
+    /// samples (Schwarz's criterion): its parameters, and the places among which it could choose.
+    pub fn price(&self, independent: f64) -> f64 {
+        self.placement.effect.parameters.len() as f64 * independent.ln() + 2.0 * (self.places as f64).ln()
+    }
+}
+
 /// Fits a screened effect beside what is known already.
 pub(super) fn try_out(
     study: &Study<'_>,
@@ -225,29 +242,41 @@ pub(super) fn try_out(
     current_fit: &Rest,
     current_check: &Rest,
 ) -> Option<Tried> {
-    let mut model = current.model.clone();
-    model.effects.push((screened.placement.clone(), screened.values.clone()));
+    let placement = &screened.placement;
+    let begin = |parameters: Vec<f64>, values: Vec<f64>| {
+        let mut model = Model { parameters, ..current.model.clone() };
+        model.effects.push((placement.clone(), values));
+        study.fit_near(&model, TRY_OUT, Some(&current.fit.jacobian)).ok()
+    };
+    let least = |a: Option<Fitted>, b: Option<Fitted>| match (a, b) {
+        (Some(a), Some(b)) => Some(if a.fit.cost <= b.fit.cost { a } else { b }),
+        (a, b) => a.or(b),
+    };
     // from near the off value, so that the parameters move along
-    if let Some((placement, values)) = model.effects.last_mut() {
-        for (value, parameter) in values.iter_mut().zip(placement.effect.parameters) {
-            if let Some(off) = parameter.off {
-                let small = parameter.probes.first().map_or(f64::INFINITY, |p| p.abs());
-                *value = off + (0.1 * (*value - off)).clamp(-small, small);
-            }
+    let near = |(value, parameter): (&f64, &Parameter)| match parameter.off {
+        Some(off) => {
+            let small = parameter.probes.first().map_or(f64::INFINITY, |p| p.abs());
+            off + (0.1 * (value - off)).clamp(-small, small)
         }
-    }
-    let known = Some(&current.fit.jacobian);
-    let mut fitted = study.fit_near(&model, 8, known).ok();
+        None => *value,
+    };
+    let small: Vec<f64> = screened.values.iter().zip(placement.effect.parameters).map(near).collect();
+    let mut fitted = begin(current.model.parameters.clone(), small.clone());
     if fitted.as_ref().is_none_or(|f| f.fit.cost > current_fit.total * (1.0 - 0.5 * screened.gain)) {
         // a refit without the effect may have bent the parameters far: from the nominal ones as well
-        model.parameters = study.nominal().parameters;
-        let other = study.fit_near(&model, 8, known).ok();
-        fitted = match (fitted, other) {
-            (Some(a), Some(b)) => Some(if a.fit.cost <= b.fit.cost { a } else { b }),
-            (a, b) => a.or(b),
-        };
+        fitted = least(fitted, begin(study.nominal().parameters, small));
     }
-    assess(study, screened.placement.clone(), fitted?, current_fit, current_check)
+    let whole = |p: &Parameter| p.off.is_some_and(|off| off < p.plausible.0);
+    if placement.effect.parameters.iter().any(whole) {
+        // what is there as a whole or not at all
+        let there = screened
+            .values
+            .iter()
+            .zip(placement.effect.parameters)
+            .map(|(value, p)| if whole(p) { 0.5 * (p.plausible.0 + p.plausible.1) } else { *value });
+        fitted = least(fitted, begin(study.nominal().parameters, there.collect()));
+    }
+    assess(study, (screened.placement.clone(), screened.places), fitted?, current_fit, current_check)
 }
 
 /// Fits those that are nearly the best to the end, with derivatives of their own.
@@ -255,9 +284,11 @@ pub(super) fn polish(study: &Study<'_>, tried: &mut [Tried], current_fit: &Rest,
     let both = |t: &Tried| t.fit_rest.total + t.check_rest.total;
     let best = tried.iter().map(both).fold(f64::INFINITY, f64::min);
     for t in tried.iter_mut().filter(|t| both(t) < NEARLY * best) {
-        let better = study.fit(&t.fitted.model, 3).ok();
+        let better = study.fit(&t.fitted.model, POLISH).ok();
         let better = better
-            .and_then(|fitted| assess(study, t.placement.clone(), fitted, current_fit, current_check))
+            .and_then(|fitted| {
+                assess(study, (t.placement.clone(), t.places), fitted, current_fit, current_check)
+            })
             .filter(|b| b.fit_rest.total <= t.fit_rest.total);
         if let Some(better) = better {
             *t = better;
@@ -267,17 +298,20 @@ pub(super) fn polish(study: &Study<'_>, tried: &mut [Tried], current_fit: &Rest,
 
 fn assess(
     study: &Study<'_>,
-    placement: Placement,
+    (placement, places): (Placement, usize),
     fitted: Fitted,
     current_fit: &Rest,
     current_check: &Rest,
 ) -> Option<Tried> {
     let fit_rest = study.rest(&fitted.model, &study.fit_runs).ok()?;
     let check_rest = study.rest(&fitted.model, &study.check_runs).ok()?;
-    let p = sign_flip(&differences(&current_check.blocks, &check_rest.blocks));
+    // every channel in units of what is left of it, so that a small effect in one is not lost among the others
+    let units = fit_rest.by_channel();
+    let p = sign_flip(&differences(&current_check.in_units(&units), &check_rest.in_units(&units)));
     let refuted = implausible(&fitted.model);
     Some(Tried {
         placement,
+        places,
         fit_gain: 1.0 - fit_rest.total / current_fit.total.max(f64::MIN_POSITIVE),
         check_gain: 1.0 - check_rest.total / current_check.total.max(f64::MIN_POSITIVE),
         fitted,

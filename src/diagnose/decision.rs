@@ -46,21 +46,30 @@ pub(super) fn decide(
             && t.fit_gain > 0.0
             && visible(study, t, current_check)
     };
-    let both = |t: &Tried| t.fit_rest.total + t.check_rest.total;
-    let blocks = |t: &Tried| [&t.fit_rest.blocks[..], &t.check_rest.blocks[..]].concat();
+    let independent = study.independent();
+    let price = |t: &Tried| t.price(independent);
+    let errors = |t: &Tried| -> Vec<Vec<f64>> { [&t.fit_rest.blocks[..], &t.check_rest.blocks[..]].concat() };
+    // simple and bound to one place before manifold and at home anywhere
+    let score = |t: &Tried| log_likelihood(errors(t).iter(), independent) + price(t);
+    let best = tried.iter().min_by(|a, b| score(a).total_cmp(&score(b)));
+    // channels in units of what the best leaves of them
+    let units: Vec<f64> = best.map_or(Vec::new(), |t| t.fit_rest.by_channel());
+    let total = |rest: &Rest| rest.in_units(&units).iter().sum::<f64>();
+    let both = |t: &Tried| total(&t.fit_rest) + total(&t.check_rest);
+    let blocks = |t: &Tried| [t.fit_rest.in_units(&units), t.check_rest.in_units(&units)].concat();
     let is_named = |t: &&(usize, &Tried)| !empirical::is(t.1.placement.effect);
     let all: Vec<(usize, &Tried)> = tried.iter().enumerate().collect();
     let best_of = |named: bool| {
         all.iter()
             .filter(|t| is_named(t) == named && counts(t.1) && (t.1.refuted.is_none() || !named))
-            .min_by(|a, b| both(a.1).total_cmp(&both(b.1)))
+            .min_by(|a, b| score(a.1).total_cmp(&score(b.1)))
             .copied()
     };
     let (named, unnamed) = (best_of(true), best_of(false));
     // an empirical function wins where it explains clearly more than any name
     let better = |e: &Tried, n: &Tried| {
-        let explained = current_check.total - e.check_rest.total;
-        let missed = n.check_rest.total - e.check_rest.total;
+        let explained = total(current_check) - total(&e.check_rest);
+        let missed = total(&n.check_rest) - total(&e.check_rest);
         missed > LEFT_OVER * explained && sign_flip(&differences(&blocks(n), &blocks(e))) < TIE
     };
     let decision = match (named, unnamed) {
@@ -71,8 +80,8 @@ pub(super) fn decide(
     };
     // after a first name a rest that only an empirical function explains, and that is small, is left alone
     let decision = decision.filter(|(i, named)| {
-        let explained_before = base_check.total - current_check.total;
-        let explained_now = current_check.total - tried[*i].check_rest.total;
+        let explained_before = total(base_check) - total(current_check);
+        let explained_now = total(current_check) - total(&tried[*i].check_rest);
         *named || round == 0 || explained_now > LEFT_OVER * explained_before
     });
     let rivals: Vec<(usize, &Tried)> = match decision {
@@ -83,7 +92,7 @@ pub(super) fn decide(
                 t.0 == chosen || {
                     let behind = differences(&blocks(t.1), &blocks(&tried[chosen]));
                     let lag = both(t.1) - both(&tried[chosen]);
-                    let gain = current_check.total - tried[chosen].check_rest.total;
+                    let gain = total(current_check) - total(&tried[chosen].check_rest);
                     sign_flip(&behind) > TIE || lag < 0.03 * gain
                 }
             })
@@ -92,7 +101,11 @@ pub(super) fn decide(
         Some((chosen, false)) => vec![(chosen, &tried[chosen])],
         None => Vec::new(),
     };
-    let shares = bootstrap_shares(&rivals.iter().map(|t| blocks(t.1)).collect::<Vec<_>>());
+    let prices: Vec<f64> = rivals.iter().map(|t| price(t.1)).collect();
+    let of_rivals: Vec<Vec<Vec<f64>>> = rivals.iter().map(|t| errors(t.1)).collect();
+    let shares = bootstrap_shares(&of_rivals, |m, drawn| {
+        log_likelihood(drawn.iter().copied(), independent) + prices[m]
+    });
     for (i, t) in &all {
         let placement = &t.placement;
         let reason = match decision {
@@ -151,6 +164,17 @@ pub(super) fn decide(
     if is_named { Decision::Named(chosen, finding) } else { Decision::Unnamed(chosen, finding) }
 }
 
+/// Minus twice the logarithm of the likelihood of errors of unknown size in each channel.
+fn log_likelihood<'a>(blocks: impl Iterator<Item = &'a Vec<f64>>, independent: f64) -> f64 {
+    let mut sums: Vec<f64> = Vec::new();
+    for block in blocks {
+        sums.resize(block.len(), 0.0);
+        sums.iter_mut().zip(block).for_each(|(s, e)| *s += e);
+    }
+    let each = independent / sums.len().max(1) as f64;
+    sums.iter().map(|s| each * s.max(f64::MIN_POSITIVE).ln()).sum()
+}
+
 fn family(effect: &Effect) -> String {
     serde_json::to_value(effect.family).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
 }
@@ -206,13 +230,7 @@ pub(super) struct Left {
 
 impl Left {
     /// Looks at what a model leaves of the fit runs and the check runs.
-    pub(super) fn of(
-        study: &Study<'_>,
-        subject: &Subject,
-        roles: &Roles,
-        fit: &Rest,
-        check: &Rest,
-    ) -> Self {
+    pub(super) fn of(study: &Study<'_>, subject: &Subject, roles: &Roles, fit: &Rest, check: &Rest) -> Self {
         let runs = &study.check_runs;
         let before = locate::Seen { runs: &study.fit_runs, simulated: &fit.simulated };
         let then = locate::Seen { runs, simulated: &check.simulated };

@@ -21,6 +21,8 @@ use std::sync::Arc;
 
 /// Effects that are found one after the other.
 const MAX_EFFECTS: usize = 3;
+/// Iterations of the last fit, which ends by itself before that as a rule.
+const FINAL: usize = 25;
 /// A lag of all channels up to this share of the sampling interval is the recorder's filter, no finding.
 const RECORDER_LAG: f64 = 0.3;
 
@@ -135,8 +137,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         study.weigh(&fit_runs, &rest);
         base = study.fit(&base.model, 6)?;
     }
-    let nominal_rest = study.rest(&nominal, &check_runs)?;
-    let base_rest = study.rest(&base.model, &check_runs)?;
+    let mut base_rest = study.rest(&base.model, &check_runs)?;
 
     // a command may rest as long as it likes, at the end of its range too
     faults.retain(|f| {
@@ -173,9 +174,12 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
             Decision::Named(i, finding) => {
                 findings.push(finding);
                 let t = tried.swap_remove(i);
-                current_check = t.check_rest;
-                current_fit = t.fit_rest;
-                current = t.fitted;
+                // what is left of a channel is what counts from here on
+                study.weigh(&fit_runs, &t.fit_rest);
+                current = study.fit(&t.fitted.model, 3)?;
+                current_fit = study.rest(&current.model, &fit_runs)?;
+                current_check = study.rest(&current.model, &check_runs)?;
+                base_rest = study.rest(&base_model, &check_runs)?;
             }
             Decision::Unnamed(i, finding) => {
                 unknown = Some(finding);
@@ -211,7 +215,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
             |wanted: Use| fine.iter().filter(|(_, u)| *u == wanted).map(|(r, _)| r).collect::<Vec<&Run>>();
         study.fit_runs = of(Use::Fit);
         study.check_runs = of(Use::Check);
-        current = study.fit(&current.model, 4)?;
+        current = study.fit(&current.model, FINAL)?;
         current_check = study.rest(&current.model, &study.check_runs)?;
         for (finding, estimates) in
             findings.iter_mut().chain(&mut unknown).zip(all_estimates(&study, &current))
@@ -223,7 +227,9 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         (0..study.weights.len()).map(|c| locate::noise(&check_runs, &base_rest.simulated, c)).collect();
     let map = locate::map(&check_runs, &base_rest.simulated, &subject.interface, &roles, &noise);
     progress("writing it down", 0.95);
-    let improved = sign_flip(&differences(&nominal_rest.blocks, &base_rest.blocks));
+    let nominal_rest = study.rest(&nominal, &study.check_runs)?;
+    let units = base_rest.by_channel();
+    let improved = sign_flip(&differences(&nominal_rest.in_units(&units), &base_rest.in_units(&units)));
     let verdict = match (&findings[..], &unknown) {
         _ if fatal => Verdict::Recording,
         // what was mended explains what is seen if nothing else does

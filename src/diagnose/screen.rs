@@ -47,6 +47,8 @@ pub struct Screened {
     pub values: Vec<f64>,
     /// Share of the squared residual that it explains.
     pub gain: f64,
+    /// Number of places at which the effect was looked for.
+    pub places: usize,
 }
 
 impl<'a> Screen<'a> {
@@ -158,7 +160,8 @@ impl<'a> Screen<'a> {
             }
             let gain = gain / total;
             if best[*number].as_ref().is_none_or(|b| b.gain < gain) {
-                best[*number] = Some(Screened { placement: placements[*number].clone(), values, gain });
+                best[*number] =
+                    Some(Screened { placement: placements[*number].clone(), values, gain, places: 1 });
             }
         }
         let mut found: Vec<Screened> = best.into_iter().flatten().collect();

@@ -62,10 +62,26 @@ pub struct Fitted {
 pub struct Rest {
     /// Simulated channels of each run at its samples.
     pub simulated: Vec<Traces>,
-    /// Weighted squared error in each block.
-    pub blocks: Vec<f64>,
+    /// Weighted squared error in each block: of each channel.
+    pub blocks: Vec<Vec<f64>>,
     /// Weighted squared error.
     pub total: f64,
+}
+
+impl Rest {
+    /// Weighted squared error of each channel.
+    pub fn by_channel(&self) -> Vec<f64> {
+        let channels = self.blocks.first().map_or(0, Vec::len);
+        (0..channels).map(|c| self.blocks.iter().map(|b| b[c]).sum()).collect()
+    }
+
+    /// Squared error in each block, with the channels in other units.
+    pub fn in_units(&self, units: &[f64]) -> Vec<f64> {
+        self.blocks
+            .iter()
+            .map(|b| b.iter().zip(units).map(|(e, u)| e / u.max(f64::MIN_POSITIVE)).sum())
+            .collect()
+    }
 }
 
 impl Study<'_> {
@@ -142,12 +158,7 @@ impl Study<'_> {
     ///
     /// # Errors
     /// A model that cannot be run.
-    pub fn fit_near(
-        &self,
-        model: &Model,
-        iterations: usize,
-        known: Option<&DMatrix<f64>>,
-    ) -> Result<Fitted> {
+    pub fn fit_near(&self, model: &Model, iterations: usize, known: Option<&DMatrix<f64>>) -> Result<Fitted> {
         let problem = self.problem(model, self.fit_runs.clone());
         let mut unknowns = self.unknowns(model);
         for (unknown, x) in unknowns.iter_mut().zip(Self::point(model)) {
@@ -181,16 +192,25 @@ impl Study<'_> {
         for (run, traces) in runs.iter().zip(&simulated) {
             let n = run.time.len();
             let count = BLOCKS.min((n as f64 / (4.0 * self.redundancy)) as usize).max(1);
-            let mut sums = vec![0.0; count];
-            for ((channel, trace), weight) in run.channels.iter().zip(traces).zip(&self.weights) {
+            let mut sums = vec![vec![0.0; run.channels.len()]; count];
+            for (c, ((channel, trace), weight)) in
+                run.channels.iter().zip(traces).zip(&self.weights).enumerate()
+            {
                 for (k, (s, m)) in trace.iter().zip(&channel.values).enumerate() {
-                    sums[k * count / n] += (weight * (s - m)).powi(2);
+                    sums[k * count / n][c] += (weight * (s - m)).powi(2);
                 }
             }
             blocks.extend(sums);
         }
-        let total = blocks.iter().sum();
+        let total = blocks.iter().flatten().sum();
         Ok(Rest { simulated, blocks, total })
+    }
+
+    /// How many independent samples all runs have.
+    pub fn independent(&self) -> f64 {
+        let all = self.fit_runs.iter().chain(&self.check_runs);
+        let samples: usize = all.map(|r| r.time.len() * r.channels.len()).sum();
+        (samples as f64 / self.redundancy).max(2.0)
     }
 
     /// The parameters that matter: those with the most effect on the outputs, the most important first.

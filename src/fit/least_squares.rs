@@ -44,7 +44,7 @@ pub struct Options<'a> {
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Self { iterations: 12, tolerance: 1e-3, redundancy: 1.0, known: None }
+        Self { iterations: 12, tolerance: 1e-4, redundancy: 1.0, known: None }
     }
 }
 
@@ -300,7 +300,8 @@ mod tests {
         let near = least_squares(&problem, &free, Options { iterations: 1, ..Options::default() }).unwrap();
         for columns in 1..=2 {
             let known = near.jacobian.columns(0, columns).into_owned();
-            let options = Options { iterations: 40, tolerance: 1e-14, known: Some(&known), ..Options::default() };
+            let options =
+                Options { iterations: 40, tolerance: 1e-14, known: Some(&known), ..Options::default() };
             let fit = least_squares(&problem, &free, options).unwrap();
             assert!((fit.x[0] - 3.0).abs() < 1e-6 && (fit.x[1] - 0.7).abs() < 1e-6, "{:?}", fit.x);
         }

@@ -17,7 +17,8 @@ impl<'a> Smooth<'a> {
     /// Through these samples; `time` \[s\] rises.
     pub fn new(time: &'a [f64], values: &'a [f64]) -> Self {
         let n = time.len().min(values.len());
-        let mut of: Vec<f64> = (1..n).map(|k| (values[k] - values[k - 1]) / (time[k] - time[k - 1])).collect();
+        let mut of: Vec<f64> =
+            (1..n).map(|k| (values[k] - values[k - 1]) / (time[k] - time[k - 1])).collect();
         // beyond the ends the slope goes on as it changed last
         for _ in 0..2 {
             if let [first, rest @ ..] = &of[..] {
@@ -63,7 +64,10 @@ mod tests {
         let time: Vec<f64> = (0..=n).map(|k| k as f64 / n as f64).collect();
         let values: Vec<f64> = time.iter().map(|t| (5.0 * t).sin()).collect();
         let smooth = Smooth::new(&time, &values);
-        (0..1000).map(|k| f64::from(k) / 999.0).map(|t| (smooth.at(t) - (5.0 * t).sin()).abs()).fold(0.0, f64::max)
+        (0..1000)
+            .map(|k| f64::from(k) / 999.0)
+            .map(|t| (smooth.at(t) - (5.0 * t).sin()).abs())
+            .fold(0.0, f64::max)
     }
 
     #[test]

@@ -31,6 +31,10 @@ const HALVES: std::ops::Range<f64> = 0.5..1.7;
 /// tells no gain and no delay.
 const MOVES: f64 = 0.2;
 
+/// A run whose channel moves by less than this share of the median run's tells no gain: a small force that the
+/// model lacks looks like a large one.
+const WEAK: f64 = 0.3;
+
 /// Runs with a spectrum narrower than this are taken as single sines: there a delay is no more than a phase,
 /// which a wrong parameter shifts as well.
 const NARROW: f64 = 0.35;
@@ -112,6 +116,7 @@ fn odd_in(table: &mut Table, channel: usize) -> Vec<Fault> {
         let away = value - median(&values);
         let out = away.abs() > least && away.abs() > SIGMAS * (1.0 + 3.0 / seen.len() as f64) * scatter;
         let pair = fits[i].0;
+        let weak = what == What::Gain && pair.amplitude() < WEAK * amplitude;
         let phase = what == What::Delay
             && (bandwidth(pair.time, pair.simulated) < NARROW
                 || (away.abs() > 0.4 * pair.period() && left > ROUND * this.usual_error));
@@ -119,6 +124,7 @@ fn odd_in(table: &mut Table, channel: usize) -> Vec<Fault> {
         let values: Vec<f64> = seen.iter().map(of).collect();
         if out
             && !phase
+            && !weak
             && halves_agree(pair, what, &usual, away)
             && !explained(table, &pairs, &values, i, &|from, to| part(pair, what, &usual, from, to))
         {

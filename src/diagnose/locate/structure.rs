@@ -168,7 +168,8 @@ fn groups(signals: &[Signal]) -> Vec<Group> {
 fn one(channel: usize, fit: Seen<'_>, check: Seen<'_>, signals: &[Signal]) -> Option<Structure> {
     let rest = |seen: Seen<'_>| residual(seen.runs, seen.simulated, channel);
     let (fit_rest, check_rest) = (rest(fit), rest(check));
-    let own = |seen: Seen<'_>| -> Vec<f64> { seen.simulated.iter().flat_map(|t| t[channel].clone()).collect() };
+    let own =
+        |seen: Seen<'_>| -> Vec<f64> { seen.simulated.iter().flat_map(|t| t[channel].clone()).collect() };
     let scaled = |values: Vec<f64>, by: f64| -> Vec<f64> { values.into_iter().map(|v| v / by).collect() };
     let size = own(fit).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     if size <= 0.0 || fit_rest.iter().chain(&check_rest).any(Vec::is_empty) {
@@ -185,7 +186,8 @@ fn one(channel: usize, fit: Seen<'_>, check: Seen<'_>, signals: &[Signal]) -> Op
 
     let target: Vec<f64> = fit_rest.concat();
     let stride = target.len().div_ceil(MAX_ROWS).max(1);
-    let thin = |v: &[f64]| DVector::from_iterator(v.len().div_ceil(stride), v.iter().step_by(stride).copied());
+    let thin =
+        |v: &[f64]| DVector::from_iterator(v.len().div_ceil(stride), v.iter().step_by(stride).copied());
     let memory = memory(&fit_rest);
     let independent = (target.len() as f64 / memory).max(4.0);
     let mut basis: Vec<DVector<f64>> = Vec::new();

@@ -4,6 +4,7 @@ mod actuator_lag;
 mod actuator_resonance;
 mod added_inertia;
 mod aero_drag;
+mod amplitude_softening;
 mod asymmetric_spring;
 mod backlash;
 mod belt_mode;
@@ -33,6 +34,7 @@ mod hydraulic_hold_off;
 mod hydraulic_lag;
 mod imbalance;
 mod inflation_warm_up;
+mod lift_off;
 mod load_dependent_friction;
 mod load_sensitivity;
 mod loss_of_contact;
@@ -98,6 +100,7 @@ pub const EFFECTS: &[Effect] = &[
     non_uniformity::EFFECT,
     non_uniformity_second::EFFECT,
     loss_of_contact::EFFECT,
+    lift_off::EFFECT,
     hydraulic_lag::EFFECT,
     hydraulic_hold_off::EFFECT,
     valve_rate_limit::EFFECT,
@@ -143,6 +146,7 @@ pub const EFFECTS: &[Effect] = &[
     viscous_drag::EFFECT,
     bouc_wen::EFFECT,
     maxwell_element::EFFECT,
+    amplitude_softening::EFFECT,
     clearance::EFFECT,
     stribeck_friction::EFFECT,
     load_dependent_friction::EFFECT,

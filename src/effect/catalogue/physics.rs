@@ -462,6 +462,43 @@ fn clips_and_steps() {
 }
 
 #[test]
+fn a_wheel_that_leaves_the_road_has_no_load_below_zero() {
+    // a tire on a road that falls away under a wheel at rest, and comes back
+    let (stiffness, weight, step) = (2e5, 4e3, 1e-4);
+    let road = |t: f64| -0.05 * (6.0 * t).sin().max(0.0);
+    let load = |h: f64| weight + stiffness * h;
+    let effect = find("lift-off").unwrap();
+    let (mut memory, mut seen, mut before, mut least) =
+        (crate::effect::Memory::default(), load(0.0), load(0.0), f64::INFINITY);
+    for k in 0..12_000 {
+        let t = f64::from(k) * step;
+        let dt = if k == 0 { 0.0 } else { step };
+        let ahead = if k == 0 { seen } else { 2.0 * seen - before };
+        let call = crate::effect::Call { time: t, dt, target: road(t), drivers: &[ahead] };
+        before = seen;
+        seen = load((effect.apply)(&[1.0, stiffness], &mut memory, &call));
+        least = least.min(seen);
+        // straight on from two points: half the curvature over a step, and the corner of the road itself
+        let (expected, error) = (load(road(t)).max(0.0), 0.05 * 36.0 * stiffness * step * step);
+        let corner = [0.0, PI / 6.0, PI / 3.0].iter().any(|c| (t - c).abs() < 3.0 * step);
+        assert!(corner || (seen - expected).abs() < 3.0 * error, "{t}: {seen} {expected}");
+    }
+    assert!(load(road(0.26)) < -5000.0 && least > -7.0, "{least}");
+}
+
+#[test]
+fn amplitude_softens_by_its_mean() {
+    let (k, limit) = (300.0, 0.02);
+    for x in [0.002, 0.02, 0.2] {
+        let force = along("amplitude-softening", &[k, limit, 3.0], 1e-3, 60_000, |t| {
+            (0.0, [x * (20.0 * t).sin(), 0.0, 0.0])
+        });
+        let most = force[50_000..].iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        close(most, k * x / (1.0 + x / limit), 0.02 * k * x / (1.0 + x / limit));
+    }
+}
+
+#[test]
 fn sensors_that_show_something_else() {
     assert_eq!(at("sensor-bias", &[0.5], 2.0, [0.0; 3]), 2.5);
     assert_eq!(at("sensor-gain", &[0.5], 2.0, [0.0; 3]), 3.0);

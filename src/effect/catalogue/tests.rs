@@ -218,9 +218,18 @@ fn what_rests_at_the_start_stays() {
     }
 }
 
-/// Effects whose memory integrates what is not straight between two points, or switches there.
-const STEPWISE: &[&str] =
-    &["thermal-softening", "pad-fade", "carcass-compliance", "valve-rate-limit", "backlash", "pad-onset"];
+/// Effects whose memory integrates what is not straight between two points, or switches there; `lift-off`
+/// holds a load that answers to it.
+const STEPWISE: &[&str] = &[
+    "thermal-softening",
+    "pad-fade",
+    "carcass-compliance",
+    "valve-rate-limit",
+    "backlash",
+    "pad-onset",
+    "lift-off",
+    "amplitude-softening",
+];
 
 #[test]
 fn a_step_and_its_parts_give_the_same() {

@@ -21,6 +21,7 @@ const FAMILIES: [(&str, &[&str]); 6] = [
             "plysteer",
             "non-uniformity",
             "loss-of-contact",
+            "lift-off",
             "load-sensitivity",
         ],
     ),
@@ -86,14 +87,17 @@ const FAMILIES: [(&str, &[&str]); 6] = [
 ];
 
 /// Effects that recordings of the base machines cannot, or hardly, tell apart.
-const ALIKE: [&[&str]; 10] = [
+const ALIKE: [&[&str]; 13] = [
     &["relaxation-length", "carcass-compliance"],
     &["belt-mode", "frame-resonance"],
     &["conicity", "plysteer"],
     &["rolling-resistance", "load-dependent-friction"],
     &["coulomb-friction", "seal-friction", "stribeck-friction"],
     &["bouc-wen", "bushing-hysteresis"],
-    &["play", "backlash"],
+    &["play", "backlash", "clearance"],
+    &["loss-of-contact", "lift-off"],
+    &["payne", "amplitude-softening"],
+    &["viscoelastic-stiffening", "maxwell-element"],
     &["fixture-inertia", "cross-talk"],
     &["sensor-delay", "sensor-lag"],
     &["hydraulic-lag", "driveline-compliance"],
