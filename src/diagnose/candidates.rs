@@ -148,8 +148,7 @@ pub(super) fn screen(
             size[variable] = force_size(study, &current.model, variable, &measured, &size);
         }
     }
-    let tunable =
-        study.free.iter().map(|p| p.variable).filter(|v| is_tunable(interface, *v)).take(5).collect();
+    let tunable = study.free.iter().map(|p| p.variable).filter(|v| is_tunable(interface, *v)).collect();
     let site = Site { interface, roles, measured: &measured, driven, tunable, size, rate };
     let known = |placement: &Placement| {
         current
@@ -234,19 +233,21 @@ impl Tried {
     }
 }
 
-/// Fits a screened effect beside what is known already.
+/// Fits a screened effect beside what is known already: from where the fit without it ended, and from
+/// `unbent`, the same with nominal parameters.
 pub(super) fn try_out(
     study: &Study<'_>,
     current: &Fitted,
+    unbent: Option<&Fitted>,
     screened: &Screened,
     current_fit: &Rest,
     current_check: &Rest,
 ) -> Option<Tried> {
     let placement = &screened.placement;
-    let begin = |parameters: Vec<f64>, values: Vec<f64>| {
-        let mut model = Model { parameters, ..current.model.clone() };
+    let begin = |from: &Fitted, values: Vec<f64>| {
+        let mut model = from.model.clone();
         model.effects.push((placement.clone(), values));
-        study.fit_near(&model, TRY_OUT, Some(&current.fit.jacobian)).ok()
+        study.fit_near(&model, TRY_OUT, Some(&from.fit.jacobian)).ok()
     };
     let least = |a: Option<Fitted>, b: Option<Fitted>| match (a, b) {
         (Some(a), Some(b)) => Some(if a.fit.cost <= b.fit.cost { a } else { b }),
@@ -261,10 +262,10 @@ pub(super) fn try_out(
         None => *value,
     };
     let small: Vec<f64> = screened.values.iter().zip(placement.effect.parameters).map(near).collect();
-    let mut fitted = begin(current.model.parameters.clone(), small.clone());
-    if fitted.as_ref().is_none_or(|f| f.fit.cost > current_fit.total * (1.0 - 0.5 * screened.gain)) {
-        // a refit without the effect may have bent the parameters far: from the nominal ones as well
-        fitted = least(fitted, begin(study.nominal().parameters, small));
+    let mut fitted = begin(current, small.clone());
+    // a refit without the effect may have bent the parameters far: from the nominal ones as well
+    if let Some(unbent) = unbent {
+        fitted = least(fitted, begin(unbent, small));
     }
     let whole = |p: &Parameter| p.off.is_some_and(|off| off < p.plausible.0);
     if placement.effect.parameters.iter().any(whole) {
@@ -274,7 +275,7 @@ pub(super) fn try_out(
             .iter()
             .zip(placement.effect.parameters)
             .map(|(value, p)| if whole(p) { 0.5 * (p.plausible.0 + p.plausible.1) } else { *value });
-        fitted = least(fitted, begin(study.nominal().parameters, there.collect()));
+        fitted = least(fitted, begin(unbent.unwrap_or(current), there.collect()));
     }
     assess(study, (screened.placement.clone(), screened.places), fitted?, current_fit, current_check)
 }

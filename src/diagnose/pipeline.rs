@@ -7,7 +7,7 @@ use super::reading::{fault, faults_against, read_folder, same_channels, shortest
 use super::result::{Candidate, Diagnosis, Estimate, Finding, RunUse, Use, Verdict};
 use super::roles::Roles;
 use super::runs::{Map, prepare, uses};
-use super::study::{Study, first_weights};
+use super::study::{Model, Study, first_weights};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
 use super::{hygiene, locate};
@@ -161,9 +161,13 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         progress("screening effects", progressed);
         let screened = screen(&study, &subject, &roles, &current, &current_fit)?;
         progress("fitting effects inside the simulation", progressed + 0.05);
+        let nominal_parameters = Model { parameters: nominal.parameters.clone(), ..current.model.clone() };
+        let unbent = study.fit(&nominal_parameters, 1).ok();
         let mut tried = Vec::new();
         for screened in choose(&screened) {
-            if let Some(t) = try_out(&study, &current, &screened, &current_fit, &current_check) {
+            if let Some(t) =
+                try_out(&study, &current, unbent.as_ref(), &screened, &current_fit, &current_check)
+            {
                 tried.push(t);
             }
         }

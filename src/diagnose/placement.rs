@@ -7,6 +7,8 @@ use crate::model::unit::Unit;
 use crate::model::{Causality, Interface, Kind, Variability};
 use std::sync::Arc;
 
+/// Parameters that effects without a parameter of their own are tried at.
+const MAX_TUNABLE: usize = 5;
 /// Combinations of drivers that are tried at one target.
 const MAX_COMBINATIONS: usize = 6;
 
@@ -125,7 +127,7 @@ impl Site<'_> {
         let all: Vec<usize> = match effect.port {
             Port::Output => self.measured.to_vec(),
             Port::Input => self.driven.clone(),
-            Port::Parameter => self.tunable.clone(),
+            Port::Parameter => self.tunable.iter().copied().take(MAX_TUNABLE).collect(),
             Port::Force => forces.collect(),
         };
         let mut groups: Vec<(Port, Vec<usize>)> =
@@ -137,7 +139,7 @@ impl Site<'_> {
         }
         for (port, role) in effect.also {
             let list = if *port == Port::Parameter { &self.tunable } else { &self.driven };
-            let fits = |v: &&usize| *port == Port::Parameter || self.roles.is(**v, *role);
+            let fits = |v: &&usize| self.roles.is(**v, *role);
             groups.extend(list.iter().filter(fits).map(|v| (*port, vec![*v])));
         }
         groups

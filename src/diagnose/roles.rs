@@ -107,6 +107,17 @@ fn guess(info: &VariableInfo) -> Vec<Role> {
     let name = info.name.to_ascii_lowercase();
     let last = name.rsplit('.').next().unwrap_or(&name).to_owned();
     let says = |words: &[&str]| words.iter().any(|w| last.contains(w));
+    if info.causality == Causality::Parameter {
+        // what parts of a machine do, not where they are
+        let mut roles = match dimension {
+            _ if says(&["brake", "pad"]) => vec![Role::BrakeGain],
+            _ if says(&["stiffness", "spring"]) => vec![Role::Stiffness],
+            [0, 0, 0, 0, 0, 0, 0, 0] if says(&["friction", "grip", "mu", "adhesion"]) => vec![Role::Friction],
+            _ => Vec::new(),
+        };
+        roles.push(Role::Other);
+        return roles;
+    }
     match dimension {
         // the load that a machine is given is no force that something could be added to
         NEWTON if says(&["load", "force_z", "fz", "f_z", "normal", "vertical"]) => match info.causality {

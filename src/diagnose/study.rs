@@ -15,8 +15,9 @@ const STEP: f64 = 1e-3;
 const MAX_FREE: usize = 14;
 /// A parameter that moves the outputs by less than this share of their size, over its whole prior, stays.
 const MIN_EFFECT: f64 = 1e-3;
-/// Blocks of a run that errors are compared over.
+/// Blocks of a run that errors are compared over, at most and at least.
 const BLOCKS: usize = 24;
+const FEW_BLOCKS: usize = 8;
 
 /// A model with its recordings.
 pub struct Study<'a> {
@@ -191,7 +192,8 @@ impl Study<'_> {
         let mut blocks = Vec::new();
         for (run, traces) in runs.iter().zip(&simulated) {
             let n = run.time.len();
-            let count = BLOCKS.min((n as f64 / (4.0 * self.redundancy)) as usize).max(1);
+            // what is missing makes a residual's memory long; the noise of sensors forgets sooner
+            let count = ((n as f64 / (4.0 * self.redundancy)) as usize).clamp(FEW_BLOCKS.min(n), BLOCKS);
             let mut sums = vec![vec![0.0; run.channels.len()]; count];
             for (c, ((channel, trace), weight)) in
                 run.channels.iter().zip(traces).zip(&self.weights).enumerate()

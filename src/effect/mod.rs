@@ -15,9 +15,14 @@ pub use attached::{Attached, Attachment, Chosen, Signal, Source, attached_interf
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
-/// The effect with this id, named or empirical.
+/// The effect with this id, named or empirical; of several forms the first.
 pub fn find(id: &str) -> Option<&'static Effect> {
-    catalogue::EFFECTS.iter().chain(empirical::EFFECTS).find(|e| e.id == id)
+    forms(id).next()
+}
+
+/// The forms of an effect: the same physics with other signals at hand. They differ in the number of drivers.
+pub fn forms(id: &str) -> impl Iterator<Item = &'static Effect> {
+    catalogue::EFFECTS.iter().chain(empirical::EFFECTS).filter(move |e| e.id == id)
 }
 
 /// What kind of machine part an effect belongs to.
@@ -91,6 +96,12 @@ pub enum Role {
     Temperature,
     /// Power that friction turns into heat \[W\].
     FrictionPower,
+    /// A parameter: coefficient of friction or grip \[1\].
+    Friction,
+    /// A parameter: stiffness of a tire, spring or bushing.
+    Stiffness,
+    /// A parameter: how much a brake does with its pressure or force.
+    BrakeGain,
     /// Anything else.
     Other,
 }

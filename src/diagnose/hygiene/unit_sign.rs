@@ -1,7 +1,7 @@
 //! Wrong signs and wrong units: gains that are -1 or a ratio of units.
 
 use super::against::Table;
-use super::align::Fit;
+use super::align::{Fit, Pair};
 use super::robust::{deviation, mean, median, spread};
 use super::{Fault, FaultKind, Severity, run_name, short};
 use crate::model::unit::Unit;
@@ -153,6 +153,18 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
         }
     }
     let name = table.channels[channel].clone();
+    let all = median(&gains);
+    if by_factor.is_empty() && is_far(all) && gains.iter().all(|g| (g / all).ln().abs() < FAR_TOLERANCE) {
+        // no units that go together, but no parameter makes that either
+        let agrees = |pair: &&Pair| mean_agrees(&pair.measured, pair.simulated, all);
+        if table.pairs[channel].iter().flatten().all(|pair| agrees(&pair)) {
+            by_factor.push((
+                all,
+                "no usual units, so the calibration may be wrong",
+                fits.iter().map(|f| (f.0, f.1.gain)).collect(),
+            ));
+        }
+    }
     let mut faults = Vec::new();
     for (factor, what, hits) in by_factor {
         for (run, _) in &hits {

@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Friction that falls beyond the peak",
     family: Family::Tire,
     port: Port::Output,
-    also: &[(Port::Parameter, Role::Other)],
+    also: &[(Port::Parameter, Role::Friction)],
     equation: "F = F_0 (1 - a tanh(max(0, |slip| / s_0 - 1)))",
     source: "standard engineering knowledge",
     signature: "nothing up to the peak, too much force beyond it, at any speed",

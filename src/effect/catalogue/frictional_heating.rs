@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Force that falls while friction heats",
     family: Family::Mechanism,
     port: Port::Output,
-    also: &[(Port::Parameter, Role::Other)],
+    also: &[(Port::Parameter, Role::Friction)],
     equation: "F = F_0 (1 - tanh(a E)), dE/dt = P - E / T",
     source: "Mavros 2018, 10.1080/00423114.2018.1484147 (thermo-frictional tire model; here one heat store)",
     signature: "a slow loss that goes with the energy turned into heat and comes back in pauses; the order of runs matters",

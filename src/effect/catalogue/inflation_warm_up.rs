@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Inflation pressure that rises while rolling",
     family: Family::Tire,
     port: Port::Output,
-    also: &[(Port::Parameter, Role::Other)],
+    also: &[(Port::Parameter, Role::Stiffness)],
     equation: "F = F_0 (1 + a U), T dU/dt + U = |V|, U = 0 at the start",
     source: "ideal gas at constant volume, standard engineering knowledge; here one heat store",
     signature: "a slow rise of all stiffnesses from the start of a run, the more the faster it rolls",

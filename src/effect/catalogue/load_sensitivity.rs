@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Friction that falls with the load",
     family: Family::Tire,
     port: Port::Output,
-    also: &[(Port::Parameter, Role::Other)],
+    also: &[(Port::Parameter, Role::Friction)],
     equation: "F = F_0 (1 - a (|Fz| / F_ref - 1))",
     source: "standard engineering knowledge",
     signature: "less than in proportion at high load",

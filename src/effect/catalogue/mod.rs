@@ -87,6 +87,7 @@ pub const EFFECTS: &[Effect] = &[
     pressure_dependent_friction::EFFECT,
     load_sensitivity::EFFECT,
     speed_dependent_friction::EFFECT,
+    speed_dependent_friction::BOTH_AXES,
     falling_branch::EFFECT,
     thermal_softening::EFFECT,
     inflation_warm_up::EFFECT,

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Brake that fades with its heat",
     family: Family::Brake,
     port: Port::Input,
-    also: &[(Port::Parameter, Role::Other)],
+    also: &[(Port::Parameter, Role::BrakeGain)],
     equation: "x = x_0 (1 - tanh(a E)), dE/dt = |x_0 w| - E / T",
     source: "standard engineering knowledge",
     signature: "a slow loss within a stop and from stop to stop that comes back in pauses",

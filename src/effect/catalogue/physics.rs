@@ -1,7 +1,7 @@
 //! Each effect against its closed form.
 
 use super::tests::run;
-use crate::effect::{Effect, find};
+use crate::effect::{Effect, find, forms};
 use std::f64::consts::{E, PI, TAU};
 
 fn effect(id: &str) -> &'static Effect {
@@ -417,10 +417,17 @@ fn a_pad_bites_after_some_time() {
 
 #[test]
 fn friction_of_tires() {
-    let speedy = |slip: f64, v: f64| at("speed-dependent-friction", &[0.4, 5.0], 100.0, [slip, v, 0.0]);
-    close(speedy(0.25, 20.0), 100.0 * (1.0 - 0.4 * (1.0 - 1.0 / E)), 1e-9);
-    close(speedy(0.25, 20.0), speedy(-0.5, 10.0), 1e-12);
-    close(speedy(1.0, 100.0), 60.0, 1e-9);
+    let speedy =
+        |slip: f64, v: f64, n: f64| at("speed-dependent-friction", &[0.4, 5.0, n], 100.0, [slip, v, 0.0]);
+    for n in [0.5, 1.0, 2.0] {
+        close(speedy(0.25, 20.0, n), 100.0 * (1.0 - 0.4 * (1.0 - 1.0 / E)), 1e-9);
+        close(speedy(0.25, 20.0, n), speedy(-0.5, 10.0, n), 1e-12);
+    }
+    close(speedy(1.0, 100.0, 2.0), 60.0, 1e-9);
+    // along both axes: 3, 4, 5
+    let both = forms("speed-dependent-friction").find(|e| e.drivers.len() == 3).unwrap();
+    let points = [(0.0, 100.0, [10.0, 0.4_f64.atan(), 0.3])];
+    close(run(both, &[0.4, 5.0, 2.0], &points)[0], speedy(0.5, 10.0, 2.0), 1e-9);
     let branch = |slip: f64| at("falling-branch", &[0.3, 0.1], 100.0, [slip, 0.0, 0.0]);
     assert_eq!((branch(0.1), branch(-0.05)), (100.0, 100.0));
     close(branch(-0.2), 100.0 * (1.0 - 0.3 * 1.0_f64.tanh()), 1e-12);

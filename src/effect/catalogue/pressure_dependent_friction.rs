@@ -8,7 +8,7 @@ pub const EFFECT: Effect = Effect {
     name: "Force that depends on the inflation pressure",
     family: Family::Tire,
     port: Port::Output,
-    also: &[(Port::Parameter, Role::Other)],
+    also: &[(Port::Parameter, Role::Friction)],
     equation: "F = F_0 (1 + a (p / p_0 - 1))",
     source: "MF-Tyre/MF-Swift 6.2 equation manual (pressure terms; here linear)",
     signature: "a factor that follows the pressure",

@@ -1,17 +1,17 @@
-//! Rubber that grips less when it slides fast.
+//! Sliding friction that falls with the sliding speed, as in Stribeck's curve of rubber.
 
 use super::operator::bounded;
 use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
 
-/// F (1 - a (1 - exp(-(v_s / v_0)^2))) with v_s = slip V.
+/// The coefficient falls from its static to its sliding value; the contact slides along one axis.
 pub const EFFECT: Effect = Effect {
     id: "speed-dependent-friction",
     name: "Friction that falls with the sliding speed",
     family: Family::Tire,
     port: Port::Output,
-    also: &[(Port::Parameter, Role::Other)],
-    equation: "F = F_0 (1 - a (1 - exp(-(v_s / v_0)^2))), v_s = slip V",
-    source: "Canudas-de-Wit et al. 2003, VSD 39(3):189-226 (form: standard engineering knowledge)",
+    also: &[(Port::Parameter, Role::Friction)],
+    equation: "F = F_0 (1 - a (1 - exp(-(v_s / v_0)^n))), v_s = slip V",
+    source: "Canudas-de-Wit et al. 2003, VSD 39(3):189-226 (form: standard engineering knowledge; n from 0.5 to 2)",
     signature: "too much force past the peak, the more the faster the contact slides",
     confused_with: &[
         ("thermal-softening", "depends on what went before: reverse the order of runs"),
@@ -20,31 +20,66 @@ pub const EFFECT: Effect = Effect {
     ],
     targets: &[Role::Force],
     drivers: &[Role::Slip, Role::TravelSpeed],
-    parameters: &[
-        Parameter::amplitude(
-            "loss",
-            "Share that is lost in fast sliding",
-            Scale::plain("1"),
-            (0.0, 0.8),
-            (-1.0, 1.0),
-            &[0.02],
-        ),
-        Parameter::shape(
-            "velocity",
-            "Sliding speed at which 63 % of it are lost",
-            Scale::of("1", 0, [1, 1, 0]),
-            (0.02, 3.0),
-            (0.01, 5.0),
-            &[0.1, 0.4, 1.0],
-        ),
-    ],
-    apply,
+    parameters: PARAMETERS,
+    apply: |p, _: &mut Memory, call| less(p, call, bounded(call.drivers[0]) * bounded(call.drivers[1])),
 };
 
-fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
+/// The same where the contact slides along both axes.
+pub const BOTH_AXES: Effect = Effect {
+    equation: "F = F_0 (1 - a (1 - exp(-(v_s / v_0)^n))), v_s = V sqrt(slip^2 + tan^2(alpha))",
+    drivers: &[Role::TravelSpeed, Role::SlipAngle, Role::Slip],
+    parameters: PARAMETERS_OF_BOTH,
+
+    apply: |p, _: &mut Memory, call| {
+        let slip = bounded(call.drivers[2]).hypot(bounded(call.drivers[1]).tan());
+        less(p, call, slip * bounded(call.drivers[0]))
+    },
+    ..EFFECT
+};
+
+const LOSS: Parameter = Parameter::amplitude(
+    "loss",
+    "Share that is lost in fast sliding",
+    Scale::plain("1"),
+    (0.0, 0.8),
+    (-1.0, 1.0),
+    &[0.02],
+);
+
+const EXPONENT: Parameter = Parameter::shape(
+    "exponent",
+    "How suddenly it is lost: 1 for an exponential",
+    Scale::plain("1"),
+    (0.4, 2.5),
+    (0.5, 2.0),
+    &[1.0],
+);
+
+const VELOCITY: Parameter = Parameter::shape(
+    "velocity",
+    "Sliding speed at which 63 % of it are lost",
+    Scale::of("1", 0, [1, 1, 0]),
+    (0.01, 10.0),
+    (0.01, 10.0),
+    &[0.1, 0.4, 1.0, 3.0],
+);
+
+/// Slips are far below 1, so that the speed of the contact is a small share of the travel's.
+const VELOCITY_OF_BOTH: Parameter = Parameter::shape(
+    "velocity",
+    "Sliding speed at which 63 % of it are lost",
+    Scale::of("1", 0, [1, 0, 0]),
+    (0.0005, 1.0),
+    (0.0005, 1.0),
+    &[0.005, 0.02, 0.05, 0.15],
+);
+
+const PARAMETERS: &[Parameter] = &[LOSS, VELOCITY, EXPONENT];
+const PARAMETERS_OF_BOTH: &[Parameter] = &[LOSS, VELOCITY_OF_BOTH, EXPONENT];
+
+fn less(p: &[f64], call: &Call<'_>, sliding: f64) -> f64 {
     if p[0] == 0.0 || p[1] <= 0.0 {
         return call.target;
     }
-    let sliding = bounded(call.drivers[0]) * bounded(call.drivers[1]) / p[1];
-    call.target * (1.0 + p[0] * (-sliding * sliding).exp_m1())
+    call.target * (1.0 + p[0] * (-(sliding.abs() / p[1]).powf(p[2])).exp_m1())
 }

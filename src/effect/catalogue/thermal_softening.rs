@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Friction that falls with the heat of sliding",
     family: Family::Tire,
     port: Port::Output,
-    also: &[(Port::Parameter, Role::Other)],
+    also: &[(Port::Parameter, Role::Friction)],
     equation: "F = F_0 (1 - tanh(a E)), dE/dt = |F_0 slip V| - E / T",
     source: "Persson, Miyashita arXiv 2602.22078; Mavros 2018, 10.1080/00423114.2018.1484147; here one heat store and a linear loss",
     signature: "a slow loss that goes with the work of sliding and comes back in pauses; up and down of a sweep differ",
