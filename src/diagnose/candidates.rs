@@ -25,6 +25,8 @@ const KEPT: usize = 30;
 /// An effect that promises less of the squared error of the fit runs is not fitted.
 const MIN_PROMISE: f64 = 0.005;
 
+/// A squared error that is so many times larger with an effect than without refutes it.
+const SPOILT: f64 = 1.5;
 /// Iterations of a first fit, and of one to the end.
 const TRY_OUT: usize = 10;
 const POLISH: usize = 10;
@@ -309,7 +311,8 @@ fn assess(
     // every channel in units of what is left of it, so that a small effect in one is not lost among the others
     let units = fit_rest.by_channel();
     let p = sign_flip(&differences(&current_check.in_units(&units), &check_rest.in_units(&units)));
-    let refuted = implausible(&fitted.model);
+    let refuted = implausible(&fitted.model)
+        .or_else(|| spoils(&current_check.by_channel(), &check_rest.by_channel(), study));
     Some(Tried {
         placement,
         places,
@@ -321,6 +324,16 @@ fn assess(
         p,
         refuted,
     })
+}
+
+/// A channel that gets much worse: what is right in one place of a machine is not wrong in another.
+fn spoils(before: &[f64], after: &[f64], study: &Study<'_>) -> Option<String> {
+    let worst = (0..before.len())
+        .filter(|c| after[*c] > SPOILT * before[*c])
+        .max_by(|a, b| (after[*a] / before[*a]).total_cmp(&(after[*b] / before[*b])))?;
+    let variable = study.check_runs.first()?.channels.get(worst)?.variable;
+    let name = &study.bench.interface().variables[variable].name;
+    Some(format!("makes {name} worse by {:.0} %", 100.0 * ((after[worst] / before[worst]).sqrt() - 1.0)))
 }
 
 /// A coefficient of the last effect that its name does not allow.

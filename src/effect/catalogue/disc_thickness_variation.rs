@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Brake disc of uneven thickness",
     family: Family::Brake,
     port: Port::Input,
-    also: &[],
+    also: &[(Port::Parameter, Role::BrakeGain)],
     equation: "x = x_0 (1 + a cos(theta) + b sin(theta))",
     source: "dbausa.com T004; fliphtml5 Automotive Chassis Engineering p324",
     signature: "a line at the first order of the wheel while the brake acts, in proportion to it",

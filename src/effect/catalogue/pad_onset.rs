@@ -19,41 +19,48 @@ pub const EFFECT: Effect = Effect {
     ],
     targets: &[Role::Pressure, Role::Force],
     drivers: &[],
-    parameters: &[
-        Parameter::amplitude(
-            "lack",
-            "Share that is missing at first",
-            Scale::plain("1"),
-            (0.0, 0.95),
-            (-1.0, 1.0),
-            &[0.02],
-        ),
-        Parameter::shape(
-            "time",
-            "Time in which it is built up",
-            Scale::plain("s"),
-            (0.02, 1.0),
-            (0.01, 2.0),
-            &[0.05, 0.2, 0.6],
-        ),
-        Parameter::shape(
-            "contact",
-            "Least pressure of contact",
-            Scale::of("1", 1, [0, 0, 0]),
-            (0.0001, 0.3),
-            (0.001, 0.3),
-            &[0.03],
-        ),
-    ],
-    apply,
+    parameters: &[LACK, TIME, contact(Scale::of("1", 1, [0, 0, 0]))],
+    apply: |p, memory, call| rising(p, memory, call, call.target),
 };
 
-fn apply(p: &[f64], memory: &mut Memory, call: &Call<'_>) -> f64 {
+/// The same in the brake's own factor, where the pressure is known.
+pub const BY_PRESSURE: Effect = Effect {
+    port: Port::Parameter,
+    targets: &[Role::BrakeGain],
+    drivers: &[Role::Pressure],
+    parameters: &[LACK, TIME, contact(Scale::of("1", 0, [1, 0, 0]))],
+    apply: |p, memory, call| rising(p, memory, call, call.drivers[0]),
+    ..EFFECT
+};
+
+const LACK: Parameter = Parameter::amplitude(
+    "lack",
+    "Share that is missing at first",
+    Scale::plain("1"),
+    (0.0, 0.95),
+    (-1.0, 1.0),
+    &[0.02],
+);
+
+const TIME: Parameter = Parameter::shape(
+    "time",
+    "Time in which it is built up",
+    Scale::plain("s"),
+    (0.02, 1.0),
+    (0.01, 2.0),
+    &[0.05, 0.2, 0.6],
+);
+
+const fn contact(scale: Scale) -> Parameter {
+    Parameter::shape("contact", "Least pressure of contact", scale, (0.0001, 0.3), (0.001, 0.3), &[0.03])
+}
+
+fn rising(p: &[f64], memory: &mut Memory, call: &Call<'_>, pressure: f64) -> f64 {
     if p[0] == 0.0 || p[1] <= 0.0 {
         return call.target;
     }
     // the time in contact; a release undoes it, so that noise around the threshold does not restart it
-    let touches = call.target.abs() > p[2];
+    let touches = pressure.abs() > p[2];
     let before = if call.dt > 0.0 { memory.states[0] } else { f64::INFINITY };
     memory.states[0] = (before + if touches { call.dt } else { -call.dt }).clamp(0.0, p[1]);
     if call.dt <= 0.0 && !touches {
