@@ -17,6 +17,8 @@ const MIN_GAIN: f64 = 0.01;
 /// A rest that an empirical function explains, as a share of what the named effects explain, above which
 /// the names are not enough.
 const LEFT_OVER: f64 = 0.2;
+/// What is known of the noise is too little by up to this factor, if it is coloured.
+const NOISE_MARGIN: f64 = 1.4;
 /// Probability of chance below which what can be foretold counts, and the share from which on.
 const FORETOLD_LEVEL: f64 = 0.01;
 const MIN_FORETOLD: f64 = 0.03;
@@ -130,10 +132,15 @@ pub(super) fn decide(
     }
     let Some((chosen, is_named)) = decision else { return Decision::Nothing };
     let t = &tried[chosen];
+    // the same effect at the same place from a signal that is as good is no rival
+    let same = |r: &Tried| {
+        r.placement.effect.id == t.placement.effect.id && r.placement.targets == t.placement.targets
+    };
     let share_of = |i: usize| rivals.iter().position(|r| r.0 == i).map_or(0.0, |k| shares[k]);
+    let share_of_chosen: f64 = rivals.iter().filter(|r| same(r.1)).map(|r| share_of(r.0)).sum();
     let mut alternatives: Vec<Alternative> = rivals
         .iter()
-        .filter(|r| r.0 != chosen)
+        .filter(|r| !same(r.1))
         .map(|r| Alternative {
             effect: r.1.placement.effect.id.into(),
             family: family(r.1.placement.effect),
@@ -151,7 +158,7 @@ pub(super) fn decide(
         place: placement.place(&subject.interface),
         channels,
         depends_on: placement.depends_on(&subject.interface),
-        confidence: 0.97 * if is_named { share_of(chosen).max(0.05) } else { 1.0 },
+        confidence: 0.97 * if is_named { share_of_chosen.max(0.05) } else { 1.0 },
         parameters: estimates(study, &t.fitted),
         alternatives,
         evidence: format!(
@@ -224,7 +231,8 @@ pub(super) struct Left {
     structure: Option<locate::Structure>,
     /// The signals that it depends on.
     depends_on: Vec<String>,
-    /// Weighted squared error of the check runs that is foretold, or shared.
+    /// Weighted squared error of the check runs that is foretold, or shared, or far above the noise where
+    /// something is.
     error: f64,
 }
 
@@ -256,12 +264,22 @@ impl Left {
             let numbers = pair.filter_map(|v| channels.iter().position(|c| c.variable == *v));
             common.share * numbers.map(|c| error_of(study, check, c)).sum::<f64>()
         });
+        let beyond = |c: usize| {
+            let noise = locate::noise(runs, &check.simulated, c).unwrap_or(f64::INFINITY);
+            let samples: usize = runs.iter().map(|r| r.time.len()).sum();
+            error_of(study, check, c) - samples as f64 * (NOISE_MARGIN * noise * study.weights[c]).powi(2)
+        };
+        let beyond: f64 = if common.is_some() || structure.is_some() {
+            (0..study.weights.len()).map(|c| beyond(c).max(0.0)).sum()
+        } else {
+            0.0
+        };
         let depends_on = match (&structure, &common) {
             (Some(s), _) => s.depends_on.clone(),
             (None, Some(_)) => locate::depends_on(runs, &check.simulated, &subject.interface, roles),
             (None, None) => Vec::new(),
         };
-        Self { common, structure, depends_on, error: f64::max(foretold, shared) }
+        Self { common, structure, depends_on, error: foretold.max(shared).max(beyond) }
     }
 
     /// Whether it is worth a word beside effects that have taken away `explained`.

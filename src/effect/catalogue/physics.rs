@@ -333,7 +333,8 @@ fn orders_of_the_wheel() {
     let n = 3600;
     let turn = |i: usize| TAU * 4.0 * i as f64 / n as f64;
     let course = |id: &str, target: f64, driver: f64| {
-        let y = along(id, &[0.03, -0.04], 1.0, n, |t| (target, [turn(t as usize), driver, 0.0]));
+        let p = &[0.03, -0.04, 0.015, -0.02][..effect(id).parameters.len()];
+        let y = along(id, p, 1.0, n, |t| (target, [turn(t as usize), driver, 0.0]));
         (line(&y, turn), line(&y, |i| 2.0 * turn(i)))
     };
     let is = |(cos, sin): (f64, f64), size: f64| {
@@ -342,6 +343,7 @@ fn orders_of_the_wheel() {
     };
     is(course("tone-ring", 50.0, 0.0).0, 50.0);
     is(course("disc-thickness-variation", 30.0, 0.0).0, 30.0);
+    is(course("disc-thickness-variation", 30.0, 0.0).1, 15.0);
     is(course("disc-thickness-variation", 0.0, 0.0).0, 0.0);
     is(course("non-uniformity", 100.0, 4000.0).0, 4000.0);
     is(course("non-uniformity", 100.0, 4000.0).1, 0.0);
