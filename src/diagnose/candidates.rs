@@ -12,10 +12,10 @@ use crate::model::Causality;
 use crate::{Error, Result};
 use std::sync::Arc;
 
-/// Named effects that are fitted inside the simulation.
-const NAMED: usize = 7;
+/// Named effects that are fitted inside the simulation, in the first round and later.
+const NAMED: [usize; 2] = [7, 5];
 /// Empirical functions that are fitted as rivals.
-const UNNAMED: usize = 3;
+const UNNAMED: [usize; 2] = [3, 2];
 /// Runs that effects are screened with.
 const SCREENED: usize = 4;
 /// Runs that all of them are screened with.
@@ -23,10 +23,14 @@ const FIRST: usize = 2;
 /// Named and nameless placements, each, that are screened with more runs.
 const KEPT: usize = 30;
 /// An effect that promises less of the squared error of the fit runs is not fitted.
-const MIN_PROMISE: f64 = 0.005;
+const MIN_PROMISE: [f64; 2] = [0.005, 0.015];
 
 /// A squared error that is so many times larger with an effect than without refutes it.
 const SPOILT: f64 = 1.5;
+/// A fit that keeps so much of what screening promised need not begin elsewhere too, unless parameters are
+/// bent by more than this share.
+const KEPT_PROMISE: f64 = 0.7;
+const BENT: f64 = 0.2;
 /// Iterations of a first fit, and of one to the end.
 const TRY_OUT: usize = 10;
 const POLISH: usize = 10;
@@ -204,15 +208,16 @@ fn force_size(study: &Study<'_>, model: &Model, variable: usize, measured: &[usi
     if least.is_finite() { least } else { 0.0 }
 }
 
-/// The best placement of the best effects: named ones and empirical functions.
-pub(super) fn choose(screened: &[Screened]) -> Vec<Screened> {
+/// The best placement of the best effects: named ones and empirical functions; fewer after the first round.
+pub(super) fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
     let mut chosen: Vec<Screened> = Vec::new();
-    for (named, limit) in [(true, NAMED), (false, UNNAMED)] {
+    for (named, limits) in [(true, NAMED), (false, UNNAMED)] {
+        let (limit, least) = (limits[round.min(1)], MIN_PROMISE[round.min(1)]);
         let mut count = 0;
         for s in screened.iter().filter(|s| empirical::is(s.placement.effect) != named) {
             let best =
                 screened.iter().find(|s| empirical::is(s.placement.effect) != named).map_or(0.0, |b| b.gain);
-            if count == limit || s.gain < 0.1 * best || s.gain < MIN_PROMISE {
+            if count == limit || s.gain < 0.1 * best || s.gain < least {
                 break;
             }
             // other places of the same effect only if they are about as good
@@ -266,7 +271,10 @@ pub(super) fn try_out(
     let small: Vec<f64> = screened.values.iter().zip(placement.effect.parameters).map(near).collect();
     let mut fitted = begin(current, small.clone());
     // a refit without the effect may have bent the parameters far: from the nominal ones as well
-    if let Some(unbent) = unbent {
+    let promised = current_fit.total * (1.0 - KEPT_PROMISE * screened.gain);
+    if let Some(unbent) = unbent
+        .filter(|u| fitted.as_ref().is_none_or(|f| f.fit.cost > promised) || bent(&current.model, &u.model))
+    {
         fitted = least(fitted, begin(unbent, small));
     }
     let whole = |p: &Parameter| p.off.is_some_and(|off| off < p.plausible.0);
@@ -280,6 +288,13 @@ pub(super) fn try_out(
         fitted = least(fitted, begin(unbent.unwrap_or(current), there.collect()));
     }
     assess(study, (screened.placement.clone(), screened.places), fitted?, current_fit, current_check)
+}
+
+/// Whether a parameter is far from its nominal value.
+fn bent(model: &Model, nominal: &Model) -> bool {
+    let parameters = model.parameters.iter().zip(&nominal.parameters);
+    // the last one is the recorder's lag
+    parameters.take(nominal.parameters.len().saturating_sub(1)).any(|(x, n)| (x - n).abs() > BENT * n.abs())
 }
 
 /// Fits those that are nearly the best to the end, with derivatives of their own.

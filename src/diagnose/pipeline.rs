@@ -164,7 +164,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         let nominal_parameters = Model { parameters: nominal.parameters.clone(), ..current.model.clone() };
         let unbent = study.fit(&nominal_parameters, 1).ok();
         let mut tried = Vec::new();
-        for screened in choose(&screened) {
+        for screened in choose(&screened, round) {
             if let Some(t) =
                 try_out(&study, &current, unbent.as_ref(), &screened, &current_fit, &current_check)
             {

@@ -1,7 +1,7 @@
 //! Whether what is left of a channel can be foretold: by functions of the signals that are found in the fit
 //! runs and tried on the check runs. What can be foretold is no noise.
 
-use super::depends::{TIME, candidates};
+use super::depends::{TIME, candidates, rate_by_sample};
 use super::signals::{bins, blocks, channels, memory, residual};
 use crate::diagnose::blocks::sign_flip;
 use crate::diagnose::roles::Roles;
@@ -18,6 +18,8 @@ const TIME_KNOTS: usize = 24;
 const MAX_GROUPS: usize = 4;
 /// Blocks are so many times longer than the residual's memory.
 const BLOCK: f64 = 4.0;
+/// A column of which less than this share is new says nothing new.
+const NEW: f64 = 1e-3;
 /// A signal that makes so much less of the foretold part than the most important is not named.
 const MINOR: f64 = 0.3;
 
@@ -165,157 +167,160 @@ fn groups(signals: &[Signal]) -> Vec<Group> {
     all
 }
 
+/// A channel's functions in the fit runs and in the check runs.
+struct Design<'a> {
+    signals: &'a [Signal],
+    groups: Vec<Group>,
+    /// The channel as simulated, in multiples of its size: in the fit runs, in the check runs.
+    own: [Vec<f64>; 2],
+    /// What a sensor of its own may do: offset, gain, lag.
+    plain: [Vec<Vec<f64>>; 2],
+    /// Every how many samples are used to find functions.
+    stride: usize,
+}
+
+impl<'a> Design<'a> {
+    fn of(channel: usize, seen: [Seen<'_>; 2], signals: &'a [Signal]) -> Option<Self> {
+        let own = seen.map(|s| s.simulated.iter().flat_map(|t| t[channel].clone()).collect::<Vec<f64>>());
+        let size = own[0].iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        if size <= 0.0 {
+            return None;
+        }
+        let scaled = |values: Vec<f64>| values.into_iter().map(|v| v / size).collect::<Vec<f64>>();
+        let slopes = |s: Seen<'_>| s.simulated.iter().flat_map(|t| rate_by_sample(&t[channel])).collect();
+        let own = own.map(scaled);
+        let slopes = seen.map(slopes).map(scaled);
+        let plain = [0, 1].map(|i| vec![vec![1.0; own[i].len()], own[i].clone(), slopes[i].clone()]);
+        let stride = own[0].len().div_ceil(MAX_ROWS).max(1);
+        Some(Self { signals, groups: groups(signals), own, plain, stride })
+    }
+
+    fn thin(&self, values: &[f64]) -> DVector<f64> {
+        DVector::from_iterator(
+            values.len().div_ceil(self.stride),
+            values.iter().step_by(self.stride).copied(),
+        )
+    }
+
+    fn columns(&self, group: usize, check: bool) -> Vec<Vec<f64>> {
+        self.groups[group].columns(self.signals, &self.own[usize::from(check)], check)
+    }
+
+    /// Takes groups in as long as their gain is worth their functions and the choice among so many.
+    fn choose(&self, target: &[f64], independent: f64) -> Vec<usize> {
+        let mut basis: Vec<DVector<f64>> = Vec::new();
+        let mut left = self.thin(target);
+        for direction in self.plain[0].iter().map(|c| self.thin(c)) {
+            take_in(&mut basis, direction, &mut left);
+        }
+        let mut chosen: Vec<usize> = Vec::new();
+        while chosen.len() < MAX_GROUPS {
+            let before = left.norm_squared();
+            let rated = (0..self.groups.len()).filter(|g| !chosen.contains(g)).map(|g| {
+                let mut own = basis.clone();
+                let mut rest = left.clone();
+                for column in self.columns(g, false) {
+                    take_in(&mut own, self.thin(&column), &mut rest);
+                }
+                let likelihood = -independent * (rest.norm_squared() / before).max(1e-12).ln();
+                (likelihood - (own.len() - basis.len()) as f64 * independent.ln(), g, own, rest)
+            });
+            let best = rated.max_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((worth, group, own, rest)) = best else { break };
+            if worth < 2.0 * (self.groups.len() as f64).ln() {
+                break;
+            }
+            (basis, left) = (own, rest);
+            chosen.push(group);
+        }
+        chosen
+    }
+
+    /// What functions that are fitted to `target` make of the check runs: the part of the sensor, and that of
+    /// each group.
+    fn foretell(&self, chosen: &[usize], target: &[f64]) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+        let mut columns: Vec<DVector<f64>> = self.plain[0].iter().map(|c| self.thin(c)).collect();
+        let mut then: Vec<(usize, Vec<f64>)> = self.plain[1].iter().map(|c| (0, c.clone())).collect();
+        for (k, g) in chosen.iter().enumerate() {
+            columns.extend(self.columns(*g, false).iter().map(|c| self.thin(c)));
+            then.extend(self.columns(*g, true).into_iter().map(|c| (k + 1, c)));
+        }
+        let amounts = solve(&columns, &self.thin(target))?;
+        let mut parts = vec![vec![0.0; self.own[1].len()]; chosen.len() + 1];
+        for ((k, column), amount) in then.iter().zip(amounts.iter()) {
+            parts[*k].iter_mut().zip(column).for_each(|(s, c)| *s += amount * c);
+        }
+        let groups = parts.split_off(1);
+        Some((parts.pop()?, groups))
+    }
+}
+
 fn one(channel: usize, fit: Seen<'_>, check: Seen<'_>, signals: &[Signal]) -> Option<Structure> {
-    let rest = |seen: Seen<'_>| residual(seen.runs, seen.simulated, channel);
-    let (fit_rest, check_rest) = (rest(fit), rest(check));
-    let own =
-        |seen: Seen<'_>| -> Vec<f64> { seen.simulated.iter().flat_map(|t| t[channel].clone()).collect() };
-    let scaled = |values: Vec<f64>, by: f64| -> Vec<f64> { values.into_iter().map(|v| v / by).collect() };
-    let size = own(fit).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    if size <= 0.0 || fit_rest.iter().chain(&check_rest).any(Vec::is_empty) {
+    let [fit_rest, check_rest] = [fit, check].map(|s| residual(s.runs, s.simulated, channel));
+    if fit_rest.iter().chain(&check_rest).any(Vec::is_empty) {
         return None;
     }
-    let (own_fit, own_check) = (scaled(own(fit), size), scaled(own(check), size));
-    let slopes = |seen: Seen<'_>| -> Vec<f64> {
-        let slope = |t: &Traces| super::depends::rate_by_sample(&t[channel]);
-        scaled(seen.simulated.iter().flat_map(slope).collect(), size)
-    };
-    // what a sensor of its own may do: offset, gain, lag
-    let plain = |own: &[f64], slope: Vec<f64>| vec![vec![1.0; own.len()], own.to_vec(), slope];
-    let (plain_fit, plain_check) = (plain(&own_fit, slopes(fit)), plain(&own_check, slopes(check)));
-
+    let design = Design::of(channel, [fit, check], signals)?;
     let target: Vec<f64> = fit_rest.concat();
-    let stride = target.len().div_ceil(MAX_ROWS).max(1);
-    let thin =
-        |v: &[f64]| DVector::from_iterator(v.len().div_ceil(stride), v.iter().step_by(stride).copied());
-    let memory = memory(&fit_rest);
-    let independent = (target.len() as f64 / memory).max(4.0);
-    let mut basis: Vec<DVector<f64>> = Vec::new();
-    let mut left = thin(&target);
-    for column in &plain_fit {
-        take_in(&mut basis, &mut left, thin(column));
-    }
-    let groups = groups(signals);
-    let clean = |basis: &[DVector<f64>], group: &Group| -> Vec<DVector<f64>> {
-        let mut own_basis: Vec<DVector<f64>> = Vec::new();
-        for column in group.columns(signals, &own_fit, false) {
-            let mut column = thin(&column);
-            let size = column.norm();
-            for _ in 0..2 {
-                for b in basis.iter().chain(&own_basis) {
-                    let along = column.dot(b);
-                    column.axpy(-along, b, 1.0);
-                }
-            }
-            let norm = column.norm();
-            if norm > 1e-3 * size {
-                own_basis.push(column / norm);
-            }
-        }
-        own_basis
-    };
-    let mut chosen: Vec<usize> = Vec::new();
-    for _ in 0..MAX_GROUPS {
-        let before = left.norm_squared();
-        let rated = (0..groups.len()).filter(|g| !chosen.contains(g)).map(|g| {
-            let directions = clean(&basis, &groups[g]);
-            let gain: f64 = directions.iter().map(|d| d.dot(&left).powi(2)).sum();
-            let likelihood = -independent * (1.0 - (gain / before).min(1.0 - 1e-12)).ln();
-            (likelihood - directions.len() as f64 * independent.ln(), g, directions)
-        });
-        let best = rated.max_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((worth, g, directions)) = best else { break };
-        if worth < 2.0 * (groups.len() as f64).ln() {
-            break;
-        }
-        for d in directions {
-            left.axpy(-left.dot(&d), &d, 1.0);
-            basis.push(d);
-        }
-        chosen.push(g);
-    }
+    let independent = (target.len() as f64 / memory(&fit_rest)).max(4.0);
+    let chosen = design.choose(&target, independent);
     if chosen.is_empty() {
         return None;
     }
-    // the same functions on the check runs
-    let columns = |check: bool, own: &[f64], plain: &[Vec<f64>]| -> Vec<(Option<usize>, Vec<f64>)> {
-        let mut all: Vec<(Option<usize>, Vec<f64>)> = plain.iter().map(|c| (None, c.clone())).collect();
-        for g in &chosen {
-            all.extend(groups[*g].columns(signals, own, check).into_iter().map(|c| (Some(*g), c)));
-        }
-        all
-    };
-    let fit_columns = columns(false, &own_fit, &plain_fit);
-    let amounts = solve(&fit_columns.iter().map(|(_, c)| thin(c)).collect::<Vec<_>>(), &thin(&target))?;
-    let without = solve(&plain_fit.iter().map(|c| thin(c)).collect::<Vec<_>>(), &thin(&target))?;
-    let check_columns = columns(true, &own_check, &plain_check);
-    let measured: Vec<f64> = check_rest.concat();
-    let foretold = |group: Option<usize>| -> Vec<f64> {
-        let mut sum = vec![0.0; measured.len()];
-        for ((g, column), amount) in check_columns.iter().zip(amounts.iter()) {
-            if group.is_none() || *g == group {
-                sum.iter_mut().zip(column).for_each(|(s, c)| *s += amount * c);
-            }
-        }
-        sum
-    };
-    let all = foretold(None);
-    let mut by_sensor = vec![0.0; measured.len()];
-    for (column, amount) in plain_check.iter().zip(without.iter()) {
-        by_sensor.iter_mut().zip(column).for_each(|(s, c)| *s += amount * c);
-    }
-    let mut at = 0;
-    let after: Vec<Vec<f64>> = check_rest
-        .iter()
-        .map(|run| {
-            at += run.len();
-            run.iter().zip(&all[at - run.len()..]).map(|(r, f)| r - f).collect()
-        })
-        .collect();
-    let length = BLOCK * super::signals::memory(&after);
-    let (mut gains, mut end, mut at) = (Vec::new(), 0, 0);
-    let (mut won, mut total) = (0.0, 0.0);
+    let (sensor, parts) = design.foretell(&chosen, &target)?;
+    let (sensor_alone, _) = design.foretell(&[], &target)?;
+    let all = |k: usize| sensor[k] + parts.iter().map(|p| p[k]).sum::<f64>();
+    // before and after, sample by sample
+    let (mut before, mut after, mut k) = (Vec::new(), Vec::new(), 0);
     for run in &check_rest {
-        let (block, next) = blocks(run.len(), length, 0);
-        let start = end;
-        end += next;
+        before.push(run.iter().enumerate().map(|(i, r)| r - sensor_alone[k + i]).collect::<Vec<f64>>());
+        after.push(run.iter().enumerate().map(|(i, r)| r - all(k + i)).collect::<Vec<f64>>());
+        k += run.len();
+    }
+    let length = BLOCK * memory(&after);
+    let (mut gains, mut first) = (Vec::new(), 0);
+    for (before, after) in before.iter().zip(&after) {
+        let (block, end) = blocks(before.len(), length, first);
         gains.resize(end, 0.0);
-        for (k, r) in run.iter().enumerate() {
-            let before = (r - by_sensor[at]).powi(2);
-            let after = (r - all[at]).powi(2);
-            gains[start + block[k]] += before - after;
-            won += before - after;
-            total += r * r;
-            at += 1;
+        for ((b, a), block) in before.iter().zip(after).zip(block) {
+            gains[block] += b * b - a * a;
         }
+        first = end;
     }
-    if !(won > 0.0) {
-        return None;
-    }
-    // a signal is as important as the functions that it is in
-    let mut weight: Vec<(f64, &str)> = Vec::new();
-    for g in &chosen {
-        let part = foretold(Some(*g));
+    let won: f64 = gains.iter().sum();
+    let total: f64 = before.iter().flatten().map(|b| b * b).sum();
+    (won > 0.0).then(|| Structure {
+        channel,
+        share: won / total,
+        p: sign_flip(&gains),
+        depends_on: important(&design, &chosen, &parts),
+    })
+}
+
+/// The signals by how much the functions that they are in make.
+fn important(design: &Design<'_>, chosen: &[usize], parts: &[Vec<f64>]) -> Vec<String> {
+    let mut weights: Vec<(f64, &str)> = Vec::new();
+    for (g, part) in chosen.iter().zip(parts) {
         let n = part.len().max(1) as f64;
         let mean = part.iter().sum::<f64>() / n;
         let size = part.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
-        for s in &groups[*g].signals {
-            let name = signals[*s].name.as_str();
-            match weight.iter_mut().find(|w| w.1 == name) {
+        for s in &design.groups[*g].signals {
+            let name = design.signals[*s].name.as_str();
+            match weights.iter_mut().find(|w| w.1 == name) {
                 Some(w) => w.0 += size,
-                None => weight.push((size, name)),
+                None => weights.push((size, name)),
             }
         }
     }
-    weight.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let most = weight.first().map_or(0.0, |w| w.0);
-    let depends_on = weight.iter().filter(|w| w.0 >= MINOR * most).take(3).map(|w| w.1.to_owned()).collect();
-    Some(Structure { channel, share: won / total, p: sign_flip(&gains), depends_on })
+    weights.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let most = weights.first().map_or(0.0, |w| w.0);
+    weights.iter().filter(|w| w.0 >= MINOR * most).take(3).map(|w| w.1.to_owned()).collect()
 }
 
 /// Makes a column orthogonal to the others, takes it in, and takes it out of what is left.
-fn take_in(basis: &mut Vec<DVector<f64>>, left: &mut DVector<f64>, mut column: DVector<f64>) {
+fn take_in(basis: &mut Vec<DVector<f64>>, mut column: DVector<f64>, left: &mut DVector<f64>) {
     let size = column.norm();
+    // twice is enough
     for _ in 0..2 {
         for b in &*basis {
             let along = column.dot(b);
@@ -323,7 +328,7 @@ fn take_in(basis: &mut Vec<DVector<f64>>, left: &mut DVector<f64>, mut column: D
         }
     }
     let norm = column.norm();
-    if norm > 1e-6 * size {
+    if norm > NEW * size {
         let direction = column / norm;
         left.axpy(-left.dot(&direction), &direction, 1.0);
         basis.push(direction);
@@ -338,4 +343,66 @@ fn solve(columns: &[DVector<f64>], target: &DVector<f64>) -> Option<DVector<f64>
         normal[(i, i)] = normal[(i, i)] * (1.0 + 1e-6) + f64::MIN_POSITIVE;
     }
     Some(normal.cholesky()?.solve(&matrix.tr_mul(target)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bed::{coloured, interface, normal, run};
+    use super::*;
+    use crate::diagnose::blocks::Dice;
+
+    const INPUTS: [(&str, &str); 3] = [("load", "N"), ("slip_angle", "rad"), ("speed", "m/s")];
+    const OUTPUTS: [(&str, &str); 2] = [("force_y", "N"), ("moment", "N.m")];
+
+    /// What is found if the recorded force has `wrong(load, angle, speed, force, rate of force)` more than
+    /// the simulated one.
+    fn ask(seed: u64, wrong: impl Fn([f64; 5]) -> f64) -> Vec<Structure> {
+        let mut dice = Dice::new(seed);
+        let n = 2000;
+        let (mut runs, mut simulated) = (Vec::new(), Vec::new());
+        for _ in 0..6 {
+            let [load, angle, speed] = [0, 1, 2].map(|_| coloured(&mut dice, 0.98, n));
+            let force: Vec<f64> = load.iter().zip(&angle).map(|(f, a)| 500.0 * a * (5.0 + f)).collect();
+            let noise = coloured(&mut dice, 0.7, n);
+            let measured = (0..n).map(|i| {
+                let rate = force[i] - force[i.saturating_sub(1)];
+                force[i] + 50.0 * noise[i] + wrong([load[i], angle[i], speed[i], force[i], rate])
+            });
+            let measured: Vec<f64> = measured.collect();
+            let other: Vec<f64> = (0..n).map(|_| normal(&mut dice)).collect();
+            runs.push(run("a", 0.01, &[load, angle, speed], &[measured, other]));
+            simulated.push(vec![force, vec![0.0; n]]);
+        }
+        let interface = interface(&INPUTS, &OUTPUTS);
+        let roles = Roles::of(&interface, &[]).unwrap();
+        let runs: Vec<&Run> = runs.iter().collect();
+        let side = |from: usize, to: usize| Seen { runs: &runs[from..to], simulated: &simulated[from..to] };
+        structure(side(0, 4), side(4, 6), &interface, &roles)
+    }
+
+    #[test]
+    fn functions_of_signals_are_foretold_and_named() {
+        for seed in 0..3 {
+            let found = ask(seed, |[_, _, speed, ..]| 50.0 * (1.5 * speed).sin());
+            assert_eq!((found[0].channel, &found[0].depends_on[..]), (0, &["speed".to_owned()][..]));
+            // half of the error is structure: variance 1/2 (1 - exp(-2 1.5^2)) of 1 + that
+            assert!((found[0].share - 0.33).abs() < 0.08 && found[0].p < 0.01, "{found:?}");
+            let found = ask(seed, |[load, _, speed, ..]| 40.0 * load * speed);
+            let mut names = found[0].depends_on.clone();
+            names.sort();
+            assert_eq!(names, ["load", "speed"]);
+            let found = ask(seed, |[_, _, speed, force, _]| 0.1 * force * speed.max(0.0));
+            assert!(found[0].depends_on.contains(&"speed".to_owned()) && found[0].p < 0.01, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn noise_and_errors_of_the_sensor_itself_are_no_structure() {
+        for seed in 10..16 {
+            let sure = |found: Vec<Structure>| found.into_iter().filter(|s| s.p < 0.01).collect::<Vec<_>>();
+            assert_eq!(sure(ask(seed, |_| 0.0)), []);
+            assert_eq!(sure(ask(seed, |[.., force, _]| 0.1 * force + 30.0)), []);
+            assert_eq!(sure(ask(seed, |[.., rate]| 0.4 * rate)), []);
+        }
+    }
 }
