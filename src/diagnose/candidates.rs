@@ -80,7 +80,7 @@ fn some_of(study: &Study<'_>, rest: &Rest) -> Vec<usize> {
 fn coarser(run: &Run) -> Run {
     let drive = &run.drive;
     let parts = drive.points.saturating_sub(1) / run.time.len().saturating_sub(1).max(1);
-    if parts < 2 || (drive.points - 1) % parts != 0 {
+    if parts < 2 || !(drive.points - 1).is_multiple_of(parts) {
         return run.clone();
     }
     let thin = |values: &Vec<f64>| values.iter().step_by(parts).copied().collect();

@@ -13,6 +13,7 @@ mod result;
 mod roles;
 mod runs;
 mod screen;
+mod search;
 pub mod spectrum;
 mod study;
 mod subject;

@@ -1,13 +1,13 @@
 //! The chain from recordings to a verdict.
 
 use super::blocks::{differences, sign_flip};
-use super::candidates::{choose, polish, screen, try_out};
-use super::decision::{Decision, LEVEL, Left, decide};
+use super::decision::LEVEL;
 use super::reading::{fault, faults_against, read_folder, same_channels, shortest_interval};
-use super::result::{Candidate, Diagnosis, Estimate, Finding, RunUse, Use, Verdict};
+use super::result::{Diagnosis, Estimate, RunUse, Use, Verdict};
 use super::roles::Roles;
 use super::runs::{Map, prepare, uses};
-use super::study::{Model, Study, first_weights};
+use super::search::{Found, search};
+use super::study::{Study, first_weights};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
 use super::{hygiene, locate};
@@ -19,8 +19,6 @@ use crate::recording::Recording;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Effects that are found one after the other.
-const MAX_EFFECTS: usize = 3;
 /// Iterations of the last fit, which ends by itself before that as a rule.
 const FINAL: usize = 25;
 /// A lag of all channels up to this share of the sampling interval is the recorder's filter, no finding.
@@ -137,7 +135,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         study.weigh(&fit_runs, &rest);
         base = study.fit(&base.model, 6)?;
     }
-    let mut base_rest = study.rest(&base.model, &check_runs)?;
+    let base_rest = study.rest(&base.model, &check_runs)?;
 
     // a command may rest as long as it likes, at the end of its range too
     faults.retain(|f| {
@@ -148,68 +146,14 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     faults.extend(faults_against(&study, &subject, &base.model, &all_runs, &recordings, &names)?);
     let fatal = faults.iter().any(|f| f.severity == hygiene::Severity::Fatal);
 
-    let mut candidates: Vec<Candidate> = Vec::new();
-    let mut current = base;
-    let mut current_check = base_rest.clone();
-    let mut current_fit = study.rest(&current.model, &fit_runs)?;
-    let base_model = current.model.clone();
-    let mut findings: Vec<Finding> = Vec::new();
-    let mut unknown: Option<Finding> = None;
-    let mut left_by_names = None;
-    for round in 0..if fatal { 0 } else { MAX_EFFECTS } {
-        let progressed = 0.15 + 0.8 * round as f64 / MAX_EFFECTS as f64;
-        progress("screening effects", progressed);
-        let screened = screen(&study, &subject, &roles, &current, &current_fit)?;
-        progress("fitting effects inside the simulation", progressed + 0.05);
-        let nominal_parameters = Model { parameters: nominal.parameters.clone(), ..current.model.clone() };
-        let unbent = study.fit(&nominal_parameters, 1).ok();
-        let mut tried = Vec::new();
-        for screened in choose(&screened, round) {
-            if let Some(t) =
-                try_out(&study, &current, unbent.as_ref(), &screened, &current_fit, &current_check)
-            {
-                tried.push(t);
-            }
-        }
-        polish(&study, &mut tried, &current_fit, &current_check);
-        let verdict = decide(&study, &subject, &tried, &current_check, &base_rest, round, &mut candidates);
-        match verdict {
-            Decision::Nothing => break,
-            Decision::Named(i, finding) => {
-                findings.push(finding);
-                let t = tried.swap_remove(i);
-                // what is left of a channel is what counts from here on
-                study.weigh(&fit_runs, &t.fit_rest);
-                current = study.fit(&t.fitted.model, 3)?;
-                current_fit = study.rest(&current.model, &fit_runs)?;
-                current_check = study.rest(&current.model, &check_runs)?;
-                base_rest = study.rest(&base_model, &check_runs)?;
-            }
-            Decision::Unnamed(i, finding) => {
-                unknown = Some(finding);
-                left_by_names = Some(Left::of(&study, &subject, &roles, &current_fit, &current_check));
-                let t = tried.swap_remove(i);
-                current_check = t.check_rest;
-                current = t.fitted;
-                break;
-            }
-        }
-    }
-    progress("locating what is left", 0.88);
-    match &mut unknown {
-        Some(finding) => {
-            if let Some(signals) = left_by_names.and_then(|left| left.depends_on()) {
-                finding.depends_on = signals;
-            }
-        }
-        None if !fatal => {
-            let left = Left::of(&study, &subject, &roles, &current_fit, &current_check);
-            if left.counts(base_rest.total - current_check.total) {
-                unknown = Some(left.finding(&subject, &study));
-            }
-        }
-        None => {}
-    }
+    let base_model = base.model.clone();
+    let found = if fatal {
+        Found::nothing(base, base_rest)
+    } else {
+        search(&mut study, &subject, &roles, &nominal, (base, base_rest), progress)?
+    };
+    let Found { mut current, check: mut current_check, base_check: base_rest, .. } = found;
+    let (mut findings, mut unknown, candidates) = (found.findings, found.unknown, found.candidates);
     let fine: Vec<(Run, Use)>;
     if !current.model.effects.is_empty() {
         // effects act at communication points: what is handed on is fitted where shorter steps change nothing

@@ -263,3 +263,33 @@ fn least_difference(values: &[f64]) -> f64 {
     let least = sorted.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
     if least.is_finite() { least } else { 0.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_of_run_is_fitted_and_checked() {
+        // a programme that repeats itself every three runs: slip alone, angle alone, both
+        let wave: Vec<f64> = (0..200).map(|k| (0.1 * f64::from(k)).sin()).collect();
+        let rest = vec![0.0; 200];
+        let kinds: Vec<[&[f64]; 2]> = vec![[&wave, &rest], [&rest, &wave], [&wave, &wave]];
+        let runs: Vec<Vec<&[f64]>> = (0..9).map(|i| kinds[i % 3].to_vec()).collect();
+        let uses = split(&runs);
+        assert_eq!(uses.iter().filter(|u| **u == Use::Check).count(), 3);
+        for kind in 0..3 {
+            let own: Vec<Use> = (0..9).filter(|i| i % 3 == kind).map(|i| uses[i]).collect();
+            assert!(own.contains(&Use::Check) && own.contains(&Use::Fit), "{kind}: {own:?}");
+        }
+        // nothing to choose by: the middle of every three
+        let same: Vec<Vec<&[f64]>> = (0..6).map(|_| vec![&wave[..]]).collect();
+        let checked: Vec<usize> = (0..6).filter(|i| split(&same)[*i] == Use::Check).collect();
+        assert_eq!(checked, [1, 4]);
+    }
+
+    #[test]
+    fn the_step_of_a_recording_is_found() {
+        assert_eq!(least_difference(&[3.0, 1.5, 1.5, 2.0, 3.0]), 0.5);
+        assert_eq!(least_difference(&[2.0, 2.0]), 0.0);
+    }
+}

@@ -13,6 +13,8 @@ use std::sync::Arc;
 const MAX_ROWS: usize = 12_000;
 /// Combinations of shapes that are tried for one placement.
 const MAX_SHAPES: usize = 6;
+/// And where nothing has to be simulated.
+const MAX_REPLAYED: usize = 240;
 
 /// What screening knows: the model as fitted, its residual and sensitivities, and all its signals.
 pub struct Screen<'a> {
@@ -131,7 +133,8 @@ impl<'a> Screen<'a> {
                     .collect();
             }
             // an even choice if there are too many
-            let skip = shapes.len().div_ceil(MAX_SHAPES).max(1);
+            let most = if self.is_replayed(placement) { MAX_REPLAYED } else { MAX_SHAPES };
+            let skip = shapes.len().div_ceil(most).max(1);
             for shape in shapes.into_iter().step_by(skip) {
                 probes.push((number, shape, amplitudes.clone()));
             }
@@ -169,6 +172,15 @@ impl<'a> Screen<'a> {
         found
     }
 
+    /// True for an effect on outputs that no other effect changes: traces tell all about it.
+    fn is_replayed(&self, placement: &Placement) -> bool {
+        let behind =
+            self.model.effects.iter().any(|(p, _)| {
+                p.port == Port::Output && p.targets.iter().any(|v| placement.targets.contains(v))
+            });
+        placement.port == Port::Output && !behind
+    }
+
     /// Change of the weighted outputs per unit of one amplitude, for each job.
     fn columns(
         &self,
@@ -192,10 +204,7 @@ impl<'a> Screen<'a> {
         let mut of_setup = Vec::new();
         for (k, job) in jobs.iter().enumerate() {
             let placement = &placements[probes[job.0].0];
-            let behind = self.model.effects.iter().any(|(p, _)| {
-                p.port == Port::Output && p.targets.iter().any(|v| placement.targets.contains(v))
-            });
-            if placement.port == Port::Output && !behind {
+            if self.is_replayed(placement) {
                 columns[k] = Some(self.replayed(interface, &attach(job)) / step_of(job));
             } else {
                 let mut setup = self.setup.clone();

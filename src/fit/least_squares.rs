@@ -192,7 +192,7 @@ fn differentiate(
 fn broyden(jacobian: &mut DMatrix<f64>, unknowns: &[Unknown], step: &[f64], before: &[f64], after: &[f64]) {
     let direction: Vec<f64> = step.iter().zip(unknowns).map(|(s, u)| s * u.step.powi(2)).collect();
     let length: f64 = direction.iter().zip(step).map(|(d, s)| d * s).sum();
-    if !(length > 0.0) {
+    if length.is_nan() || length <= 0.0 {
         return;
     }
     let predicted = &*jacobian * DVector::from_column_slice(step);

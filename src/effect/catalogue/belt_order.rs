@@ -43,10 +43,21 @@ pub const EFFECT: Effect = Effect {
             Scale::plain("m"),
             (0.05, 50.0),
             (0.02, 100.0),
-            &[0.5, 1.0, 2.0, 4.0],
+            &LENGTHS,
         ),
     ],
     apply,
+};
+
+/// From 0.5 m to 13 m, so close that over 100 m none is half a period off at either end.
+const LENGTHS: [f64; 220] = {
+    let mut all = [0.5; 220];
+    let mut i = 1;
+    while i < all.len() {
+        all[i] = 1.015 * all[i - 1];
+        i += 1;
+    }
+    all
 };
 
 fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {

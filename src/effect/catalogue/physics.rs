@@ -512,6 +512,10 @@ fn sensors_that_show_something_else() {
     assert_eq!(at("sensor-bias", &[0.5], 2.0, [0.0; 3]), 2.5);
     assert_eq!(at("sensor-gain", &[0.5], 2.0, [0.0; 3]), 3.0);
     assert_eq!(at("rolling-radius", &[-0.25], 2.0, [0.0; 3]), 1.5);
+    let form = |id: &str, drivers: usize| forms(id).find(|e| e.drivers.len() == drivers).unwrap();
+    let radius = run(form("rolling-radius", 1), &[-0.25, 1e-4], &[(0.0, 2.0, [-5000.0, 0.0, 0.0])]);
+    close(radius[0], 2.0 * (1.0 - 0.25 + 0.5), 1e-12);
+    assert_eq!(run(form("plysteer", 0), &[0.01], &[(0.0, 0.02, [0.0; 3])]), [0.03]);
     assert_eq!(at("cross-talk", &[0.5], 2.0, [8.0, 0.0, 0.0]), 6.0);
     assert_eq!(at("sensor-nonlinearity", &[0.5, 0.1], -2.0, [0.0; 3]), -2.0 - 2.0 + 0.4);
     let drift = along("sensor-drift", &[0.5], 0.1, 40, |_| (2.0, [0.0; 3]));

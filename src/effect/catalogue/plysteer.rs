@@ -31,6 +31,24 @@ pub const EFFECT: Effect = Effect {
     apply,
 };
 
+/// The same as the slip angle that it is like.
+pub const AS_ANGLE: Effect = Effect {
+    port: Port::Input,
+    equation: "alpha = alpha_0 + a",
+    targets: &[Role::SlipAngle],
+    drivers: &[],
+    parameters: &[Parameter::amplitude(
+        "angle",
+        "Slip angle at which the tire makes no side force",
+        Scale::of("1", 1, [0; 3]),
+        (-1.0, 1.0),
+        (-2.0, 2.0),
+        &[0.02],
+    )],
+    apply: |p, _: &mut Memory, call| if p[0] == 0.0 { call.target } else { call.target + p[0] },
+    ..EFFECT
+};
+
 fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
     if p[0] == 0.0 {
         return call.target;

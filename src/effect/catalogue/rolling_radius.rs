@@ -18,17 +18,36 @@ pub const EFFECT: Effect = Effect {
     ],
     targets: &[Role::WheelSpeed],
     drivers: &[],
-    parameters: &[Parameter::amplitude(
-        "ratio",
-        "Relative error of the ratio of wheel speed and travel speed",
-        Scale::plain("1"),
-        (-0.1, 0.1),
-        (-1.0, 1.0),
-        &[0.005],
-    )],
-    apply,
+    parameters: &[RATIO],
+    apply: |p, _: &mut Memory, call| call.target + p[0] * call.target,
 };
 
-fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
-    if p[0] == 0.0 { call.target } else { call.target + p[0] * call.target }
-}
+/// A radius that falls with the load.
+pub const BY_LOAD: Effect = Effect {
+    equation: "w = w_0 (1 + a + b |Fz|)",
+    drivers: &[Role::Load],
+    parameters: &[
+        RATIO,
+        Parameter::amplitude(
+            "per_load",
+            "Relative error of the ratio per load",
+            Scale::of("1", 0, [-1, 0, 0]),
+            (-0.2, 0.2),
+            (-1.0, 1.0),
+            &[0.005],
+        ),
+    ],
+    apply: |p, _: &mut Memory, call: &Call<'_>| {
+        call.target + (p[0] + p[1] * call.drivers[0].abs()) * call.target
+    },
+    ..EFFECT
+};
+
+const RATIO: Parameter = Parameter::amplitude(
+    "ratio",
+    "Relative error of the ratio of wheel speed and travel speed",
+    Scale::plain("1"),
+    (-0.2, 0.2),
+    (-1.0, 1.0),
+    &[0.005],
+);

@@ -1,0 +1,106 @@
+//! The search for effects: one after the other, each on what the ones before leave, and then a look at what
+//! is left.
+
+use super::candidates::{choose, polish, screen, try_out};
+use super::decision::{Decision, Left, decide};
+use super::result::{Candidate, Finding};
+use super::roles::Roles;
+use super::study::{Fitted, Model, Rest, Study};
+use super::subject::Subject;
+use crate::Result;
+
+/// Effects that are found one after the other.
+const MAX_EFFECTS: usize = 3;
+/// Iterations of the fit after a channel's weight has changed.
+const AGAIN: usize = 3;
+
+/// What was found.
+pub(super) struct Found {
+    /// The model with what was found, fitted.
+    pub current: Fitted,
+    /// What it leaves of the check runs.
+    pub check: Rest,
+    /// What the refitted model leaves of them, with the same weights.
+    pub base_check: Rest,
+    /// Effects with names.
+    pub findings: Vec<Finding>,
+    /// Something without one.
+    pub unknown: Option<Finding>,
+    /// All that was tried.
+    pub candidates: Vec<Candidate>,
+}
+
+impl Found {
+    /// Nothing is looked for.
+    pub(super) fn nothing(base: Fitted, base_check: Rest) -> Self {
+        Self {
+            current: base,
+            check: base_check.clone(),
+            base_check,
+            findings: Vec::new(),
+            unknown: None,
+            candidates: Vec::new(),
+        }
+    }
+}
+
+/// Searches, beginning with the refitted model and what it leaves of the check runs. Weights of channels
+/// change on the way.
+pub(super) fn search(
+    study: &mut Study<'_>,
+    subject: &Subject,
+    roles: &Roles,
+    nominal: &Model,
+    (base, base_check): (Fitted, Rest),
+    progress: &mut dyn FnMut(&str, f64),
+) -> Result<Found> {
+    let base_model = base.model.clone();
+    let (fit_runs, check_runs) = (study.fit_runs.clone(), study.check_runs.clone());
+    let mut fit = study.rest(&base.model, &fit_runs)?;
+    let mut found = Found::nothing(base, base_check);
+    for round in 0..MAX_EFFECTS {
+        let progressed = 0.15 + 0.7 * round as f64 / MAX_EFFECTS as f64;
+        progress("screening effects", progressed);
+        let screened = screen(study, subject, roles, &found.current, &fit)?;
+        progress("fitting effects inside the simulation", progressed + 0.05);
+        let unbent = Model { parameters: nominal.parameters.clone(), ..found.current.model.clone() };
+        let unbent = study.fit(&unbent, 1).ok();
+        let mut tried: Vec<_> = choose(&screened, round)
+            .iter()
+            .filter_map(|s| try_out(study, &found.current, unbent.as_ref(), s, &fit, &found.check))
+            .collect();
+        polish(study, &mut tried, &fit, &found.check);
+        let (check, base) = (&found.check, &found.base_check);
+        match decide(study, subject, &tried, check, base, round, &mut found.candidates) {
+            Decision::Nothing => break,
+            Decision::Named(i, finding) => {
+                found.findings.push(finding);
+                let t = tried.swap_remove(i);
+                // what is left of a channel is what counts from here on
+                study.weigh(&fit_runs, &t.fit_rest);
+                found.current = study.fit(&t.fitted.model, AGAIN)?;
+                fit = study.rest(&found.current.model, &fit_runs)?;
+                found.check = study.rest(&found.current.model, &check_runs)?;
+                found.base_check = study.rest(&base_model, &check_runs)?;
+            }
+            Decision::Unnamed(i, mut finding) => {
+                // the function is of one signal; more may be known of what it should have been of
+                let left = Left::of(study, subject, roles, &fit, &found.check);
+                if let Some(signals) = left.depends_on() {
+                    finding.depends_on = signals;
+                }
+                found.unknown = Some(finding);
+                let t = tried.swap_remove(i);
+                found.check = t.check_rest;
+                found.current = t.fitted;
+                return Ok(found);
+            }
+        }
+    }
+    progress("locating what is left", 0.88);
+    let left = Left::of(study, subject, roles, &fit, &found.check);
+    if left.counts(found.base_check.total - found.check.total) {
+        found.unknown = Some(left.finding(subject, study));
+    }
+    Ok(found)
+}
