@@ -243,6 +243,7 @@ impl Left {
     /// Looks at what a model leaves of the fit runs and the check runs.
     pub(super) fn of(study: &Study<'_>, subject: &Subject, roles: &Roles, fit: &Rest, check: &Rest) -> Self {
         let runs = &study.check_runs;
+        let errors = check.by_channel();
         let before = locate::Seen { runs: &study.fit_runs, simulated: &fit.simulated };
         let then = locate::Seen { runs, simulated: &check.simulated };
         let mut foretold = 0.0;
@@ -250,7 +251,7 @@ impl Left {
         let mut most = 0.0;
         for s in locate::structure(before, then, &subject.interface, roles) {
             if s.p < FORETOLD_LEVEL && s.share > MIN_FORETOLD {
-                let part = s.share * error_of(study, check, s.channel);
+                let part = s.share * errors[s.channel];
                 foretold += part;
                 if part > most {
                     (most, structure) = (part, Some(s));
@@ -265,12 +266,12 @@ impl Left {
             let channels = study.check_runs.first().map_or(&[][..], |r| &r.channels[..]);
             let pair = common.channels.iter().take(2);
             let numbers = pair.filter_map(|v| channels.iter().position(|c| c.variable == *v));
-            common.share * numbers.map(|c| error_of(study, check, c)).sum::<f64>()
+            common.share * numbers.map(|c| errors[c]).sum::<f64>()
         });
         let beyond = |c: usize| {
             let noise = locate::noise(runs, &check.simulated, c).unwrap_or(f64::INFINITY);
             let samples: usize = runs.iter().map(|r| r.time.len()).sum();
-            error_of(study, check, c) - samples as f64 * (NOISE_MARGIN * noise * study.weights[c]).powi(2)
+            errors[c] - samples as f64 * (NOISE_MARGIN * noise * study.weights[c]).powi(2)
         };
         let beyond: f64 = if common.is_some() || structure.is_some() {
             (0..study.weights.len()).map(|c| beyond(c).max(0.0)).sum()
@@ -338,13 +339,4 @@ impl Left {
             ..Finding::default()
         }
     }
-}
-
-/// Weighted squared error of a channel.
-fn error_of(study: &Study<'_>, rest: &Rest, channel: usize) -> f64 {
-    let of = |(run, traces): (&&crate::fit::Run, &Vec<Vec<f64>>)| -> f64 {
-        let square = |(s, m): (&f64, &f64)| (study.weights[channel] * (s - m)).powi(2);
-        traces[channel].iter().zip(&run.channels[channel].values).map(square).sum()
-    };
-    study.check_runs.iter().zip(&rest.simulated).map(of).sum()
 }

@@ -117,7 +117,6 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         free: Vec::new(),
         lag: 0.0,
         weights: Vec::new(),
-        unknowable: Vec::new(),
         redundancy: 1.0,
     };
     let check_runs = study.check_runs.clone();
@@ -129,7 +128,6 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     study.choose_free(&subject.free)?;
     let nominal = study.nominal();
     let mut base = study.fit(&nominal, 8)?;
-    study.find_unknowable(&base.model)?;
     for _ in 0..2 {
         let rest = study.rest(&base.model, &fit_runs)?;
         study.weigh(&fit_runs, &rest);

@@ -209,7 +209,7 @@ pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: O
     }
     let mut drive = Drive { start: *first, step, inputs: Vec::new(), points };
     let grid: Vec<f64> = (0..points).map(|k| drive.time(k).min(*last)).collect();
-    let (mut channels, mut resolution) = (Vec::new(), Vec::new());
+    let mut channels = Vec::new();
     for channel in &recording.channels {
         let variable = interface.find(&channel.name).map_err(|e| {
             at(Error::file(format!(
@@ -223,7 +223,6 @@ pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: O
                 let smooth = Smooth::new(&recording.time, &values);
                 let on_grid = grid.iter().map(|t| smooth.at(*t)).collect();
                 drive.inputs.push((variable, on_grid));
-                resolution.push((variable, least_difference(&values)));
             }
             Causality::Input => {
                 let hold = |t: &f64| {
@@ -231,7 +230,6 @@ pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: O
                     values[next.saturating_sub(1)]
                 };
                 drive.inputs.push((variable, grid.iter().map(hold).collect()));
-                resolution.push((variable, 0.0));
             }
             Causality::Output | Causality::Local if info.kind == Kind::Real => {
                 channels.push(Channel { variable, values, counts: false });
@@ -246,22 +244,7 @@ pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: O
     }
     channels.sort_by_key(|c| c.variable);
     drive.inputs.sort_by_key(|i| i.0);
-    resolution.sort_by_key(|r| r.0);
-    Ok(Run {
-        name: name.into(),
-        drive: Arc::new(drive),
-        time: recording.time.clone(),
-        channels,
-        resolution: resolution.into_iter().map(|r| r.1).collect(),
-    })
-}
-
-/// The least difference of two values that are not the same: the step in which they were recorded.
-fn least_difference(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let least = sorted.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
-    if least.is_finite() { least } else { 0.0 }
+    Ok(Run { name: name.into(), drive: Arc::new(drive), time: recording.time.clone(), channels })
 }
 
 #[cfg(test)]
@@ -285,11 +268,5 @@ mod tests {
         let same: Vec<Vec<&[f64]>> = (0..6).map(|_| vec![&wave[..]]).collect();
         let checked: Vec<usize> = (0..6).filter(|i| split(&same)[*i] == Use::Check).collect();
         assert_eq!(checked, [1, 4]);
-    }
-
-    #[test]
-    fn the_step_of_a_recording_is_found() {
-        assert_eq!(least_difference(&[3.0, 1.5, 1.5, 2.0, 3.0]), 0.5);
-        assert_eq!(least_difference(&[2.0, 2.0]), 0.0);
     }
 }

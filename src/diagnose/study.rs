@@ -33,8 +33,6 @@ pub struct Study<'a> {
     pub lag: f64,
     /// Weight of each measured channel.
     pub weights: Vec<f64>,
-    /// What the resolution of the recorded inputs may do to each measured channel (root mean square).
-    pub unknowable: Vec<f64>,
     /// How many neighbouring samples tell as much as one.
     pub redundancy: f64,
 }
@@ -262,39 +260,6 @@ impl Study<'_> {
         Error::numeric("the model cannot be run with its nominal values")
     }
 
-    /// Finds what is unknowable because inputs are recorded in steps: a constant input may be off by half a
-    /// step for the whole of a run, which an integrated channel adds up.
-    ///
-    /// # Errors
-    /// The model cannot be run.
-    pub fn find_unknowable(&mut self, model: &Model) -> Result<()> {
-        let runs = self.fit_runs.clone();
-        let base = self.rest(model, &runs)?.simulated;
-        let mut squares = vec![0.0; self.weights.len()];
-        let inputs = runs.first().map_or(0, |r| r.drive.inputs.len());
-        for i in 0..inputs {
-            // runs in which an input rests show no step: the least of the others is theirs too
-            let steps = runs.iter().filter_map(|r| r.resolution.get(i).copied()).filter(|s| *s > 0.0);
-            let half = 0.5 * steps.fold(f64::INFINITY, f64::min);
-            if !half.is_finite() {
-                continue;
-            }
-            let moved: Vec<Run> = runs.iter().map(|run| shifted(run, i, half)).collect();
-            // where the model refuses what lies beyond the recording nothing is known
-            let Ok(rest) = self.rest(model, &moved.iter().collect::<Vec<_>>()) else { continue };
-            for (c, square) in squares.iter_mut().enumerate() {
-                let (mut sum, mut n) = (0.0, 0.0);
-                for (a, b) in base.iter().zip(&rest.simulated) {
-                    sum += a[c].iter().zip(&b[c]).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-                    n += a[c].len() as f64;
-                }
-                *square += sum / f64::max(n, 1.0);
-            }
-        }
-        self.unknowable = squares.iter().map(|s| s.sqrt()).collect();
-        Ok(())
-    }
-
     /// Sets weights and redundancy from what a model leaves: every channel counts in multiples of its
     /// own error, but none for more than a thousand times its relative precision.
     pub fn weigh(&mut self, runs: &[&Run], rest: &Rest) {
@@ -311,24 +276,12 @@ impl Study<'_> {
                 spans.push(redundancy(&difference));
             }
             if n > 0.0 && error > 0.0 {
-                let unknowable = self.unknowable.get(c).copied().unwrap_or(0.0);
-                *weight = 1.0 / (error / n).sqrt().max(1e-3 * (size / n).sqrt()).hypot(unknowable);
+                *weight = 1.0 / (error / n).sqrt().max(1e-3 * (size / n).sqrt());
             }
         }
         spans.sort_by(f64::total_cmp);
         self.redundancy = spans.get(spans.len() / 2).copied().unwrap_or(1.0).max(1.0);
     }
-}
-
-/// The run with more of an input.
-fn shifted(run: &Run, input: usize, by: f64) -> Run {
-    let mut drive = (*run.drive).clone();
-    if let Some((_, values)) = drive.inputs.get_mut(input) {
-        for v in values {
-            *v += by;
-        }
-    }
-    Run { drive: std::sync::Arc::new(drive), ..run.clone() }
 }
 
 /// Squared distances of values from the line through them: an angle that grows and grows is not more

@@ -39,8 +39,6 @@ pub struct Run {
     pub time: Vec<f64>,
     /// Measured channels; the same in every run, and empty where one lacks it.
     pub channels: Vec<Channel>,
-    /// Steps in which the inputs of the drive were recorded, 0 where that is not known.
-    pub resolution: Vec<f64>,
 }
 
 impl Run {
