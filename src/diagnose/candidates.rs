@@ -14,6 +14,8 @@ use std::sync::Arc;
 
 /// Named effects that are fitted inside the simulation, in the first round and later.
 const NAMED: [usize; 2] = [7, 5];
+/// Effects that are fitted beside those because they are promising at nominal parameters.
+const ALSO: usize = 3;
 /// Empirical functions that are fitted as rivals.
 const UNNAMED: [usize; 2] = [3, 2];
 /// Runs that effects are screened with.
@@ -28,14 +30,16 @@ const MIN_PROMISE: [f64; 2] = [0.005, 0.015];
 /// A squared error that is so many times larger with an effect than without refutes it.
 const SPOILT: f64 = 1.5;
 /// A fit that keeps so much of what screening promised need not begin elsewhere too, unless parameters are
-/// bent by more than this share.
+/// bent by more than a share.
 const KEPT_PROMISE: f64 = 0.7;
 const BENT: f64 = 0.2;
-/// Iterations of a first fit, and of one to the end.
-const TRY_OUT: usize = 10;
+/// Iterations of each half of a first fit, and of one to the end.
+const TRY_OUT: usize = 5;
 const POLISH: usize = 10;
-/// Errors up to so many times the least are looked at closely.
-const NEARLY: f64 = 1.15;
+/// An effect that misses more than this share of what the best one explains is given up after a few steps,
+const HOPELESS: f64 = 0.6;
+/// and one that misses less than this share in the end is looked at closely.
+const NEARLY: f64 = 0.3;
 
 /// A candidate that was fitted.
 pub(super) struct Tried {
@@ -209,7 +213,7 @@ fn force_size(study: &Study<'_>, model: &Model, variable: usize, measured: &[usi
 }
 
 /// The best placement of the best effects: named ones and empirical functions; fewer after the first round.
-pub(super) fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
+fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
     let mut chosen: Vec<Screened> = Vec::new();
     for (named, limits) in [(true, NAMED), (false, UNNAMED)] {
         let (limit, least) = (limits[round.min(1)], MIN_PROMISE[round.min(1)]);
@@ -232,6 +236,20 @@ pub(super) fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
     chosen
 }
 
+/// As [`choose`], with the best of what is screened at nominal parameters beside it.
+pub(super) fn choose_also(screened: &[Screened], unbent: Option<&Unbent>, round: usize) -> Vec<Screened> {
+    let mut chosen = choose(screened, round);
+    let there = unbent.map_or(Vec::new(), |u| choose(&u.screened, round));
+    let mut more = 0;
+    for s in there {
+        if more < ALSO && !chosen.iter().any(|c| c.placement.is_same(&s.placement)) {
+            chosen.push(s);
+            more += 1;
+        }
+    }
+    chosen
+}
+
 impl Tried {
     /// What its form costs, in units of twice the logarithm of a likelihood with so many independent
     /// samples (Schwarz's criterion): its parameters, and the places among which it could choose.
@@ -240,25 +258,78 @@ impl Tried {
     }
 }
 
-/// Fits a screened effect beside what is known already: from where the fit without it ended, and from
-/// `unbent`, the same with nominal parameters.
-pub(super) fn try_out(
+/// The model with nominal parameters, where a refit without an effect has bent them.
+pub(super) struct Unbent {
+    /// It, with derivatives.
+    pub fitted: Fitted,
+    /// What is screened there, if parameters are bent.
+    pub screened: Vec<Screened>,
+}
+
+impl Unbent {
+    /// Screens at the nominal parameters if the ones of `current` are far from them.
+    ///
+    /// # Errors
+    /// The model cannot be run there.
+    pub fn of(
+        study: &Study<'_>,
+        subject: &Subject,
+        roles: &Roles,
+        current: &Fitted,
+        nominal: &Model,
+    ) -> Result<Self> {
+        let model = Model { parameters: nominal.parameters.clone(), ..current.model.clone() };
+        let fitted = study.fit(&model, 1)?;
+        let screened = if bent(&current.model, &fitted.model) {
+            let rest = study.rest(&fitted.model, &study.fit_runs)?;
+            screen(study, subject, roles, &fitted, &rest)?
+        } else {
+            Vec::new()
+        };
+        Ok(Self { fitted, screened })
+    }
+}
+
+/// A screened effect whose fit has begun.
+pub(super) struct Begun {
+    screened: Screened,
+    fitted: Fitted,
+}
+
+/// Begins to fit screened effects beside what is known already: each from where the fit without it ended,
+/// and from nominal parameters, where that may lead further. Those that explain much less than the best
+/// are dropped.
+pub(super) fn begin(
     study: &Study<'_>,
     current: &Fitted,
-    unbent: Option<&Fitted>,
+    unbent: Option<&Unbent>,
+    chosen: &[Screened],
+) -> Vec<Begun> {
+    let mut begun: Vec<Begun> =
+        chosen.iter().filter_map(|screened| begin_one(study, current, unbent, screened)).collect();
+    for named in [true, false] {
+        let alike = |b: &Begun| empirical::is(b.screened.placement.effect) != named;
+        let best = begun.iter().filter(|b| alike(b)).map(|b| b.fitted.fit.cost).fold(f64::INFINITY, f64::min);
+        let most = best + HOPELESS * (current.fit.cost - best).max(0.0);
+        begun.retain(|b| !alike(b) || b.fitted.fit.cost <= most);
+    }
+    begun
+}
+
+fn begin_one(
+    study: &Study<'_>,
+    current: &Fitted,
+    unbent: Option<&Unbent>,
     screened: &Screened,
-    current_fit: &Rest,
-    current_check: &Rest,
-) -> Option<Tried> {
+) -> Option<Begun> {
     let placement = &screened.placement;
-    let begin = |from: &Fitted, values: Vec<f64>| {
+    let with = |from: &Fitted, values: Vec<f64>| {
         let mut model = from.model.clone();
         model.effects.push((placement.clone(), values));
-        study.fit_near(&model, TRY_OUT, Some(&from.fit.jacobian)).ok()
+        model
     };
-    let least = |a: Option<Fitted>, b: Option<Fitted>| match (a, b) {
-        (Some(a), Some(b)) => Some(if a.fit.cost <= b.fit.cost { a } else { b }),
-        (a, b) => a.or(b),
+    let from = |from: &Fitted, values: Vec<f64>| {
+        study.fit_near(&with(from, values), TRY_OUT, Some(&from.fit.jacobian)).ok()
     };
     // from near the off value, so that the parameters move along
     let near = |(value, parameter): (&f64, &Parameter)| match parameter.off {
@@ -268,26 +339,42 @@ pub(super) fn try_out(
         }
         None => *value,
     };
-    let small: Vec<f64> = screened.values.iter().zip(placement.effect.parameters).map(near).collect();
-    let mut fitted = begin(current, small.clone());
-    // a refit without the effect may have bent the parameters far: from the nominal ones as well
-    let promised = current_fit.total * (1.0 - KEPT_PROMISE * screened.gain);
-    if let Some(unbent) = unbent
-        .filter(|u| fitted.as_ref().is_none_or(|f| f.fit.cost > promised) || bent(&current.model, &u.model))
-    {
-        fitted = least(fitted, begin(unbent, small));
+    let parameters = placement.effect.parameters;
+    let small: Vec<f64> = screened.values.iter().zip(parameters).map(near).collect();
+    let mut fits = vec![from(current, small.clone())];
+    if let Some(unbent) = unbent {
+        let cost = fits[0].as_ref().map_or(f64::INFINITY, |f| f.fit.cost);
+        let there = unbent.screened.iter().find(|s| s.placement.is_same(placement));
+        let most = unbent.screened.iter().map(|s| s.gain).fold(0.0, f64::max);
+        if let Some(there) = there.filter(|s| s.gain > 0.5 * most) {
+            // far from there: every step with derivatives of its own
+            let values = there.values.iter().zip(parameters).map(near).collect();
+            fits.push(study.fit(&with(&unbent.fitted, values), TRY_OUT + 1).ok());
+        } else if cost > current.fit.cost * (1.0 - KEPT_PROMISE * screened.gain) {
+            fits.push(from(&unbent.fitted, small));
+        }
     }
     let whole = |p: &Parameter| p.off.is_some_and(|off| off < p.plausible.0);
-    if placement.effect.parameters.iter().any(whole) {
+    if parameters.iter().any(whole) {
         // what is there as a whole or not at all
         let there = screened
             .values
             .iter()
-            .zip(placement.effect.parameters)
+            .zip(parameters)
             .map(|(value, p)| if whole(p) { 0.5 * (p.plausible.0 + p.plausible.1) } else { *value });
-        fitted = least(fitted, begin(unbent.unwrap_or(current), there.collect()));
+        fits.push(from(unbent.map_or(current, |u| &u.fitted), there.collect()));
     }
-    assess(study, (screened.placement.clone(), screened.places), fitted?, current_fit, current_check)
+    let fitted = fits.into_iter().flatten().min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))?;
+    Some(Begun { screened: screened.clone(), fitted })
+}
+
+impl Begun {
+    /// Goes on with the fit, and looks at what it leaves.
+    pub fn finish(self, study: &Study<'_>, current_fit: &Rest, current_check: &Rest) -> Option<Tried> {
+        let Begun { screened, fitted } = self;
+        let fitted = study.fit_near(&fitted.model, TRY_OUT, Some(&fitted.fit.jacobian)).unwrap_or(fitted);
+        assess(study, (screened.placement, screened.places), fitted, current_fit, current_check)
+    }
 }
 
 /// Whether a parameter is far from its nominal value.
@@ -301,7 +388,8 @@ fn bent(model: &Model, nominal: &Model) -> bool {
 pub(super) fn polish(study: &Study<'_>, tried: &mut [Tried], current_fit: &Rest, current_check: &Rest) {
     let both = |t: &Tried| t.fit_rest.total + t.check_rest.total;
     let best = tried.iter().map(both).fold(f64::INFINITY, f64::min);
-    for t in tried.iter_mut().filter(|t| both(t) < NEARLY * best) {
+    let explained = (current_fit.total + current_check.total - best).max(0.0);
+    for t in tried.iter_mut().filter(|t| both(t) <= best + NEARLY * explained) {
         let better = study.fit(&t.fitted.model, POLISH).ok();
         let better = better
             .and_then(|fitted| {

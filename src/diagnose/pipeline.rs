@@ -19,8 +19,10 @@ use crate::recording::Recording;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Iterations of the last fit, which ends by itself before that as a rule.
-const FINAL: usize = 25;
+/// Iterations of the fits before the channels have their weights, and of those after, which end by
+/// themselves before that as a rule.
+const FIRST: usize = 8;
+pub(super) const FINAL: usize = 25;
 /// A lag of all channels up to this share of the sampling interval is the recorder's filter, no finding.
 const RECORDER_LAG: f64 = 0.3;
 
@@ -127,11 +129,11 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     progress("fitting the model's own parameters", 0.05);
     study.choose_free(&subject.free)?;
     let nominal = study.nominal();
-    let mut base = study.fit(&nominal, 8)?;
-    for _ in 0..2 {
+    let mut base = study.fit(&nominal, FIRST)?;
+    for iterations in [FIRST, FINAL] {
         let rest = study.rest(&base.model, &fit_runs)?;
         study.weigh(&fit_runs, &rest);
-        base = study.fit(&base.model, 6)?;
+        base = study.fit(&base.model, iterations)?;
     }
     let base_rest = study.rest(&base.model, &check_runs)?;
 

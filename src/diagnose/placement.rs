@@ -30,6 +30,15 @@ pub struct Placement {
 }
 
 impl Placement {
+    /// True if the other one is the same form of the same effect, with the same signals at the same place.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.effect.id == other.effect.id
+            && self.effect.parameters.len() == other.effect.parameters.len()
+            && self.port == other.port
+            && self.targets == other.targets
+            && self.drivers == other.drivers
+    }
+
     /// Where it is, in words: `output force_y`.
     pub fn place(&self, interface: &Interface) -> String {
         let names: Vec<&str> = self.targets.iter().map(|v| interface.variables[*v].name.as_str()).collect();

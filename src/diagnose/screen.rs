@@ -3,7 +3,7 @@
 
 use super::placement::Placement;
 use super::study::Model;
-use crate::effect::{Call, Memory, Port, Source};
+use crate::effect::{Call, MAX_DRIVERS, Memory, Port, Source};
 use crate::fit::{Bench, Channel, Drive, OutputError, Run, Setup, Traces};
 use crate::model::{Causality, Interface};
 use nalgebra::{DMatrix, DVector};
@@ -294,11 +294,11 @@ pub fn replay(
     let signals: Option<Vec<&Vec<f64>>> = attachment.drivers.iter().map(|s| column(s.variable)).collect();
     let signals = signals?;
     let mut memory = Memory::default();
-    let mut integrals = [0.0; 3];
+    let mut integrals = [0.0; MAX_DRIVERS];
     let changed = (0..target.len()).map(|k| {
         let dt = if k == 0 { 0.0 } else { drive.time(k) - drive.time(k - 1) };
-        let mut drivers = [0.0; 3];
-        for (i, (signal, values)) in attachment.drivers.iter().zip(&signals).enumerate().take(3) {
+        let mut drivers = [0.0; MAX_DRIVERS];
+        for (i, (signal, values)) in attachment.drivers.iter().zip(&signals).enumerate().take(MAX_DRIVERS) {
             let (now, last) = (values[k], values[k.saturating_sub(1)]);
             drivers[i] = match signal.source {
                 Source::Value => now,
@@ -310,8 +310,8 @@ pub fn replay(
                 }
             };
         }
-        let call =
-            Call { time: drive.time(k), dt, target: target[k], drivers: &drivers[..signals.len().min(3)] };
+        let used = &drivers[..signals.len().min(MAX_DRIVERS)];
+        let call = Call { time: drive.time(k), dt, target: target[k], drivers: used };
         (attachment.effect.apply)(&parameters, &mut memory, &call)
     });
     debug_assert!(interface.variables[attachment.target].causality != Causality::Input);

@@ -1,8 +1,9 @@
 //! The search for effects: one after the other, each on what the ones before leave, and then a look at what
 //! is left.
 
-use super::candidates::{choose, polish, screen, try_out};
+use super::candidates::{Tried, Unbent, begin, choose_also, polish, screen};
 use super::decision::{Decision, Left, decide};
+use super::pipeline::FINAL;
 use super::result::{Candidate, Finding};
 use super::roles::Roles;
 use super::study::{Fitted, Model, Rest, Study};
@@ -11,8 +12,6 @@ use crate::Result;
 
 /// Effects that are found one after the other.
 const MAX_EFFECTS: usize = 3;
-/// Iterations of the fit after a channel's weight has changed.
-const AGAIN: usize = 3;
 
 /// What was found.
 pub(super) struct Found {
@@ -63,11 +62,15 @@ pub(super) fn search(
         progress("screening effects", progressed);
         let screened = screen(study, subject, roles, &found.current, &fit)?;
         progress("fitting effects inside the simulation", progressed + 0.05);
-        let unbent = Model { parameters: nominal.parameters.clone(), ..found.current.model.clone() };
-        let unbent = study.fit(&unbent, 1).ok();
-        let mut tried: Vec<_> = choose(&screened, round)
-            .iter()
-            .filter_map(|s| try_out(study, &found.current, unbent.as_ref(), s, &fit, &found.check))
+        // what is found first unbends them
+        let unbent = match round {
+            0 => Unbent::of(study, subject, roles, &found.current, nominal).ok(),
+            _ => None,
+        };
+        let chosen = choose_also(&screened, unbent.as_ref(), round);
+        let mut tried: Vec<Tried> = begin(study, &found.current, unbent.as_ref(), &chosen)
+            .into_iter()
+            .filter_map(|begun| begun.finish(study, &fit, &found.check))
             .collect();
         polish(study, &mut tried, &fit, &found.check);
         let (check, base) = (&found.check, &found.base_check);
@@ -78,7 +81,7 @@ pub(super) fn search(
                 let t = tried.swap_remove(i);
                 // what is left of a channel is what counts from here on
                 study.weigh(&fit_runs, &t.fit_rest);
-                found.current = study.fit(&t.fitted.model, AGAIN)?;
+                found.current = study.fit(&t.fitted.model, FINAL)?;
                 fit = study.rest(&found.current.model, &fit_runs)?;
                 found.check = study.rest(&found.current.model, &check_runs)?;
                 found.base_check = study.rest(&base_model, &check_runs)?;

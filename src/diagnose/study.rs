@@ -3,12 +3,16 @@
 use super::blocks::redundancy;
 use super::placement::Placement;
 use super::subject::FreeParameter;
+use crate::effect::Parameter;
 use crate::fit::{Bench, Fit, Knob, Options, OutputError, Problem, Run, Traces, Unknown, least_squares};
 use crate::{Error, Result};
 use nalgebra::DMatrix;
 
 /// What is known beforehand about a parameter: its standard deviation as a share of the nominal value.
 const PRIOR: f64 = 0.3;
+/// A step of a fit goes at most so many standard deviations of what is known beforehand: bent valleys are
+/// followed, not jumped over.
+const REACH: f64 = 1.0;
 /// Step of differences for parameters, as a share.
 const STEP: f64 = 1e-3;
 /// Parameters that are fitted at most; those with the most effect on the outputs.
@@ -91,9 +95,14 @@ impl Study<'_> {
         let mut first = 0;
         for (placement, _) in &model.effects {
             let end = first + placement.targets.len();
-            for (k, scale) in placement.scales.iter().enumerate() {
-                knobs.push(Knob::Effect(first, end, k, *scale));
-            }
+            let parameters = placement.effect.parameters.iter().zip(&placement.scales).enumerate();
+            knobs.extend(parameters.map(|(parameter, (p, scale))| Knob::Effect {
+                first,
+                end,
+                parameter,
+                scale: *scale,
+                logarithmic: p.is_logarithmic(),
+            }));
             first = end;
         }
         OutputError {
@@ -115,19 +124,28 @@ impl Study<'_> {
                 // of a parameter that is zero nothing is known but its range
                 let prior = if p.nominal == 0.0 { 1.0 } else { PRIOR };
                 let (low, high) = (p.low / p.scale, p.high / p.scale);
-                Unknown { start: nominal, mean: nominal, low, high, step: STEP, prior }
+                Unknown { start: nominal, mean: nominal, low, high, step: STEP, prior, reach: REACH * prior }
             })
             .collect();
-        unknowns.push(Unknown { start: 0.0, mean: 0.0, low: 0.0, high: 1.0, step: 0.05, prior: 1.0 });
+        let lag = Unknown { start: 0.0, mean: 0.0, low: 0.0, high: 1.0, step: 0.05, prior: 1.0, reach: 1.0 };
+        unknowns.push(lag);
         for (placement, _) in &model.effects {
             for parameter in placement.effect.parameters {
                 let (low, high) = parameter.search;
+                if parameter.is_logarithmic() {
+                    let typical = parameter.probes.first().copied().unwrap_or(low).ln();
+                    let (low, high) = (low.ln(), high.ln());
+                    let prior = 0.5 * (high - low);
+                    let (step, reach) = (0.02, 1.0);
+                    unknowns.push(Unknown { start: typical, mean: typical, low, high, step, prior, reach });
+                    continue;
+                }
                 let typical = parameter.probes.first().map_or(high - low, |p| p.abs());
                 let off = parameter.off.unwrap_or(typical);
                 // what is known beforehand: that it is within the search; weak, for directions without data
                 let prior = (high - low).abs().max(f64::MIN_POSITIVE);
                 let step = if parameter.off.is_some() { 0.02 * typical } else { 0.02 * typical.max(1e-9) };
-                unknowns.push(Unknown { start: off, mean: off, low, high, step, prior });
+                unknowns.push(Unknown { start: off, mean: off, low, high, step, prior, reach: prior });
             }
         }
         unknowns
@@ -135,7 +153,11 @@ impl Study<'_> {
 
     /// The point of a model among its unknowns.
     pub(super) fn point(model: &Model) -> Vec<f64> {
-        model.parameters.iter().chain(model.effects.iter().flat_map(|(_, v)| v)).copied().collect()
+        let of_effects = model.effects.iter().flat_map(|(placement, values)| {
+            let unknown = |(p, v): (&Parameter, &f64)| if p.is_logarithmic() { v.ln() } else { *v };
+            placement.effect.parameters.iter().zip(values).map(unknown)
+        });
+        model.parameters.iter().copied().chain(of_effects).collect()
     }
 
     /// The model as it is given.
@@ -171,8 +193,14 @@ impl Study<'_> {
         let effects = model
             .effects
             .iter()
-            .map(|(placement, values)| {
-                (placement.clone(), rest.by_ref().take(values.len()).copied().collect())
+            .map(|(placement, _)| {
+                let value = |(p, x): (&Parameter, &f64)| {
+                    let (low, high) = p.search;
+                    // what is at a bound is at it to the last digit
+                    if p.is_logarithmic() { x.exp().clamp(low, high) } else { *x }
+                };
+                let parameters = placement.effect.parameters;
+                (placement.clone(), parameters.iter().zip(rest.by_ref()).map(value).collect())
             })
             .collect();
         Ok(Fitted { model: Model { parameters, effects }, unknowns, fit })

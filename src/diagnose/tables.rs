@@ -40,12 +40,18 @@ fn estimates_of(
         .map(|(i, p)| {
             let scale = placement.scales[i];
             let half = 1.96 * covariance[(first + i, first + i)].max(0.0).sqrt();
-            let known = half < 0.5 * (p.search.1 - p.search.0);
+            let (low, high) = p.search;
+            let (ends, room) = if p.is_logarithmic() {
+                ([values[i] * (-half).exp(), values[i] * half.exp()], (high / low).ln())
+            } else {
+                ([values[i] - half, values[i] + half], high - low)
+            };
+            let known = half < 0.5 * room;
             Estimate {
                 name: p.name.into(),
                 value: values[i] * scale,
-                low: known.then_some((values[i] - half).max(p.search.0) * scale),
-                high: known.then_some((values[i] + half).min(p.search.1) * scale),
+                low: known.then_some(ends[0].max(low) * scale),
+                high: known.then_some(ends[1].min(high) * scale),
                 unit: placement.units[i].clone().unwrap_or_else(|| "1".into()),
             }
         })

@@ -1,6 +1,6 @@
 //! [`Attached`]: a slave with effects on its ports is a slave again.
 
-use super::{Call, Effect, Memory, Port};
+use super::{Call, Effect, MAX_DRIVERS, Memory, Port};
 use crate::model::{
     Causality, Initial, Interface, Kind, Slave, Snapshot, Value, Variability, VariableInfo, wrong_order,
 };
@@ -258,7 +258,7 @@ impl<S: Slave + ?Sized> Attached<S> {
     fn change(&mut self, after: bool, i: usize, mut target: f64, time: f64, dt: f64) -> f64 {
         let changed = if after { &self.after[i] } else { &self.before[i] };
         for (k, places) in &changed.by {
-            let mut drivers = [0.0; 3];
+            let mut drivers = [0.0; MAX_DRIVERS];
             for (driver, place) in drivers.iter_mut().zip(places) {
                 let (value, more, slope) = self.state.signals[*place];
                 // before a step the end of the step is not known: signals run on as they did
@@ -269,7 +269,7 @@ impl<S: Slave + ?Sized> Attached<S> {
                     Source::Integral => more + (value + 0.5 * slope * ahead) * ahead,
                 };
             }
-            let call = Call { time, dt, target, drivers: &drivers[..places.len().min(3)] };
+            let call = Call { time, dt, target, drivers: &drivers[..places.len().min(MAX_DRIVERS)] };
             target = (self.attachments[*k].effect.apply)(
                 &self.state.parameters[*k],
                 &mut self.state.memories[*k],
@@ -348,7 +348,7 @@ fn check(interface: &Interface, own: usize, attachment: &Attachment) -> Result<(
         };
         return Err(Error::variable(format!("it changes {needed}; {} is none", target.name)));
     }
-    if attachment.drivers.len() != effect.drivers.len() || effect.drivers.len() > 3 {
+    if attachment.drivers.len() != effect.drivers.len() || effect.drivers.len() > MAX_DRIVERS {
         return Err(Error::variable(format!("it needs {} signals", effect.drivers.len())));
     }
     if attachment.parameters.len() != effect.parameters.len() {

@@ -134,7 +134,8 @@ impl Corrections {
 impl Named {
     fn resolve(&self, interface: &Interface) -> Result<Attachment> {
         let at = |e: Error| Error::file(e.to_string()).at(format!("{}: effect {}", self.place, self.effect));
-        let form = super::forms(&self.effect).find(|e| e.drivers.len() == self.drivers.len());
+        let forms = || super::forms(&self.effect).filter(|e| e.drivers.len() == self.drivers.len());
+        let form = forms().find(|e| e.parameters.len() == self.parameters.len()).or_else(|| forms().next());
         let effect = form.or_else(|| super::find(&self.effect)).ok_or_else(|| {
             let ids: Vec<&str> = super::catalogue::EFFECTS.iter().map(|e| e.id).collect();
             at(Error::variable(format!("there is no such effect; there is {}", ids.join(", "))))

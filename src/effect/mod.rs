@@ -20,7 +20,8 @@ pub fn find(id: &str) -> Option<&'static Effect> {
     forms(id).next()
 }
 
-/// The forms of an effect: the same physics with other signals at hand. They differ in the number of drivers.
+/// The forms of an effect: the same physics with other signals at hand. They differ in the number of
+/// drivers or of parameters.
 pub fn forms(id: &str) -> impl Iterator<Item = &'static Effect> {
     catalogue::EFFECTS.iter().chain(empirical::EFFECTS).filter(move |e| e.id == id)
 }
@@ -118,6 +119,9 @@ impl Role {
     }
 }
 
+/// Drivers that an effect has at most.
+pub const MAX_DRIVERS: usize = 5;
+
 /// The dimension of an effect's parameter, and with it the size that is natural for a machine: a product
 /// of an SI unit and powers of the changed number's scale and of the drivers' scales.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,7 +130,7 @@ pub struct Scale {
     pub unit: &'static str,
     /// Power of the changed number.
     pub target: i8,
-    /// Power of each driver.
+    /// Power of each driver; of a fourth and fifth none.
     pub drivers: [i8; 3],
 }
 
@@ -186,6 +190,13 @@ impl Parameter {
         probes: &'static [f64],
     ) -> Self {
         Self { name, description, scale, off: None, plausible, search, probes }
+    }
+
+    /// True for a shape whose search spans an order of magnitude or more: twice as long a time is as far
+    /// as half as long a one, so that fits count its logarithm.
+    pub fn is_logarithmic(&self) -> bool {
+        let (low, high) = self.search;
+        self.off.is_none() && low > 0.0 && high >= 10.0 * low
     }
 }
 

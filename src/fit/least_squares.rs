@@ -25,6 +25,8 @@ pub struct Unknown {
     pub step: f64,
     /// and the standard deviation; infinite for nothing.
     pub prior: f64,
+    /// How far one step may go: what derivatives foretell beyond that is not believed.
+    pub reach: f64,
 }
 
 /// When to stop.
@@ -123,9 +125,9 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         }
         // less damping than what was good before, then more and more
         let mut better: Option<(f64, Vec<f64>, Vec<f64>, f64)> = None;
-        for factor in [0.1, 1.0, 10.0, 100.0, 1e4] {
-            let tried = f64::clamp(damping * factor, 1e-9, 1e6);
-            let point = bounded_step(&normal, &gradient, &x, unknowns, tried);
+        for factor in [0.1, 1.0, 10.0, 100.0, 1e4, 1e6, 1e8] {
+            let tried = f64::clamp(damping * factor, 1e-9, 1e9);
+            let point = within_reach(&x, bounded_step(&normal, &gradient, &x, unknowns, tried), unknowns);
             let Some(r) = problem.residuals(std::slice::from_ref(&point)).pop().flatten() else { continue };
             let reached = square(&r) / variance + prior(&point);
             if reached < total {
@@ -252,6 +254,16 @@ fn bounded_step(
         .collect()
 }
 
+/// A step shortened to where no unknown goes beyond its reach.
+fn within_reach(from: &[f64], to: Vec<f64>, unknowns: &[Unknown]) -> Vec<f64> {
+    let steps = from.iter().zip(&to).zip(unknowns);
+    let share = steps.map(|((a, b), u)| u.reach / (b - a).abs()).fold(1.0, f64::min);
+    if share >= 1.0 {
+        return to;
+    }
+    from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -275,7 +287,8 @@ mod tests {
     }
 
     fn unknown(start: f64, low: f64, high: f64) -> Unknown {
-        Unknown { start, mean: start, low, high, step: 1e-6, prior: f64::INFINITY }
+        let (prior, reach) = (f64::INFINITY, f64::INFINITY);
+        Unknown { start, mean: start, low, high, step: 1e-6, prior, reach }
     }
 
     #[test]

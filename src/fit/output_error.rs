@@ -68,9 +68,19 @@ impl Run {
 pub enum Knob {
     /// A parameter of the slave: index and scale.
     Parameter(usize, f64),
-    /// A parameter of an effect that is attached once or at several places: numbers of the first attachment
-    /// and of the one behind the last, number of the parameter, and scale.
-    Effect(usize, usize, usize, f64),
+    /// A parameter of an effect that is attached once or at several places.
+    Effect {
+        /// Number of the first attachment,
+        first: usize,
+        /// and of the one behind the last.
+        end: usize,
+        /// Number of the parameter.
+        parameter: usize,
+        /// Size of one unit.
+        scale: f64,
+        /// The unknown is the logarithm of the parameter over its scale.
+        logarithmic: bool,
+    },
     /// A lag of all recorded channels \[s\] behind the inputs, and its scale: filters of the recorder.
     Lag(f64),
 }
@@ -101,9 +111,10 @@ impl OutputError<'_> {
                     setup.values.retain(|(v, _)| *v != variable);
                     setup.values.push((variable, x * scale));
                 }
-                Knob::Effect(first, end, parameter, scale) => {
+                Knob::Effect { first, end, parameter, scale, logarithmic } => {
+                    let value = if logarithmic { x.exp() } else { *x };
                     for attachment in &mut setup.attachments[first..end] {
-                        attachment.parameters[parameter].value = x * scale;
+                        attachment.parameters[parameter].value = value * scale;
                     }
                 }
                 Knob::Lag(_) => {}

@@ -389,6 +389,11 @@ fn heat_comes_to_a_balance() {
         close(y[2000] / target, steady, 1e-9);
         assert!(y[2000] / target < 0.6, "{id}");
     }
+    // 3 kW of side force and 1 kW of drive are the same 4 kW
+    let both = forms("thermal-softening").find(|e| e.drivers.len() == 5).unwrap();
+    let drivers = [-20.0, -1500.0, 1000.0, 0.1_f64.atan(), -0.05];
+    let points: Vec<_> = (0..=80).map(|_| (0.1, 1.1, drivers)).collect();
+    close(run(both, &[loss, time], &points)[80] / 1.1, 1.0 - (loss * stored(8.0)).tanh(), 1e-9);
     // and goes away in a pause: after 3 T with nothing 5 % are left
     let y = along("frictional-heating", &[loss, time], 0.1, 2240, |t| {
         (50.0, [if t <= 200.0 { power } else { 0.0 }, 0.0, 0.0])
@@ -430,6 +435,10 @@ fn friction_of_tires() {
     let both = forms("speed-dependent-friction").find(|e| e.drivers.len() == 3).unwrap();
     let points = [(0.0, 100.0, [10.0, 0.4_f64.atan(), 0.3])];
     close(run(both, &[0.4, 5.0, 2.0], &points)[0], speedy(0.5, 10.0, 2.0), 1e-9);
+    // the same sliding from the speed of the wheel
+    let wheel = forms("speed-dependent-friction").find(|e| e.parameters.len() == 4).unwrap();
+    let points = [(0.0, 100.0, [10.0, 0.4_f64.atan(), (10.0 - 3.0) / 0.35])];
+    close(run(wheel, &[0.4, 5.0, 2.0, 0.35], &points)[0], speedy(0.5, 10.0, 2.0), 1e-9);
     let branch = |slip: f64| at("falling-branch", &[0.3, 0.1], 100.0, [slip, 0.0, 0.0]);
     assert_eq!((branch(0.1), branch(-0.05)), (100.0, 100.0));
     close(branch(-0.2), 100.0 * (1.0 - 0.3 * 1.0_f64.tanh()), 1e-12);

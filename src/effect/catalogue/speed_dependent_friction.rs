@@ -29,10 +29,21 @@ pub const BOTH_AXES: Effect = Effect {
     equation: "F = F_0 (1 - a (1 - exp(-(v_s / v_0)^n))), v_s = V sqrt(slip^2 + tan^2(alpha))",
     drivers: &[Role::TravelSpeed, Role::SlipAngle, Role::Slip],
     parameters: PARAMETERS_OF_BOTH,
-
     apply: |p, _: &mut Memory, call| {
         let slip = bounded(call.drivers[2]).hypot(bounded(call.drivers[1]).tan());
         less(p, call, slip * bounded(call.drivers[0]))
+    },
+    ..EFFECT
+};
+
+/// The same where the slip along the wheel is known from its speed of rotation only.
+pub const BY_WHEEL_SPEED: Effect = Effect {
+    equation: "F = F_0 (1 - a (1 - exp(-(v_s / v_0)^n))), v_s = sqrt((V - R w)^2 + V^2 tan^2(alpha))",
+    drivers: &[Role::TravelSpeed, Role::SlipAngle, Role::WheelSpeed],
+    parameters: &[LOSS, VELOCITY_OF_BOTH, EXPONENT, RADIUS],
+    apply: |p, _: &mut Memory, call| {
+        let d = |i: usize| bounded(call.drivers[i]);
+        less(p, call, (d(0) - p[3] * d(2)).hypot(d(0) * d(1).tan()))
     },
     ..EFFECT
 };
@@ -72,6 +83,16 @@ const VELOCITY_OF_BOTH: Parameter = Parameter::shape(
     (0.0005, 1.0),
     (0.0005, 1.0),
     &[0.005, 0.02, 0.05, 0.15],
+);
+
+/// Speed over speed of rotation, which the recordings tell to a few percent.
+const RADIUS: Parameter = Parameter::shape(
+    "radius",
+    "Rolling radius, at which a wheel that rolls freely does not slide",
+    Scale::of("1", 0, [1, 0, -1]),
+    (0.8, 1.25),
+    (0.8, 1.25),
+    &[1.01],
 );
 
 const PARAMETERS: &[Parameter] = &[LOSS, VELOCITY, EXPONENT];

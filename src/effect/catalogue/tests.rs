@@ -1,14 +1,14 @@
 //! What every effect of the catalogue has to keep.
 
 use super::EFFECTS;
-use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, find, forms};
+use crate::effect::{Call, Effect, Family, MAX_DRIVERS, Memory, Parameter, Port, Role, find, forms};
 use proptest::prelude::*;
 
 /// A communication point: time since the last one, changed number, drivers.
-type Point = (f64, f64, [f64; 3]);
+type Point<const N: usize = MAX_DRIVERS> = (f64, f64, [f64; N]);
 
 /// What comes out of an effect that gets these points, the first of them as the start.
-pub(super) fn run(effect: &Effect, p: &[f64], points: &[Point]) -> Vec<f64> {
+pub(super) fn run<const N: usize>(effect: &Effect, p: &[f64], points: &[Point<N>]) -> Vec<f64> {
     let (mut memory, mut time) = (Memory::default(), 0.0);
     let mut out = Vec::with_capacity(points.len());
     for (i, (dt, target, drivers)) in points.iter().enumerate() {
@@ -28,7 +28,8 @@ fn smooth(effect: &Effect, n: usize) -> Vec<Point> {
             let dt = 0.004 + 0.003 * ((i * i) as f64).sin();
             time += dt;
             let t: f64 = time;
-            let mut drivers = [(3.1 * t).sin(), 0.7 * (4.3 * t + 0.4).cos(), 0.8 * (2.2 * t + 1.0).sin()];
+            let mut drivers = [(3.1, 0.0), (4.3, 2.0), (2.2, 1.0), (5.3, 0.5), (1.7, 2.5)]
+                .map(|(w, phase): (f64, f64)| 0.8 * (w * t + phase).sin());
             for (driver, role) in drivers.iter_mut().zip(effect.drivers) {
                 match role {
                     Role::WheelAngle | Role::TravelDistance => *driver = 9.0 * t,
@@ -76,8 +77,9 @@ fn the_tables_are_whole() {
     assert!(EFFECTS.is_sorted_by_key(|e| e.family), "by family");
     for effect in EFFECTS {
         let id = effect.id;
-        let same = forms(id).filter(|e| e.drivers.len() == effect.drivers.len());
-        assert_eq!(same.count(), 1, "{id} is there once with so many drivers");
+        let counts = |e: &Effect| (e.drivers.len(), e.parameters.len());
+        let same = forms(id).filter(|e| counts(e) == counts(effect));
+        assert_eq!(same.count(), 1, "{id} is there once with so many drivers and parameters");
         assert!(EFFECTS.iter().all(|e| (e.name == effect.name) == (e.id == id)), "{id}: its name is its own");
         assert!(id.chars().all(|c| c.is_ascii_lowercase() || c == '-'), "{id}");
         for text in [effect.name, effect.equation, effect.source, effect.signature] {
@@ -164,15 +166,25 @@ fn small_amplitudes_act_in_proportion() {
 fn other_units_change_nothing() {
     for effect in EFFECTS {
         // units that a parameter's scale knows of; speed in m/s beside a plain length is none of them
-        let unit = |i: usize| {
+        let own_unit = |i: usize| {
             let used = effect.parameters.iter().any(|p| p.scale.drivers[i] != 0);
             if used { [7.0, 0.03, 11.0_f64][i] } else { 1.0 }
+        };
+        let is_force = |i: usize| {
+            let forces = [Role::LateralForce, Role::LongitudinalForce];
+            effect.drivers.get(i).is_some_and(|role| forces.contains(role))
+        };
+        let unit = |i: usize| match (0..3).find(|j| is_force(*j)) {
+            // forces have one unit
+            Some(first) if is_force(i) => own_unit(first),
+            _ if i < 3 => own_unit(i),
+            _ => 1.0,
         };
         let target_unit = 250.0_f64;
         let points = smooth(effect, 600);
         let scaled: Vec<Point> = points
             .iter()
-            .map(|(dt, y, d)| (*dt, target_unit * y, [0, 1, 2].map(|i| unit(i) * d[i])))
+            .map(|(dt, y, d)| (*dt, target_unit * y, std::array::from_fn(|i| unit(i) * d[i])))
             .collect();
         for (amplitude, parameter) in amplitudes(effect) {
             for p in settings(effect, amplitude, 3.0 * parameter.probes[0]) {
@@ -252,7 +264,8 @@ fn a_step_and_its_parts_give_the_same() {
         let mut fine = vec![points[0]];
         for pair in points.windows(2) {
             let ((_, y0, d0), (dt, y1, d1)) = (pair[0], pair[1]);
-            let between = |s: f64| ([0, 1, 2].map(|i| d0[i] + s * (d1[i] - d0[i])), y0 + s * (y1 - y0));
+            let straight = |s: f64| std::array::from_fn(|i| d0[i] + s * (d1[i] - d0[i]));
+            let between = |s: f64| (straight(s), y0 + s * (y1 - y0));
             for (s, part) in [(0.2, 0.2), (0.7, 0.5), (1.0, 0.3)] {
                 let (d, y) = between(s);
                 fine.push((part * dt, y, d));
@@ -282,7 +295,7 @@ fn number() -> impl Strategy<Value = f64> {
 
 fn point() -> impl Strategy<Value = Point> {
     let dt = prop_oneof![4 => 1e-4..0.1, 1 => Just(1e-12), 1 => 1.0..1e4];
-    (dt, number(), [number(), number(), number()])
+    (dt, number(), [number(), number(), number(), number(), number()])
 }
 
 proptest! {

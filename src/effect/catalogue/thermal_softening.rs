@@ -21,31 +21,49 @@ pub const EFFECT: Effect = Effect {
     ],
     targets: &[Role::Force],
     drivers: &[Role::Slip, Role::TravelSpeed],
-    parameters: &[
-        Parameter::amplitude(
-            "loss",
-            "Loss per work",
-            Scale::of("1/s", -1, [-1, -1, 0]),
-            (0.0, 1.0),
-            (-2.0, 2.0),
-            &[0.01],
-        ),
-        Parameter::shape(
-            "time",
-            "Time in which the heat leaves",
-            Scale::plain("s"),
-            (0.5, 3000.0),
-            (0.2, 3000.0),
-            &[3.0, 60.0],
-        ),
-    ],
-    apply,
+    parameters: &[loss(Scale::of("1/s", -1, [-1, -1, 0]), 1.0), TIME],
+    apply: |p, memory, call| {
+        let power = bounded(call.target) * bounded(call.drivers[0]) * bounded(call.drivers[1]);
+        softened(p, memory, call, power.abs())
+    },
 };
 
-fn apply(p: &[f64], memory: &mut Memory, call: &Call<'_>) -> f64 {
+/// The same with the power of both axes, for a friction that both forces share.
+pub const BOTH_AXES: Effect = Effect {
+    equation: "mu = mu_0 (1 - tanh(a E)), dE/dt = |V| (|F_x slip| + |F_y tan(alpha)|) - E / T",
+    drivers: &[
+        Role::TravelSpeed,
+        Role::LateralForce,
+        Role::LongitudinalForce,
+        Role::SlipAngle,
+        Role::Slip,
+    ],
+    // slips are far below 1
+    parameters: &[loss(Scale::of("1/s", 0, [-1, -1, 0]), 20.0), TIME],
+    apply: |p, memory, call| {
+        let d = |i: usize| bounded(call.drivers[i]);
+        let force_times_slip = (d(1) * d(3).tan()).abs() + (d(2) * d(4)).abs();
+        softened(p, memory, call, bounded(force_times_slip) * d(0).abs())
+    },
+    ..EFFECT
+};
+
+const fn loss(scale: Scale, most: f64) -> Parameter {
+    Parameter::amplitude("loss", "Loss per work", scale, (0.0, most), (-2.0 * most, 2.0 * most), &[0.01])
+}
+
+const TIME: Parameter = Parameter::shape(
+    "time",
+    "Time in which the heat leaves",
+    Scale::plain("s"),
+    (0.5, 3000.0),
+    (0.2, 3000.0),
+    &[3.0, 60.0],
+);
+
+fn softened(p: &[f64], memory: &mut Memory, call: &Call<'_>, power: f64) -> f64 {
     if p[0] == 0.0 {
         return call.target;
     }
-    let power = (bounded(call.target) * bounded(call.drivers[0]) * bounded(call.drivers[1])).abs();
     call.target * remaining(p[0] * store(memory, 0, power, p[1], call.dt))
 }
