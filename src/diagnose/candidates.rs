@@ -6,7 +6,7 @@ use super::roles::Roles;
 use super::screen::{Screen, Screened};
 use super::study::{Fitted, Model, Rest, Study};
 use super::subject::Subject;
-use crate::effect::{Effect, Parameter, catalogue, empirical};
+use crate::effect::{Effect, catalogue, empirical};
 use crate::fit::{Drive, Run, Traces};
 use crate::model::Causality;
 use crate::{Error, Result};
@@ -14,8 +14,6 @@ use std::sync::Arc;
 
 /// Named effects that are fitted inside the simulation, in the first round and later.
 const NAMED: [usize; 2] = [7, 5];
-/// Effects that are fitted beside those because they are promising at nominal parameters.
-const ALSO: usize = 3;
 /// Empirical functions that are fitted as rivals.
 const UNNAMED: [usize; 2] = [3, 2];
 /// Runs that effects are screened with.
@@ -29,16 +27,9 @@ const MIN_PROMISE: [f64; 2] = [0.005, 0.015];
 
 /// A squared error that is so many times larger with an effect than without refutes it.
 const SPOILT: f64 = 1.5;
-/// A fit that keeps so much of what screening promised need not begin elsewhere too, unless parameters are
-/// bent by more than a share.
-const KEPT_PROMISE: f64 = 0.7;
-const BENT: f64 = 0.2;
-/// Iterations of each half of a first fit, and of one to the end.
-const TRY_OUT: usize = 5;
+/// Iterations of a fit to the end.
 const POLISH: usize = 10;
-/// An effect that misses more than this share of what the best one explains is given up after a few steps,
-const HOPELESS: f64 = 0.6;
-/// and one that misses less than this share in the end is looked at closely.
+/// An effect that misses less than this share of what the best one explains is fitted to the end.
 const NEARLY: f64 = 0.3;
 
 /// A candidate that was fitted.
@@ -213,7 +204,7 @@ fn force_size(study: &Study<'_>, model: &Model, variable: usize, measured: &[usi
 }
 
 /// The best placement of the best effects: named ones and empirical functions; fewer after the first round.
-fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
+pub(super) fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
     let mut chosen: Vec<Screened> = Vec::new();
     for (named, limits) in [(true, NAMED), (false, UNNAMED)] {
         let (limit, least) = (limits[round.min(1)], MIN_PROMISE[round.min(1)]);
@@ -236,152 +227,12 @@ fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
     chosen
 }
 
-/// As [`choose`], with the best of what is screened at nominal parameters beside it.
-pub(super) fn choose_also(screened: &[Screened], unbent: Option<&Unbent>, round: usize) -> Vec<Screened> {
-    let mut chosen = choose(screened, round);
-    let there = unbent.map_or(Vec::new(), |u| choose(&u.screened, round));
-    let mut more = 0;
-    for s in there {
-        if more < ALSO && !chosen.iter().any(|c| c.placement.is_same(&s.placement)) {
-            chosen.push(s);
-            more += 1;
-        }
-    }
-    chosen
-}
-
 impl Tried {
     /// What its form costs, in units of twice the logarithm of a likelihood with so many independent
     /// samples (Schwarz's criterion): its parameters, and the places among which it could choose.
     pub fn price(&self, independent: f64) -> f64 {
         self.placement.effect.parameters.len() as f64 * independent.ln() + 2.0 * (self.places as f64).ln()
     }
-}
-
-/// The model with nominal parameters, where a refit without an effect has bent them.
-pub(super) struct Unbent {
-    /// It, with derivatives.
-    pub fitted: Fitted,
-    /// What is screened there, if parameters are bent.
-    pub screened: Vec<Screened>,
-}
-
-impl Unbent {
-    /// Screens at the nominal parameters if the ones of `current` are far from them.
-    ///
-    /// # Errors
-    /// The model cannot be run there.
-    pub fn of(
-        study: &Study<'_>,
-        subject: &Subject,
-        roles: &Roles,
-        current: &Fitted,
-        nominal: &Model,
-    ) -> Result<Self> {
-        let model = Model { parameters: nominal.parameters.clone(), ..current.model.clone() };
-        let fitted = study.fit(&model, 1)?;
-        let screened = if bent(&current.model, &fitted.model) {
-            let rest = study.rest(&fitted.model, &study.fit_runs)?;
-            screen(study, subject, roles, &fitted, &rest)?
-        } else {
-            Vec::new()
-        };
-        Ok(Self { fitted, screened })
-    }
-}
-
-/// A screened effect whose fit has begun.
-pub(super) struct Begun {
-    screened: Screened,
-    fitted: Fitted,
-}
-
-/// Begins to fit screened effects beside what is known already: each from where the fit without it ended,
-/// and from nominal parameters, where that may lead further. Those that explain much less than the best
-/// are dropped.
-pub(super) fn begin(
-    study: &Study<'_>,
-    current: &Fitted,
-    unbent: Option<&Unbent>,
-    chosen: &[Screened],
-) -> Vec<Begun> {
-    let mut begun: Vec<Begun> =
-        chosen.iter().filter_map(|screened| begin_one(study, current, unbent, screened)).collect();
-    for named in [true, false] {
-        let alike = |b: &Begun| empirical::is(b.screened.placement.effect) != named;
-        let best = begun.iter().filter(|b| alike(b)).map(|b| b.fitted.fit.cost).fold(f64::INFINITY, f64::min);
-        let most = best + HOPELESS * (current.fit.cost - best).max(0.0);
-        begun.retain(|b| !alike(b) || b.fitted.fit.cost <= most);
-    }
-    begun
-}
-
-fn begin_one(
-    study: &Study<'_>,
-    current: &Fitted,
-    unbent: Option<&Unbent>,
-    screened: &Screened,
-) -> Option<Begun> {
-    let placement = &screened.placement;
-    let with = |from: &Fitted, values: Vec<f64>| {
-        let mut model = from.model.clone();
-        model.effects.push((placement.clone(), values));
-        model
-    };
-    let from = |from: &Fitted, values: Vec<f64>| {
-        study.fit_near(&with(from, values), TRY_OUT, Some(&from.fit.jacobian)).ok()
-    };
-    // from near the off value, so that the parameters move along
-    let near = |(value, parameter): (&f64, &Parameter)| match parameter.off {
-        Some(off) => {
-            let small = parameter.probes.first().map_or(f64::INFINITY, |p| p.abs());
-            off + (0.1 * (value - off)).clamp(-small, small)
-        }
-        None => *value,
-    };
-    let parameters = placement.effect.parameters;
-    let small: Vec<f64> = screened.values.iter().zip(parameters).map(near).collect();
-    let mut fits = vec![from(current, small.clone())];
-    if let Some(unbent) = unbent {
-        let cost = fits[0].as_ref().map_or(f64::INFINITY, |f| f.fit.cost);
-        let there = unbent.screened.iter().find(|s| s.placement.is_same(placement));
-        let most = unbent.screened.iter().map(|s| s.gain).fold(0.0, f64::max);
-        if let Some(there) = there.filter(|s| s.gain > 0.5 * most) {
-            // far from there: every step with derivatives of its own
-            let values = there.values.iter().zip(parameters).map(near).collect();
-            fits.push(study.fit(&with(&unbent.fitted, values), TRY_OUT + 1).ok());
-        } else if cost > current.fit.cost * (1.0 - KEPT_PROMISE * screened.gain) {
-            fits.push(from(&unbent.fitted, small));
-        }
-    }
-    let whole = |p: &Parameter| p.off.is_some_and(|off| off < p.plausible.0);
-    if parameters.iter().any(whole) {
-        // what is there as a whole or not at all
-        let there = screened
-            .values
-            .iter()
-            .zip(parameters)
-            .map(|(value, p)| if whole(p) { 0.5 * (p.plausible.0 + p.plausible.1) } else { *value });
-        fits.push(from(unbent.map_or(current, |u| &u.fitted), there.collect()));
-    }
-    let fitted = fits.into_iter().flatten().min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))?;
-    Some(Begun { screened: screened.clone(), fitted })
-}
-
-impl Begun {
-    /// Goes on with the fit, and looks at what it leaves.
-    pub fn finish(self, study: &Study<'_>, current_fit: &Rest, current_check: &Rest) -> Option<Tried> {
-        let Begun { screened, fitted } = self;
-        let fitted = study.fit_near(&fitted.model, TRY_OUT, Some(&fitted.fit.jacobian)).unwrap_or(fitted);
-        assess(study, (screened.placement, screened.places), fitted, current_fit, current_check)
-    }
-}
-
-/// Whether a parameter is far from its nominal value.
-fn bent(model: &Model, nominal: &Model) -> bool {
-    let parameters = model.parameters.iter().zip(&nominal.parameters);
-    // the last one is the recorder's lag
-    parameters.take(nominal.parameters.len().saturating_sub(1)).any(|(x, n)| (x - n).abs() > BENT * n.abs())
 }
 
 /// Fits those that are nearly the best to the end, with derivatives of their own.
@@ -402,7 +253,7 @@ pub(super) fn polish(study: &Study<'_>, tried: &mut [Tried], current_fit: &Rest,
     }
 }
 
-fn assess(
+pub(super) fn assess(
     study: &Study<'_>,
     (placement, places): (Placement, usize),
     fitted: Fitted,

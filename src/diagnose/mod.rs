@@ -1,5 +1,6 @@
 //! Diagnosis: where recordings and simulation differ, and why.
 
+mod begin;
 mod blocks;
 mod candidates;
 mod decision;

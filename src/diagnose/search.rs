@@ -1,7 +1,8 @@
 //! The search for effects: one after the other, each on what the ones before leave, and then a look at what
 //! is left.
 
-use super::candidates::{Tried, Unbent, begin, choose_also, polish, screen};
+use super::begin::begin;
+use super::candidates::{Tried, polish, screen};
 use super::decision::{Decision, Left, decide};
 use super::pipeline::FINAL;
 use super::result::{Candidate, Finding};
@@ -62,13 +63,9 @@ pub(super) fn search(
         progress("screening effects", progressed);
         let screened = screen(study, subject, roles, &found.current, &fit)?;
         progress("fitting effects inside the simulation", progressed + 0.05);
-        // what is found first unbends them
-        let unbent = match round {
-            0 => Unbent::of(study, subject, roles, &found.current, nominal).ok(),
-            _ => None,
-        };
-        let chosen = choose_also(&screened, unbent.as_ref(), round);
-        let mut tried: Vec<Tried> = begin(study, &found.current, unbent.as_ref(), &chosen)
+        // what is found first unbends parameters
+        let nominal = (round == 0).then_some(nominal);
+        let mut tried: Vec<Tried> = begin(study, subject, roles, &found.current, nominal, &screened, round)
             .into_iter()
             .filter_map(|begun| begun.finish(study, &fit, &found.check))
             .collect();

@@ -31,13 +31,7 @@ pub const EFFECT: Effect = Effect {
 /// The same with the power of both axes, for a friction that both forces share.
 pub const BOTH_AXES: Effect = Effect {
     equation: "mu = mu_0 (1 - tanh(a E)), dE/dt = |V| (|F_x slip| + |F_y tan(alpha)|) - E / T",
-    drivers: &[
-        Role::TravelSpeed,
-        Role::LateralForce,
-        Role::LongitudinalForce,
-        Role::SlipAngle,
-        Role::Slip,
-    ],
+    drivers: &[Role::TravelSpeed, Role::LateralForce, Role::LongitudinalForce, Role::SlipAngle, Role::Slip],
     // slips are far below 1
     parameters: &[loss(Scale::of("1/s", 0, [-1, -1, 0]), 20.0), TIME],
     apply: |p, memory, call| {

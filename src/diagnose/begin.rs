@@ -1,0 +1,161 @@
+//! How the fits of screened effects begin: from where the fit without them ended, or from nominal parameters
+//! where that fit has bent them.
+
+use super::candidates::{Tried, assess, choose, screen};
+use super::roles::Roles;
+use super::screen::Screened;
+use super::study::{Fitted, Model, Rest, Study};
+use super::subject::Subject;
+use crate::effect::{Parameter, empirical};
+
+/// Iterations of each half of a first fit.
+const TRY_OUT: usize = 5;
+/// Fits that keep so much of what screening promised need not begin elsewhere.
+const KEPT_PROMISE: f64 = 0.7;
+/// A parameter is bent if a refit moves it by more than this share.
+const BENT: f64 = 0.2;
+/// Effects that are fitted beside the chosen ones because they are promising at nominal parameters.
+const ALSO: usize = 3;
+/// Of those that are promising there, the ones that promise this share of what the best does.
+const PROMISING: f64 = 0.5;
+/// An effect that misses more than this share of what the best one explains is given up.
+const HOPELESS: f64 = 0.6;
+
+/// A screened effect whose fit has begun.
+pub(super) struct Begun {
+    screened: Screened,
+    fitted: Fitted,
+}
+
+/// Begins to fit the most promising of the screened effects beside what is known already. `nominal` is the
+/// model as it is given; nothing begins there if it is none. Effects that explain much less than the best are
+/// left out.
+pub(super) fn begin(
+    study: &Study<'_>,
+    subject: &Subject,
+    roles: &Roles,
+    current: &Fitted,
+    nominal: Option<&Model>,
+    screened: &[Screened],
+    round: usize,
+) -> Vec<Begun> {
+    let chosen = choose(screened, round);
+    let mut begun: Vec<Begun> =
+        chosen.iter().filter_map(|s| Begun::from_current(study, current, s)).collect();
+    let promised = chosen.iter().map(|s| s.gain).fold(0.0, f64::max);
+    let reached = begun.iter().map(Begun::cost).fold(f64::INFINITY, f64::min);
+    if reached > (1.0 - KEPT_PROMISE * promised) * current.fit.cost {
+        let more =
+            nominal.map_or(Vec::new(), |n| from_nominal(study, subject, roles, current, n, &chosen, round));
+        for other in more {
+            match begun.iter_mut().find(|b| b.screened.placement.is_same(&other.screened.placement)) {
+                Some(same) if same.cost() <= other.cost() => {}
+                Some(same) => same.fitted = other.fitted,
+                None => begun.push(other),
+            }
+        }
+    }
+    for named in [true, false] {
+        let alike = |b: &Begun| empirical::is(b.screened.placement.effect) != named;
+        let best = begun.iter().filter(|b| alike(b)).map(Begun::cost).fold(f64::INFINITY, f64::min);
+        let most = best + HOPELESS * (current.fit.cost - best).max(0.0);
+        begun.retain(|b| !alike(b) || b.cost() <= most);
+    }
+    begun
+}
+
+/// Begins at nominal parameters, with what is screened there too if the refit has bent any.
+fn from_nominal(
+    study: &Study<'_>,
+    subject: &Subject,
+    roles: &Roles,
+    current: &Fitted,
+    nominal: &Model,
+    chosen: &[Screened],
+    round: usize,
+) -> Vec<Begun> {
+    let model = Model { parameters: nominal.parameters.clone(), ..current.model.clone() };
+    let Ok(there) = study.fit(&model, 1) else { return Vec::new() };
+    if !bent(&current.model, &there.model) {
+        let begin = |s: &Screened| {
+            let fitted =
+                study.fit_near(&with(&there, s, small(s)), TRY_OUT, Some(&there.fit.jacobian)).ok()?;
+            Some(Begun { screened: s.clone(), fitted })
+        };
+        return chosen.iter().filter_map(begin).collect();
+    }
+    let rest = study.rest(&there.model, &study.fit_runs);
+    let Ok(screened) = rest.and_then(|rest| screen(study, subject, roles, &there, &rest)) else {
+        return Vec::new();
+    };
+    let most = screened.iter().map(|s| s.gain).fold(0.0, f64::max);
+    let is_chosen = |s: &&Screened| chosen.iter().any(|c| c.placement.is_same(&s.placement));
+    let also = choose(&screened, round);
+    let also = also.iter().filter(|s| !is_chosen(s)).take(ALSO);
+    let begin = |s: &Screened| {
+        // far from the end: every step with derivatives of its own
+        let fitted = study.fit(&with(&there, s, small(s)), TRY_OUT + 1).ok()?;
+        Some(Begun { screened: s.clone(), fitted })
+    };
+    let promising = screened.iter().filter(is_chosen).chain(also).filter(|s| s.gain > PROMISING * most);
+    promising.filter_map(begin).collect()
+}
+
+/// The model with one effect more.
+fn with(from: &Fitted, screened: &Screened, values: Vec<f64>) -> Model {
+    let mut model = from.model.clone();
+    model.effects.push((screened.placement.clone(), values));
+    model
+}
+
+/// What was screened, near its off value, so that the parameters move along.
+fn small(screened: &Screened) -> Vec<f64> {
+    let near = |(value, parameter): (&f64, &Parameter)| match parameter.off {
+        Some(off) => {
+            let small = parameter.probes.first().map_or(f64::INFINITY, |p| p.abs());
+            off + (0.1 * (value - off)).clamp(-small, small)
+        }
+        None => *value,
+    };
+    screened.values.iter().zip(screened.placement.effect.parameters).map(near).collect()
+}
+
+/// Whether a parameter is far from its nominal value.
+fn bent(model: &Model, nominal: &Model) -> bool {
+    let parameters = model.parameters.iter().zip(&nominal.parameters);
+    // the last one is the recorder's lag
+    parameters.take(nominal.parameters.len().saturating_sub(1)).any(|(x, n)| (x - n).abs() > BENT * n.abs())
+}
+
+impl Begun {
+    /// Begins where the fit without the effect ended: near its off value, and for one that is there as a whole
+    /// or not at all in the middle of what is plausible.
+    fn from_current(study: &Study<'_>, current: &Fitted, screened: &Screened) -> Option<Self> {
+        let begin = |values: Vec<f64>| {
+            study.fit_near(&with(current, screened, values), TRY_OUT, Some(&current.fit.jacobian)).ok()
+        };
+        let near = begin(small(screened));
+        let parameters = screened.placement.effect.parameters;
+        let whole = |p: &Parameter| p.off.is_some_and(|off| off < p.plausible.0);
+        let there = parameters.iter().any(whole).then(|| {
+            let of = |(value, p): (&f64, &Parameter)| {
+                if whole(p) { 0.5 * (p.plausible.0 + p.plausible.1) } else { *value }
+            };
+            begin(screened.values.iter().zip(parameters).map(of).collect())
+        });
+        let fits = near.into_iter().chain(there.flatten());
+        let fitted = fits.min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))?;
+        Some(Self { screened: screened.clone(), fitted })
+    }
+
+    fn cost(&self) -> f64 {
+        self.fitted.fit.cost
+    }
+
+    /// Goes on with the fit, and looks at what it leaves.
+    pub fn finish(self, study: &Study<'_>, current_fit: &Rest, current_check: &Rest) -> Option<Tried> {
+        let Self { screened, fitted } = self;
+        let fitted = study.fit_near(&fitted.model, TRY_OUT, Some(&fitted.fit.jacobian)).unwrap_or(fitted);
+        assess(study, (screened.placement, screened.places), fitted, current_fit, current_check)
+    }
+}
