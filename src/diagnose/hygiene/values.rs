@@ -11,6 +11,9 @@ const ROUGH: f64 = 3e-5;
 const FLAT: usize = 6;
 /// Samples at a rail, in all, that make saturation.
 const AT_RAIL: usize = 8;
+/// How often a value has to be there over the values just inside of it, and how many of those are looked at.
+const PILED: usize = 4;
+const INSIDE: usize = 6;
 /// By how many quantisation steps (and standard deviations of noise) a signal has to fall on both sides of
 /// a flat stretch, within half the stretch's length. A smooth peak falls by 4 steps at most, whatever its
 /// curvature, if the quantisation made it flat.
@@ -145,7 +148,8 @@ fn fault(kind: FaultKind, severity: Severity, channel: &Channel, value: f64, uni
     }
 }
 
-/// Flat at the channel's own highest or lowest value, again and again or for long, and nowhere else.
+/// Flat at the channel's own highest or lowest value, again and again or for long, and nowhere else; or
+/// there so often that noise would have carried it beyond.
 fn saturated(channel: &Channel, look: &Look) -> Option<Fault> {
     if !look.measured() {
         return None;
@@ -166,6 +170,9 @@ fn saturated(channel: &Channel, look: &Look) -> Option<Fault> {
             })
             .collect();
         let samples: usize = flats.iter().map(|(a, b)| b - a).sum();
+        if let Some(fault) = piled(channel, look, rail) {
+            return Some(fault);
+        }
         let (first, last) = (flats.first()?, flats.last()?);
         // a channel that is flat elsewhere, too, is a command or a coarse one
         let elsewhere: usize =
@@ -190,6 +197,43 @@ fn saturated(channel: &Channel, look: &Look) -> Option<Fault> {
             advice: "Repeat with a larger range; until then leave these stretches out.".into(),
             ..fault(FaultKind::Saturated, Severity::Fatal, channel, rail, &channel.unit)
         })
+    })
+}
+
+/// Much more often at one extreme value than at the ones just inside of it, though the noise is as large as
+/// the distance between them.
+fn piled(channel: &Channel, look: &Look, rail: f64) -> Option<Fault> {
+    if look.noise < 0.5 * look.step || look.amplitude < look.clear() {
+        return None;
+    }
+    let at = |i: usize| look.values[i] == rail;
+    let rows: Vec<usize> = (0..look.values.len()).filter(|i| at(*i)).collect();
+    let width = look.step.max(0.3 * look.noise);
+    let mut inside = [0; INSIDE];
+    for value in look.values.iter().filter(|v| **v != rail) {
+        let place = ((value - rail).abs() / width - 0.5).max(0.0) as usize;
+        if let Some(count) = inside.get_mut(place) {
+            *count += 1;
+        }
+    }
+    let most = inside.into_iter().max().unwrap_or(0).max(1);
+    if rows.len() < AT_RAIL || rows.len() < PILED * most {
+        return None;
+    }
+    Some(Fault {
+        span: Some((look.time[*rows.first()?], look.time[*rows.last()?])),
+        evidence: format!(
+            "{} is exactly {} {} in {} samples and never beyond, though values just inside of that are there in at \
+             most {most} each and its noise is {} {}: the sensor or amplifier is at its rail.",
+            channel.name,
+            short(rail),
+            channel.unit,
+            rows.len(),
+            short(look.noise),
+            channel.unit
+        ),
+        advice: "Repeat with a larger range; until then leave these stretches out.".into(),
+        ..fault(FaultKind::Saturated, Severity::Fatal, channel, rail, &channel.unit)
     })
 }
 
