@@ -39,7 +39,7 @@ pub(super) fn begin(
     screened: &[Screened],
     round: usize,
 ) -> Vec<Begun> {
-    let chosen = choose(screened, round);
+    let chosen = choose(study, screened, round);
     let mut begun: Vec<Begun> =
         chosen.iter().filter_map(|s| Begun::from_current(study, current, s)).collect();
     let promised = chosen.iter().map(|s| s.gain).fold(0.0, f64::max);
@@ -90,7 +90,7 @@ fn from_nominal(
     };
     let most = screened.iter().map(|s| s.gain).fold(0.0, f64::max);
     let is_chosen = |s: &&Screened| chosen.iter().any(|c| c.placement.is_same(&s.placement));
-    let also = choose(&screened, round);
+    let also = choose(study, &screened, round);
     let also = also.iter().filter(|s| !is_chosen(s)).take(ALSO);
     let begin = |s: &Screened| {
         // far from the end: every step with derivatives of its own

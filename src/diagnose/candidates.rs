@@ -3,11 +3,11 @@
 use super::blocks::{differences, sign_flip};
 use super::placement::{Placement, Site, is_tunable, sizes};
 use super::roles::Roles;
-use super::screen::{Screen, Screened};
+use super::screen::{MAX_SHAPES, Screen, Screened};
 use super::study::{Fitted, Model, Rest, Study};
 use super::subject::Subject;
 use crate::effect::{Effect, catalogue, empirical};
-use crate::fit::{Drive, Run, Traces};
+use crate::fit::{Channel, Drive, Run, Traces};
 use crate::model::Causality;
 use crate::{Error, Result};
 use std::sync::Arc;
@@ -20,8 +20,13 @@ const UNNAMED: [usize; 2] = [3, 2];
 const SCREENED: usize = 4;
 /// Runs that all of them are screened with.
 const FIRST: usize = 2;
+/// What is screened of each run of a model that takes long \[s\].
+const PIECE: f64 = 3.0;
 /// Named and nameless placements, each, that are screened with more runs.
 const KEPT: usize = 30;
+/// The same for a model that takes long, and the shapes that are tried of an effect inside of it.
+const SHAPES_SLOW: usize = 2;
+const KEPT_SLOW: usize = 10;
 /// An effect that promises less of the squared error of the fit runs is not fitted.
 const MIN_PROMISE: [f64; 2] = [0.005, 0.015];
 
@@ -71,6 +76,28 @@ fn some_of(study: &Study<'_>, rest: &Rest) -> Vec<usize> {
     chosen
 }
 
+/// The first seconds of a run.
+fn beginning(run: &Run) -> Run {
+    let drive = &run.drive;
+    let points = drive.points.min((PIECE / drive.step).ceil() as usize + 1);
+    let end = drive.time(points - 1);
+    let samples = run.time.partition_point(|t| *t <= end);
+    let first = |values: &Vec<f64>, n: usize| values[..n.min(values.len())].to_vec();
+    let drive = Drive {
+        start: drive.start,
+        step: drive.step,
+        inputs: drive.inputs.iter().map(|(v, values)| (*v, first(values, points))).collect(),
+        points,
+    };
+    let channel = |c: &Channel| Channel { values: first(&c.values, samples), ..c.clone() };
+    Run {
+        name: run.name.clone(),
+        drive: Arc::new(drive),
+        time: first(&run.time, samples),
+        channels: run.channels.iter().map(channel).collect(),
+    }
+}
+
 /// The same run with one communication step for each sample, if it has more: enough to rank effects.
 fn coarser(run: &Run) -> Run {
     let drive = &run.drive;
@@ -99,9 +126,14 @@ pub(super) fn screen(
 ) -> Result<Vec<Screened>> {
     let interface = &subject.interface;
     let chosen = some_of(study, current_fit);
-    let coarse: Vec<Run> = chosen.iter().map(|i| coarser(study.fit_runs[*i])).collect();
+    let whole = |run: &Run| if study.slow { beginning(run) } else { run.clone() };
+    let coarse: Vec<Run> = chosen.iter().map(|i| coarser(&whole(study.fit_runs[*i]))).collect();
     let runs: Vec<&Run> = coarse.iter().collect();
-    let simulated: Vec<Traces> = chosen.iter().map(|i| current_fit.simulated[*i].clone()).collect();
+    let part = |(run, i): (&&Run, &usize)| -> Traces {
+        let traces = current_fit.simulated[*i].iter();
+        traces.map(|trace| trace[..run.time.len()].to_vec()).collect()
+    };
+    let simulated: Vec<Traces> = runs.iter().zip(&chosen).map(part).collect();
     let watch: Arc<[usize]> = interface
         .variables
         .iter()
@@ -122,7 +154,9 @@ pub(super) fn screen(
     let prepare = |count: usize| {
         let problem = study.problem(&current.model, runs[..count].to_vec());
         let watch = Arc::clone(&watch);
-        Screen::new(&problem, &simulated[..count], &current.model, &point, &steps, watch, &study.weights)
+        let model = &current.model;
+        Screen::new(&problem, &simulated[..count], model, &point, &steps, watch, &study.weights)
+            .map(|screen| Screen { shapes: if study.slow { SHAPES_SLOW } else { MAX_SHAPES }, ..screen })
             .ok_or_else(|| Error::numeric("the fitted model cannot be run"))
     };
     let screen = prepare(runs.len())?;
@@ -174,7 +208,7 @@ pub(super) fn screen(
     let first = prepare(FIRST)?.screen(interface, &placements);
     let best = |named: bool| {
         let same = first.iter().filter(move |s| empirical::is(s.placement.effect) != named);
-        same.take(KEPT).map(|s| s.placement.clone())
+        same.take(if study.slow { KEPT_SLOW } else { KEPT }).map(|s| s.placement.clone())
     };
     Ok(counted(screen.screen(interface, &best(true).chain(best(false)).collect::<Vec<_>>())))
 }
@@ -204,10 +238,11 @@ fn force_size(study: &Study<'_>, model: &Model, variable: usize, measured: &[usi
 }
 
 /// The best placement of the best effects: named ones and empirical functions; fewer after the first round.
-pub(super) fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
+pub(super) fn choose(study: &Study<'_>, screened: &[Screened], round: usize) -> Vec<Screened> {
     let mut chosen: Vec<Screened> = Vec::new();
     for (named, limits) in [(true, NAMED), (false, UNNAMED)] {
         let (limit, least) = (limits[round.min(1)], MIN_PROMISE[round.min(1)]);
+        let limit = if study.slow { limit.div_ceil(2) } else { limit };
         let mut count = 0;
         for s in screened.iter().filter(|s| empirical::is(s.placement.effect) != named) {
             let best =

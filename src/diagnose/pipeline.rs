@@ -111,15 +111,17 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         std::thread::available_parallelism().map_or(1, usize::from)
     };
     let bench = Bench::new(&subject.factory, &subject.fixed, threads)?;
+    let coarse = subject.coarse().map(|fixed| Bench::new(&subject.factory, &fixed, threads)).transpose()?;
     let with = |wanted: Use| runs.iter().filter(|(_, u)| *u == wanted).map(|(r, _)| r).collect::<Vec<&Run>>();
     let mut study = Study {
-        bench: &bench,
+        bench: coarse.as_ref().unwrap_or(&bench),
         fit_runs: with(Use::Fit),
         check_runs: with(Use::Check),
         free: Vec::new(),
         lag: 0.0,
         weights: Vec::new(),
         redundancy: 1.0,
+        slow: false,
     };
     let check_runs = study.check_runs.clone();
     let fit_runs = study.fit_runs.clone();
@@ -127,6 +129,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     study.lag = RECORDER_LAG * shortest_interval(&fit_runs);
 
     progress("fitting the model's own parameters", 0.05);
+    study.time_it()?;
     study.choose_free(&subject.free)?;
     let nominal = study.nominal();
     let mut base = study.fit(&nominal, FIRST)?;
@@ -135,7 +138,18 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         study.weigh(&fit_runs, &rest);
         base = study.fit(&base.model, iterations)?;
     }
-    let base_rest = study.rest(&base.model, &check_runs)?;
+    let mut base_rest = study.rest(&base.model, &check_runs)?;
+    if coarse.is_some() {
+        // long steps of the model's own are good enough if they matter little beside what is left
+        study.bench = &bench;
+        let fine = study.rest(&base.model, &check_runs)?;
+        if !study.is_alike(&base_rest, &fine) {
+            base = study.fit_near(&base.model, FINAL, Some(&base.fit.jacobian))?;
+            base_rest = study.rest(&base.model, &check_runs)?;
+        } else if let Some(coarse) = &coarse {
+            study.bench = coarse;
+        }
+    }
 
     // a command may rest as long as it likes, at the end of its range too
     faults.retain(|f| {
@@ -163,7 +177,9 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
             |wanted: Use| fine.iter().filter(|(_, u)| *u == wanted).map(|(r, _)| r).collect::<Vec<&Run>>();
         study.fit_runs = of(Use::Fit);
         study.check_runs = of(Use::Check);
-        current = study.fit(&current.model, FINAL)?;
+        study.bench = &bench;
+        let known = study.slow.then_some(&current.fit.jacobian);
+        current = study.fit_near(&current.model, FINAL, known)?;
         current_check = study.rest(&current.model, &study.check_runs)?;
         for (finding, estimates) in
             findings.iter_mut().chain(&mut unknown).zip(all_estimates(&study, &current))

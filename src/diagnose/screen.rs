@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// Rows of the linear problem at most.
 const MAX_ROWS: usize = 12_000;
 /// Combinations of shapes that are tried for one placement.
-const MAX_SHAPES: usize = 6;
+pub const MAX_SHAPES: usize = 6;
 /// And where nothing has to be simulated.
 const MAX_REPLAYED: usize = 240;
 
@@ -38,6 +38,8 @@ pub struct Screen<'a> {
     pub residual: DVector<f64>,
     /// Every how many samples count.
     pub stride: usize,
+    /// Combinations of shapes that are tried for one placement.
+    pub shapes: usize,
 }
 
 /// A placement with its best shape, by linear prediction.
@@ -109,6 +111,7 @@ impl<'a> Screen<'a> {
             basis,
             residual,
             stride,
+            shapes: MAX_SHAPES,
         })
     }
 
@@ -133,7 +136,7 @@ impl<'a> Screen<'a> {
                     .collect();
             }
             // an even choice if there are too many
-            let most = if self.is_replayed(placement) { MAX_REPLAYED } else { MAX_SHAPES };
+            let most = if self.is_replayed(placement) { MAX_REPLAYED } else { self.shapes };
             let skip = shapes.len().div_ceil(most).max(1);
             for shape in shapes.into_iter().step_by(skip) {
                 probes.push((number, shape, amplitudes.clone()));

@@ -17,6 +17,12 @@ const REACH: f64 = 1.0;
 const STEP: f64 = 1e-3;
 /// Parameters that are fitted at most; those with the most effect on the outputs.
 const MAX_FREE: usize = 14;
+/// Runs that they are chosen with, if the model takes long.
+const SLOW_RUNS: usize = 3;
+/// A model that needs more time for a second of a recording takes long \[s\].
+const SLOW: f64 = 5e-3;
+/// Simulations are alike if they differ by less than this share of what is left.
+const ALIKE: f64 = 0.3;
 /// A parameter that moves the outputs by less than this share of their size, over its whole prior, stays.
 const MIN_EFFECT: f64 = 1e-3;
 /// Blocks of a run that errors are compared over, at most and at least.
@@ -39,6 +45,8 @@ pub struct Study<'a> {
     pub weights: Vec<f64>,
     /// How many neighbouring samples tell as much as one.
     pub redundancy: f64,
+    /// The model takes long: derivatives are updated where they can be, and less is tried.
+    pub slow: bool,
 }
 
 /// Effects at places with their fitted parameters, and the fitted parameters of the model.
@@ -172,6 +180,10 @@ impl Study<'_> {
     /// # Errors
     /// A model that cannot be run.
     pub fn fit(&self, model: &Model, iterations: usize) -> Result<Fitted> {
+        if self.slow && iterations > 1 {
+            let first = self.fit_near(model, 1, None)?;
+            return self.fit_near(model, iterations, Some(&first.fit.jacobian));
+        }
         self.fit_near(model, iterations, None)
     }
 
@@ -234,11 +246,41 @@ impl Study<'_> {
         Ok(Rest { simulated, blocks, total })
     }
 
+    /// True if two simulations of the check runs differ by much less than either does from what was measured.
+    pub fn is_alike(&self, a: &Rest, b: &Rest) -> bool {
+        (0..self.weights.len()).all(|c| {
+            let (mut between, mut left) = (0.0, 0.0);
+            for ((run, a), b) in self.check_runs.iter().zip(&a.simulated).zip(&b.simulated) {
+                for ((m, a), b) in run.channels[c].values.iter().zip(&a[c]).zip(&b[c]) {
+                    between += (a - b).powi(2);
+                    left += (b - m).powi(2);
+                }
+            }
+            between <= ALIKE.powi(2) * left
+        })
+    }
+
     /// How many independent samples all runs have.
     pub fn independent(&self) -> f64 {
         let all = self.fit_runs.iter().chain(&self.check_runs);
         let samples: usize = all.map(|r| r.time.len() * r.channels.len()).sum();
         (samples as f64 / self.redundancy).max(2.0)
+    }
+
+    /// Finds out whether the model takes long.
+    ///
+    /// # Errors
+    /// It cannot be run with its nominal values.
+    pub fn time_it(&mut self) -> Result<()> {
+        let Some(run) = self.fit_runs.first().copied() else { return Ok(()) };
+        let model = self.nominal();
+        // the first time it may have to be loaded
+        self.rest(&model, &[run]).map_err(|_| self.why_not(&self.problem(&model, vec![run])))?;
+        let began = std::time::Instant::now();
+        self.rest(&model, &[run])?;
+        let simulated = run.drive.time(run.drive.points.saturating_sub(1)) - run.drive.start;
+        self.slow = began.elapsed().as_secs_f64() > SLOW * simulated;
+        Ok(())
     }
 
     /// The parameters that matter: those with the most effect on the outputs, the most important first.
@@ -248,7 +290,12 @@ impl Study<'_> {
     pub fn choose_free(&mut self, candidates: &[FreeParameter]) -> Result<()> {
         self.free = candidates.to_vec();
         let model = self.nominal();
-        let problem = self.problem(&model, self.fit_runs.clone());
+        let mut runs = self.fit_runs.clone();
+        if self.slow {
+            let every = runs.len().div_ceil(SLOW_RUNS);
+            runs = runs.into_iter().step_by(every).collect();
+        }
+        let problem = self.problem(&model, runs);
         let mut points = vec![model.parameters.clone()];
         for (i, p) in self.free.iter().enumerate() {
             let mut point = model.parameters.clone();

@@ -13,6 +13,8 @@ use std::sync::Arc;
 
 /// How far a parameter without bounds of its own may move from its nominal value, as a share of it.
 const REACH: f64 = 0.5;
+/// How many times as long as its own the steps of a model may be while effects are looked for.
+const COARSER: f64 = 4.0;
 /// Parameters of the numerics, which no recording is fitted with: parts of their names.
 const NUMERICAL: &[&str] = &[
     "step_size",
@@ -71,6 +73,26 @@ pub struct Subject {
 }
 
 impl Subject {
+    /// What is fixed in a copy with longer steps of its own, if the model has such a parameter and the user has
+    /// left it alone.
+    pub fn coarse(&self) -> Option<Vec<(usize, Value)>> {
+        let variable = self.interface.index("step_size")?;
+        let info = &self.interface.variables[variable];
+        let given = match &self.base {
+            Base::Shipped(_, settings) => settings.values.iter().any(|s| s.name == "step_size"),
+            _ => self.fixed.iter().any(|(v, _)| *v == variable),
+        };
+        let start = match info.start {
+            Some(Value::Real(start)) => start,
+            _ => return None,
+        };
+        let step = (COARSER * start).min(info.max.unwrap_or(f64::INFINITY));
+        if given || info.causality != Causality::Parameter || info.kind != Kind::Real || step <= start {
+            return None;
+        }
+        Some(self.fixed.iter().cloned().chain([(variable, Value::Real(step))]).collect())
+    }
+
     /// Loads a model by name or file.
     ///
     /// # Errors

@@ -101,13 +101,16 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         first.ok_or_else(|| Error::numeric("the model cannot be run with the start values"))?;
     let mut jacobian = DMatrix::zeros(residuals.len(), n);
     let known = options.known.filter(|k| k.nrows() == residuals.len() && k.ncols() <= n);
-    let mut updated = known.map_or(0, DMatrix::ncols);
+    // columns that are updated, and whether all of them are known at this point
+    let updated = known.map_or(0, DMatrix::ncols);
+    let mut exact = updated == 0;
     if let Some(known) = known {
         jacobian.columns_mut(0, updated).copy_from(known);
     }
     let mut damping = 1e-3;
     for iteration in 0..options.iterations {
-        differentiate(problem, unknowns, &x, &residuals, &mut jacobian, updated);
+        let from = if exact { 0 } else { updated };
+        differentiate(problem, unknowns, &x, &residuals, &mut jacobian, from);
         if n == 0 || iteration + 1 == options.iterations {
             break;
         }
@@ -125,7 +128,9 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         }
         // less damping than what was good before, then more and more
         let mut better: Option<(f64, Vec<f64>, Vec<f64>, f64)> = None;
-        for factor in [0.1, 1.0, 10.0, 100.0, 1e4, 1e6, 1e8] {
+        let factors = [0.1, 1.0, 10.0, 100.0, 1e4, 1e6, 1e8];
+        // derivatives that may be wrong are not worth short steps
+        for factor in &factors[..if exact { factors.len() } else { 4 }] {
             let tried = f64::clamp(damping * factor, 1e-9, 1e9);
             let point = within_reach(&x, bounded_step(&normal, &gradient, &x, unknowns, tried), unknowns);
             let Some(r) = problem.residuals(std::slice::from_ref(&point)).pop().flatten() else { continue };
@@ -136,16 +141,17 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
             }
         }
         let Some((tried, point, r, reached)) = better else {
-            if updated == 0 {
+            if exact {
                 break;
             }
             // what was known leads nowhere
-            updated = 0;
+            exact = true;
             continue;
         };
         let step: Vec<f64> = point.iter().zip(&x).map(|(a, b)| a - b).collect();
         if updated > 0 {
             broyden(&mut jacobian, unknowns, &step, &residuals, &r);
+            exact = false;
         }
         x = point;
         residuals = r;
@@ -318,6 +324,30 @@ mod tests {
             let fit = least_squares(&problem, &free, options).unwrap();
             assert!((fit.x[0] - 3.0).abs() < 1e-6 && (fit.x[1] - 0.7).abs() < 1e-6, "{:?}", fit.x);
         }
+    }
+
+    #[test]
+    fn no_step_goes_beyond_its_reach() {
+        struct Watched(Decay, std::cell::RefCell<Vec<f64>>);
+        impl Problem for Watched {
+            fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+                // steps are tried one at a time, differences all together
+                if let [point] = points {
+                    self.1.borrow_mut().push(point[0]);
+                }
+                self.0.residuals(points)
+            }
+        }
+        let problem = Watched(Decay { data: decay(&[3.0, 0.7]) }, Vec::new().into());
+        let mut unknowns = [unknown(1.0, 0.0, 10.0), unknown(0.9, -1.0, 5.0)];
+        unknowns[0].reach = 0.25;
+        let options = Options { iterations: 40, tolerance: 1e-14, ..Options::default() };
+        let fit = least_squares(&problem, &unknowns, options).unwrap();
+        assert!((fit.x[0] - 3.0).abs() < 1e-6 && (fit.x[1] - 0.7).abs() < 1e-6, "{:?}", fit.x);
+        let tried = problem.1.borrow();
+        // 1, 1.25, ... 3: a model that is nearly linear in it takes whole steps
+        assert!((tried[1] - 1.25).abs() < 1e-9 && tried.len() > 8, "{tried:?}");
+        assert!(tried.windows(2).all(|w| w[1] - w[0] < 0.25 + 1e-9), "{tried:?}");
     }
 
     #[test]
