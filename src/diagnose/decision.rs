@@ -19,6 +19,9 @@ const MIN_GAIN: f64 = 0.01;
 const LEFT_OVER: f64 = 0.2;
 /// What is known of the noise is too little by up to this factor, if it is coloured.
 const NOISE_MARGIN: f64 = 1.4;
+/// An error of so many times the noise is no noise, even if nothing can be said of it: of models that lack
+/// nothing the largest ratio in the blind study was 1.4.
+const FAR: f64 = 2.0;
 /// Probability of chance below which what can be foretold counts, and the share from which on.
 const FORETOLD_LEVEL: f64 = 0.01;
 const MIN_FORETOLD: f64 = 0.03;
@@ -232,6 +235,8 @@ pub(super) struct Left {
     common: Option<locate::Common>,
     /// What can be foretold in one channel, the most important one.
     structure: Option<locate::Structure>,
+    /// The channel whose error is the most times its noise, and how many, if they are too many.
+    far: Option<(usize, f64)>,
     /// The signals that it depends on.
     depends_on: Vec<String>,
     /// Weighted squared error of the check runs that is foretold, or shared, or far above the noise where
@@ -268,22 +273,29 @@ impl Left {
             let numbers = pair.filter_map(|v| channels.iter().position(|c| c.variable == *v));
             common.share * numbers.map(|c| errors[c]).sum::<f64>()
         });
-        let beyond = |c: usize| {
-            let noise = locate::noise(runs, &check.simulated, c).unwrap_or(f64::INFINITY);
-            let samples: usize = runs.iter().map(|r| r.time.len()).sum();
-            errors[c] - samples as f64 * (NOISE_MARGIN * noise * study.weights[c]).powi(2)
-        };
-        let beyond: f64 = if common.is_some() || structure.is_some() {
-            (0..study.weights.len()).map(|c| beyond(c).max(0.0)).sum()
+        let samples: usize = runs.iter().map(|r| r.time.len()).sum();
+        let squared_noise: Vec<f64> = (0..study.weights.len())
+            .map(|c| {
+                let noise = locate::noise(runs, &check.simulated, c).unwrap_or(f64::INFINITY);
+                samples as f64 * (noise * study.weights[c]).powi(2)
+            })
+            .collect();
+        let far = (0..study.weights.len())
+            .map(|c| (c, (errors[c] / squared_noise[c]).sqrt()))
+            .filter(|(_, ratio)| ratio.is_finite() && *ratio > FAR)
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let beyond: f64 = if common.is_some() || structure.is_some() || far.is_some() {
+            let beyond = |(e, n): (&f64, &f64)| (e - NOISE_MARGIN.powi(2) * n).max(0.0);
+            errors.iter().zip(&squared_noise).map(beyond).sum()
         } else {
             0.0
         };
-        let depends_on = match (&structure, &common) {
-            (Some(s), _) => s.depends_on.clone(),
-            (None, Some(_)) => locate::depends_on(runs, &check.simulated, &subject.interface, roles),
-            (None, None) => Vec::new(),
+        let depends_on = match (&structure, &common, far) {
+            (Some(s), ..) => s.depends_on.clone(),
+            (None, None, None) => Vec::new(),
+            _ => locate::depends_on(runs, &check.simulated, &subject.interface, roles),
         };
-        Self { common, structure, depends_on, error: foretold.max(shared).max(beyond) }
+        Self { common, structure, far, depends_on, error: foretold.max(shared).max(beyond) }
     }
 
     /// Whether it is worth a word beside effects that have taken away `explained`.
@@ -291,7 +303,7 @@ impl Left {
         if explained > 0.0 {
             self.error > LEFT_OVER * (explained + self.error)
         } else {
-            self.common.is_some() || self.structure.is_some()
+            self.common.is_some() || self.structure.is_some() || self.far.is_some()
         }
     }
 
@@ -325,7 +337,15 @@ impl Left {
                     s.p
                 ),
             ),
-            (None, None) => ("", Vec::new(), String::new()),
+            (None, None) => {
+                let (channel, ratio) = self.far.unwrap_or_default();
+                let channel = study.check_runs.first().and_then(|r| r.channels.get(channel));
+                (
+                    "Something that no signal foretells",
+                    channel.iter().map(|c| name_of(c.variable)).collect(),
+                    format!("The error of the check runs is {ratio:.1} times the noise."),
+                )
+            }
         };
         Finding {
             effect: "unknown".into(),

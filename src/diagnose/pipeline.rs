@@ -160,13 +160,16 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     faults.extend(faults_against(&study, &subject, &base.model, &all_runs, &recordings, &names)?);
     let fatal = faults.iter().any(|f| f.severity == hygiene::Severity::Fatal);
 
-    let base_model = base.model.clone();
+    let mut base_model = base.model.clone();
     let found = if fatal {
         Found::nothing(base, base_rest)
     } else {
         search(&mut study, &subject, &roles, &nominal, (base, base_rest), progress)?
     };
-    let Found { mut current, check: mut current_check, base_check: base_rest, .. } = found;
+    let Found { mut current, check: mut current_check, base_check: mut base_rest, .. } = found;
+    // what is handed on has the model's own steps
+    let was_coarse = !std::ptr::eq(study.bench, &bench);
+    study.bench = &bench;
     let (mut findings, mut unknown, candidates) = (found.findings, found.unknown, found.candidates);
     let fine: Vec<(Run, Use)>;
     if !current.model.effects.is_empty() {
@@ -177,7 +180,6 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
             |wanted: Use| fine.iter().filter(|(_, u)| *u == wanted).map(|(r, _)| r).collect::<Vec<&Run>>();
         study.fit_runs = of(Use::Fit);
         study.check_runs = of(Use::Check);
-        study.bench = &bench;
         let known = study.slow.then_some(&current.fit.jacobian);
         current = study.fit_near(&current.model, FINAL, known)?;
         current_check = study.rest(&current.model, &study.check_runs)?;
@@ -186,6 +188,13 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         {
             finding.parameters = estimates;
         }
+    } else if was_coarse {
+        current = study.fit_near(&current.model, FINAL, Some(&current.fit.jacobian))?;
+        current_check = study.rest(&current.model, &check_runs)?;
+        base_model = current.model.clone();
+    }
+    if was_coarse {
+        base_rest = study.rest(&base_model, &check_runs)?;
     }
     let noise: Vec<Option<f64>> =
         (0..study.weights.len()).map(|c| locate::noise(&check_runs, &base_rest.simulated, c)).collect();

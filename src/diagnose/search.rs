@@ -64,12 +64,14 @@ pub(super) fn search(
         let screened = screen(study, subject, roles, &found.current, &fit)?;
         progress("fitting effects inside the simulation", progressed + 0.05);
         // what is found first unbends parameters
-        let nominal = (round == 0).then_some(nominal);
+        let nominal = (round == 0 && !study.slow).then_some(nominal);
         let mut tried: Vec<Tried> = begin(study, subject, roles, &found.current, nominal, &screened, round)
             .into_iter()
             .filter_map(|begun| begun.finish(study, &fit, &found.check))
             .collect();
-        polish(study, &mut tried, &fit, &found.check);
+        if !study.slow {
+            polish(study, &mut tried, &fit, &found.check);
+        }
         let (check, base) = (&found.check, &found.base_check);
         match decide(study, subject, &tried, check, base, round, &mut found.candidates) {
             Decision::Nothing => break,

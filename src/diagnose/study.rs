@@ -19,6 +19,8 @@ const STEP: f64 = 1e-3;
 const MAX_FREE: usize = 14;
 /// Runs that they are chosen with, if the model takes long.
 const SLOW_RUNS: usize = 3;
+/// Steps of a fit at most, then.
+const SLOW_STEPS: usize = 6;
 /// A model that needs more time for a second of a recording takes long \[s\].
 const SLOW: f64 = 5e-3;
 /// Simulations are alike if they differ by less than this share of what is left.
@@ -182,7 +184,7 @@ impl Study<'_> {
     pub fn fit(&self, model: &Model, iterations: usize) -> Result<Fitted> {
         if self.slow && iterations > 1 {
             let first = self.fit_near(model, 1, None)?;
-            return self.fit_near(model, iterations, Some(&first.fit.jacobian));
+            return self.fit_near(model, iterations.min(SLOW_STEPS), Some(&first.fit.jacobian));
         }
         self.fit_near(model, iterations, None)
     }

@@ -183,8 +183,9 @@ pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, 
             )
         }
         (Verdict::Unknown, [first, ..]) if first.parameters.is_empty() => format!(
-            "Something is missing that has no name here: {} have errors in common that depend on {}. Nothing that was tried explains them on other runs, so the model is only refitted.",
+            "Something is missing that has no name here: {} {} on {}. Nothing that was tried explains that on other runs, so the model is only refitted.",
             first.channels.join(" and "),
+            if first.channels.len() > 1 { "have errors in common that depend" } else { "has an error that is no noise and depends" },
             if first.depends_on.is_empty() { "nothing that was recorded".to_owned() } else { first.depends_on.join(", ") }
         ),
         (Verdict::Unknown, [first, ..]) => format!(
