@@ -90,9 +90,9 @@ fn the_tables_are_whole() {
             assert!(find(other).is_some() && *other != id, "{id} is confused with {other}");
             assert!(how.len() > 3, "{id}, {other}");
         }
-        assert!(effect.drivers.len() <= 3, "{id}");
+        assert!(effect.drivers.len() <= MAX_DRIVERS, "{id}");
         assert!(amplitudes(effect).next().is_some(), "{id} cannot be switched off");
-        assert!(effect.parameters.iter().filter(|p| p.off.is_none()).count() <= 2, "{id}: many shapes");
+        assert!(effect.parameters.iter().filter(|p| p.off.is_none()).count() <= 3, "{id}: many shapes");
         if effect.port == Port::Force {
             assert_eq!(effect.targets, [Role::Force], "{id}");
         }
