@@ -335,3 +335,25 @@ fn implausible(model: &Model) -> Option<String> {
             .then(|| format!("{} = {:.3e} is not plausible for this name", p.name, v * scale))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_beginning_of_a_run_is_that_of_its_drive_and_samples() {
+        let course = |n: usize| (0..n).map(|k| k as f64).collect::<Vec<f64>>();
+        // 10 s of it, two communication steps for a sample
+        let drive = Drive { start: 1.0, step: 0.05, inputs: vec![(0, course(201))], points: 201 };
+        let time: Vec<f64> = (0..101).map(|k| 1.0 + 0.1 * f64::from(k)).collect();
+        let channels = vec![Channel { variable: 1, values: course(101), counts: true }];
+        let run = Run { name: "a.csv".into(), drive: Arc::new(drive), time, channels };
+        let piece = beginning(&run);
+        assert_eq!((piece.drive.points, piece.time.len()), (61, 31));
+        assert_eq!(piece.drive.inputs, [(0, course(61))]);
+        assert_eq!(piece.channels, [Channel { variable: 1, values: course(31), counts: true }]);
+        // a shorter run is left as it is
+        let whole = beginning(&piece);
+        assert_eq!((whole.drive, whole.time), (piece.drive, piece.time));
+    }
+}

@@ -342,23 +342,30 @@ impl Study<'_> {
     pub fn weigh(&mut self, runs: &[&Run], rest: &Rest) {
         let mut spans = Vec::new();
         for (c, weight) in self.weights.iter_mut().enumerate() {
-            let (mut error, mut size, mut n) = (0.0, 0.0, 0.0);
+            let (mut error, mut n) = (0.0, 0.0);
             for (run, traces) in runs.iter().zip(&rest.simulated) {
                 let Some(channel) = run.channels.get(c) else { continue };
                 let difference: Vec<f64> =
                     traces[c].iter().zip(&channel.values).map(|(s, m)| s - m).collect();
                 error += difference.iter().map(|d| d * d).sum::<f64>();
-                size += about_line(&channel.values);
                 n += channel.values.len() as f64;
                 spans.push(redundancy(&difference));
             }
             if n > 0.0 && error > 0.0 {
-                *weight = 1.0 / (error / n).sqrt().max(1e-3 * (size / n).sqrt());
+                *weight = 1.0 / (error / n).sqrt().max(negligible(runs, c));
             }
         }
         spans.sort_by(f64::total_cmp);
         self.redundancy = spans.get(spans.len() / 2).copied().unwrap_or(1.0).max(1.0);
     }
+}
+
+/// An error of a channel that is too small to say anything: a thousandth of what it moves.
+pub(super) fn negligible(runs: &[&Run], channel: usize) -> f64 {
+    let channels = || runs.iter().filter_map(|r| r.channels.get(channel));
+    let size: f64 = channels().map(|c| about_line(&c.values)).sum();
+    let n: usize = channels().map(|c| c.values.len()).sum();
+    1e-3 * (size / n.max(1) as f64).sqrt()
 }
 
 /// Squared distances of values from the line through them: an angle that grows and grows is not more

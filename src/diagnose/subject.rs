@@ -201,3 +201,19 @@ fn free_parameters(
     }
     Ok(free)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_copy_with_longer_steps_is_made_unless_the_user_has_chosen_one() {
+        let subject = Subject::load("ring-brush-flat-track", &Settings::default()).unwrap();
+        let step = subject.interface.index("step_size").unwrap();
+        // 0.1 ms by itself, at most 0.5 ms
+        assert_eq!(subject.coarse(), Some(vec![(step, Value::Real(4e-4))]));
+        let file = "[parameters]\nstep_size = 2e-4\n";
+        let chosen = Settings::parse(file, "own.toml").unwrap();
+        assert_eq!(Subject::load("ring-brush-flat-track", &chosen).unwrap().coarse(), None);
+    }
+}

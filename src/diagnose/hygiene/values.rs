@@ -380,3 +380,34 @@ fn coarse(channel: &Channel, look: &Look) -> Option<Fault> {
         ..fault(FaultKind::CoarseQuantisation, Severity::Note, channel, look.step, &channel.unit)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sine of 2 Hz with noise, quantised, cut off above `rail`: so fast that it stays there for a few samples.
+    fn sine(rail: f64) -> Recording {
+        let (mut seed, step) = (7_u64, 5e-3);
+        let mut noise = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 40) as f64 / (1_u64 << 24) as f64 - 0.5
+        };
+        let time: Vec<f64> = (0..800).map(|k| 0.01 * f64::from(k)).collect();
+        let value = |t: &f64| {
+            let clean = (2.0 * std::f64::consts::TAU * t).sin() + 0.06 * noise();
+            (clean.min(rail) / step).round() * step
+        };
+        let values = time.iter().map(value).collect();
+        let channel = Channel { name: "velocity".into(), unit: "m/s".into(), values };
+        Recording { time, channels: vec![channel], ..Recording::default() }
+    }
+
+    #[test]
+    fn a_rail_shows_in_short_visits() {
+        let kinds = |rail: f64| -> Vec<FaultKind> {
+            faults_of_values(&sine(rail)).faults.iter().map(|f| f.kind).collect()
+        };
+        assert_eq!(kinds(2.0), []);
+        assert_eq!(kinds(0.95), [FaultKind::Saturated]);
+    }
+}
