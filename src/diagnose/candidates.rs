@@ -1,15 +1,17 @@
 //! Candidates: effects screened at all their places, and the best of them fitted inside the simulation.
 
 use super::blocks::{differences, sign_flip};
+use super::excerpt::{beginning, coarser};
 use super::placement::{Placement, Site, is_tunable, sizes};
 use super::roles::Roles;
 use super::screen::{MAX_SHAPES, Screen, Screened};
 use super::study::{Fitted, Model, Rest, Study};
 use super::subject::Subject;
-use crate::effect::{Effect, catalogue, empirical};
-use crate::fit::{Channel, Drive, Run, Traces};
+use crate::effect::{Effect, Port, catalogue, empirical};
+use crate::fit::{Drive, Run, Traces};
 use crate::model::Causality;
 use crate::{Error, Result};
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Named effects that are fitted inside the simulation, in the first round and later.
@@ -21,12 +23,14 @@ const SCREENED: usize = 4;
 /// Runs that all of them are screened with.
 const FIRST: usize = 2;
 /// What is screened of each run of a model that takes long \[s\].
-const PIECE: f64 = 3.0;
+const PIECE: f64 = 2.0;
 /// Named and nameless placements, each, that are screened with more runs.
 const KEPT: usize = 30;
 /// The same for a model that takes long, and the shapes that are tried of an effect inside of it.
 const SHAPES_SLOW: usize = 2;
 const KEPT_SLOW: usize = 10;
+/// Signals that functions without a name are tried with at one place inside of a model that takes long.
+const DRIVERS_SLOW: usize = 2;
 /// An effect that promises less of the squared error of the fit runs is not fitted.
 const MIN_PROMISE: [f64; 2] = [0.005, 0.015];
 
@@ -71,48 +75,9 @@ fn some_of(study: &Study<'_>, rest: &Rest) -> Vec<usize> {
     let mut chosen: Vec<usize> = order.iter().copied().take(SCREENED.div_ceil(2)).collect();
     let n = SCREENED - chosen.len();
     chosen.extend((0..n).map(|i| (2 * i + 1) * count / (2 * n)));
-    let mut seen = std::collections::BTreeSet::new();
+    let mut seen = BTreeSet::new();
     chosen.retain(|i| seen.insert(*i));
     chosen
-}
-
-/// The first seconds of a run.
-fn beginning(run: &Run) -> Run {
-    let drive = &run.drive;
-    let points = drive.points.min((PIECE / drive.step).ceil() as usize + 1);
-    let end = drive.time(points - 1);
-    let samples = run.time.partition_point(|t| *t <= end);
-    let first = |values: &Vec<f64>, n: usize| values[..n.min(values.len())].to_vec();
-    let drive = Drive {
-        start: drive.start,
-        step: drive.step,
-        inputs: drive.inputs.iter().map(|(v, values)| (*v, first(values, points))).collect(),
-        points,
-    };
-    let channel = |c: &Channel| Channel { values: first(&c.values, samples), ..c.clone() };
-    Run {
-        name: run.name.clone(),
-        drive: Arc::new(drive),
-        time: first(&run.time, samples),
-        channels: run.channels.iter().map(channel).collect(),
-    }
-}
-
-/// The same run with one communication step for each sample, if it has more: enough to rank effects.
-fn coarser(run: &Run) -> Run {
-    let drive = &run.drive;
-    let parts = drive.points.saturating_sub(1) / run.time.len().saturating_sub(1).max(1);
-    if parts < 2 || !(drive.points - 1).is_multiple_of(parts) {
-        return run.clone();
-    }
-    let thin = |values: &Vec<f64>| values.iter().step_by(parts).copied().collect();
-    let drive = Drive {
-        start: drive.start,
-        step: drive.step * parts as f64,
-        inputs: drive.inputs.iter().map(|(v, values)| (*v, thin(values))).collect(),
-        points: (drive.points - 1) / parts + 1,
-    };
-    Run { drive: Arc::new(drive), ..run.clone() }
 }
 
 /// All that the catalogue and the empirical functions offer on this model, screened: all with two runs,
@@ -126,7 +91,7 @@ pub(super) fn screen(
 ) -> Result<Vec<Screened>> {
     let interface = &subject.interface;
     let chosen = some_of(study, current_fit);
-    let whole = |run: &Run| if study.slow { beginning(run) } else { run.clone() };
+    let whole = |run: &Run| if study.slow { beginning(run, PIECE) } else { run.clone() };
     let coarse: Vec<Run> = chosen.iter().map(|i| coarser(&whole(study.fit_runs[*i]))).collect();
     let runs: Vec<&Run> = coarse.iter().collect();
     let part = |(run, i): (&&Run, &usize)| -> Traces {
@@ -141,7 +106,7 @@ pub(super) fn screen(
         .filter(|(_, v)| v.is_real() && matches!(v.causality, Causality::Input | Causality::Output))
         .map(|(i, _)| i)
         .chain(runs.iter().flat_map(|r| r.channels.iter().map(|c| c.variable)))
-        .collect::<std::collections::BTreeSet<usize>>()
+        .collect::<BTreeSet<usize>>()
         .into_iter()
         .collect();
     let point = Study::point(&current.model);
@@ -192,10 +157,24 @@ pub(super) fn screen(
             .iter()
             .any(|(p, _)| p.effect.id == placement.effect.id && p.targets == placement.targets)
     };
+    let few = |placements: Vec<Placement>| -> Vec<Placement> {
+        let is_inside = placements.first().is_some_and(|p| p.port != Port::Output);
+        if !(study.slow && is_inside && placements.first().is_some_and(|p| empirical::is(p.effect))) {
+            return placements;
+        }
+        // functions of any signal at any place inside of a model would take longer than all names
+        let mut count = BTreeMap::new();
+        let one_more = |p: &Placement| {
+            let n = count.entry(p.targets.clone()).or_insert(0);
+            *n += 1;
+            *n <= DRIVERS_SLOW
+        };
+        placements.into_iter().filter(one_more).collect()
+    };
     let placements: Vec<Placement> = catalogue::EFFECTS
         .iter()
         .chain(empirical::EFFECTS)
-        .flat_map(|effect: &'static Effect| site.placements(effect))
+        .flat_map(|effect: &'static Effect| few(site.placements(effect)))
         .filter(|p| !known(p))
         .collect();
     let places = |id: &str| placements.iter().filter(|p| p.effect.id == id).count();
@@ -334,26 +313,4 @@ fn implausible(model: &Model) -> Option<String> {
         (*v < low - slack || *v > high + slack)
             .then(|| format!("{} = {:.3e} is not plausible for this name", p.name, v * scale))
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_beginning_of_a_run_is_that_of_its_drive_and_samples() {
-        let course = |n: usize| (0..n).map(|k| k as f64).collect::<Vec<f64>>();
-        // 10 s of it, two communication steps for a sample
-        let drive = Drive { start: 1.0, step: 0.05, inputs: vec![(0, course(201))], points: 201 };
-        let time: Vec<f64> = (0..101).map(|k| 1.0 + 0.1 * f64::from(k)).collect();
-        let channels = vec![Channel { variable: 1, values: course(101), counts: true }];
-        let run = Run { name: "a.csv".into(), drive: Arc::new(drive), time, channels };
-        let piece = beginning(&run);
-        assert_eq!((piece.drive.points, piece.time.len()), (61, 31));
-        assert_eq!(piece.drive.inputs, [(0, course(61))]);
-        assert_eq!(piece.channels, [Channel { variable: 1, values: course(31), counts: true }]);
-        // a shorter run is left as it is
-        let whole = beginning(&piece);
-        assert_eq!((whole.drive, whole.time), (piece.drive, piece.time));
-    }
 }

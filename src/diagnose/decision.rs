@@ -5,7 +5,7 @@ use super::candidates::Tried;
 use super::locate;
 use super::result::{Alternative, Candidate, Finding};
 use super::roles::Roles;
-use super::study::{Rest, Study, negligible};
+use super::study::{Fitted, Rest, Study, negligible};
 use super::subject::Subject;
 use super::tables::estimates;
 use crate::effect::{Effect, empirical};
@@ -246,7 +246,13 @@ pub(super) struct Left {
 
 impl Left {
     /// Looks at what a model leaves of the fit runs and the check runs.
-    pub(super) fn of(study: &Study<'_>, subject: &Subject, roles: &Roles, fit: &Rest, check: &Rest) -> Self {
+    pub(super) fn of(
+        study: &Study<'_>,
+        subject: &Subject,
+        roles: &Roles,
+        current: &Fitted,
+        (fit, check): (&Rest, &Rest),
+    ) -> Self {
         let runs = &study.check_runs;
         let errors = check.by_channel();
         let before = locate::Seen { runs: &study.fit_runs, simulated: &fit.simulated };
@@ -254,7 +260,8 @@ impl Left {
         let mut foretold = 0.0;
         let mut structure = None;
         let mut most = 0.0;
-        for s in locate::structure(before, then, &subject.interface, roles) {
+        let wandering = study.wandering(current, (fit, check));
+        for s in locate::structure(before, then, &wandering, &subject.interface, roles) {
             if s.p < FORETOLD_LEVEL && s.share > MIN_FORETOLD {
                 let part = s.share * errors[s.channel];
                 foretold += part;
@@ -335,8 +342,11 @@ impl Left {
                 "Something that other signals foretell",
                 study.check_runs.first().iter().map(|r| name_of(r.channels[s.channel].variable)).collect(),
                 format!(
-                    "Functions of {} that were found in the fit runs foretell {:.0} % of the squared error of the check runs; chance does so with a probability of {:.1e}.",
+                    "Functions of {}{} that were found in the fit runs foretell {:.0} % of the squared error of the check runs; chance does so with a probability of {:.1e}.",
                     s.depends_on.join(", "),
+                    s.through
+                        .as_ref()
+                        .map_or(String::new(), |p| format!(", by which {p} would have to change,")),
                     100.0 * s.share,
                     s.p
                 ),

@@ -4,6 +4,7 @@ mod begin;
 mod blocks;
 mod candidates;
 mod decision;
+mod excerpt;
 pub mod hygiene;
 pub mod loads;
 pub mod locate;

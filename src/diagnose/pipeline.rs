@@ -2,27 +2,29 @@
 
 use super::blocks::{differences, sign_flip};
 use super::decision::LEVEL;
+use super::excerpt::finer;
 use super::reading::{fault, faults_against, read_folder, same_channels, shortest_interval};
 use super::result::{Diagnosis, Estimate, RunUse, Use, Verdict};
 use super::roles::Roles;
-use super::runs::{Map, prepare, uses};
+use super::runs::{Map, prepare, some_like_all, uses};
 use super::search::{Found, search};
-use super::study::{Study, first_weights};
+use super::study::{Model, Study, first_weights};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
 use super::{hygiene, locate};
 use crate::Result;
 use crate::effect::Role;
-use crate::fit::{Bench, Drive, Run};
+use crate::fit::{Bench, Run};
 use crate::model::{Causality, Settings};
 use crate::recording::Recording;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// Iterations of the fits before the channels have their weights, and of those after, which end by
 /// themselves before that as a rule.
 const FIRST: usize = 8;
 pub(super) const FINAL: usize = 25;
+/// Runs that a model that takes long is fitted to until the end.
+const SLOW_RUNS: usize = 4;
 /// A lag of all channels up to this share of the sampling interval is the recorder's filter, no finding.
 const RECORDER_LAG: f64 = 0.3;
 
@@ -67,6 +69,10 @@ pub struct CheckTraces {
     pub before: Recording,
     /// The corrected model's.
     pub after: Recording,
+}
+
+fn is_fatal(fault: &hygiene::Fault) -> bool {
+    fault.severity == hygiene::Severity::Fatal
 }
 
 /// Diagnoses a model against a folder of recordings. `progress` is told what is being done and how far
@@ -124,16 +130,26 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         slow: false,
     };
     let check_runs = study.check_runs.clone();
-    let fit_runs = study.fit_runs.clone();
-    study.weights = first_weights(&fit_runs);
-    study.lag = RECORDER_LAG * shortest_interval(&fit_runs);
+    study.weights = first_weights(&study.fit_runs);
+    study.lag = RECORDER_LAG * shortest_interval(&study.fit_runs);
 
     progress("fitting the model's own parameters", 0.05);
     study.time_it()?;
+    if study.slow {
+        let courses: Vec<Vec<&[f64]>> = study
+            .fit_runs
+            .iter()
+            .map(|run| run.drive.inputs.iter().map(|(_, values)| &values[..]).collect())
+            .collect();
+        study.fit_runs = some_like_all(&courses, SLOW_RUNS).into_iter().map(|i| study.fit_runs[i]).collect();
+    }
+    let fit_runs = study.fit_runs.clone();
     study.choose_free(&subject.free)?;
     let nominal = study.nominal();
     let mut base = study.fit(&nominal, FIRST)?;
-    for iterations in [FIRST, FINAL] {
+    // a model that takes long is fitted once more only
+    let more = if study.slow { &[FINAL][..] } else { &[FIRST, FINAL] };
+    for iterations in more.iter().copied() {
         let rest = study.rest(&base.model, &fit_runs)?;
         study.weigh(&fit_runs, &rest);
         base = study.fit(&base.model, iterations)?;
@@ -144,7 +160,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         study.bench = &bench;
         let fine = study.rest(&base.model, &check_runs)?;
         if !study.is_alike(&base_rest, &fine) {
-            base = study.fit_near(&base.model, FINAL, Some(&base.fit.jacobian))?;
+            base = study.fit_on(&base, FINAL)?;
             base_rest = study.rest(&base.model, &check_runs)?;
         } else if let Some(coarse) = &coarse {
             study.bench = coarse;
@@ -157,43 +173,49 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
             && f.channel.as_deref().is_some_and(is_input))
     });
     let all_runs: Vec<&Run> = runs.iter().map(|(run, _)| run).collect();
-    faults.extend(faults_against(&study, &subject, &base.model, &all_runs, &recordings, &names)?);
-    let fatal = faults.iter().any(|f| f.severity == hygiene::Severity::Fatal);
-
+    let against = |study: &Study<'_>, model: &Model| {
+        faults_against(study, &subject, model, &all_runs, &recordings, &names)
+    };
+    faults.extend(against(&study, &base.model)?);
     let mut base_model = base.model.clone();
-    let found = if fatal {
+    let found = if faults.iter().any(|f| is_fatal(f) && !f.kind.is_of_some_runs()) {
         Found::nothing(base, base_rest)
     } else {
-        search(&mut study, &subject, &roles, &nominal, (base, base_rest), progress)?
+        let fallback = base.clone();
+        let found = search(&mut study, &subject, &roles, &nominal, (base, base_rest), progress)?;
+        if faults.iter().any(is_fatal) {
+            // what single runs have may be physics: of a fault that is there no effect makes runs like the others
+            let there = against(&study, &found.current.model)?;
+            faults.retain(|f| !is_fatal(f) || there.iter().any(|t| t.is_of(f)));
+        }
+        if faults.iter().any(is_fatal) { Found::nothing(fallback, found.base_check) } else { found }
     };
+    let fatal = faults.iter().any(is_fatal);
     let Found { mut current, check: mut current_check, base_check: mut base_rest, .. } = found;
     // what is handed on has the model's own steps
-    let was_coarse = !std::ptr::eq(study.bench, &bench);
     study.bench = &bench;
     let (mut findings, mut unknown, candidates) = (found.findings, found.unknown, found.candidates);
-    let fine: Vec<(Run, Use)>;
+    let of_fine = |coarse: &[&Run]| coarse.iter().map(|run| finer(run)).collect::<Vec<Run>>();
+    let (fine_fit, fine_check);
     if !current.model.effects.is_empty() {
         // effects act at communication points: what is handed on is fitted where shorter steps change nothing
         progress("fitting the corrected model with short steps", 0.9);
-        fine = runs.iter().map(|(run, use_)| (finer(run), *use_)).collect();
-        let of =
-            |wanted: Use| fine.iter().filter(|(_, u)| *u == wanted).map(|(r, _)| r).collect::<Vec<&Run>>();
-        study.fit_runs = of(Use::Fit);
-        study.check_runs = of(Use::Check);
-        let known = study.slow.then_some(&current.fit.jacobian);
-        current = study.fit_near(&current.model, FINAL, known)?;
+        (fine_fit, fine_check) = (of_fine(&study.fit_runs), of_fine(&study.check_runs));
+        study.fit_runs = fine_fit.iter().collect();
+        study.check_runs = fine_check.iter().collect();
+        current = study.fit_on(&current, FINAL)?;
         current_check = study.rest(&current.model, &study.check_runs)?;
         for (finding, estimates) in
             findings.iter_mut().chain(&mut unknown).zip(all_estimates(&study, &current))
         {
             finding.parameters = estimates;
         }
-    } else if was_coarse {
-        current = study.fit_near(&current.model, FINAL, Some(&current.fit.jacobian))?;
+    } else if study.slow {
+        current = study.fit_on(&current, FINAL)?;
         current_check = study.rest(&current.model, &check_runs)?;
         base_model = current.model.clone();
     }
-    if was_coarse {
+    if study.slow {
         base_rest = study.rest(&base_model, &check_runs)?;
     }
     let noise: Vec<Option<f64>> =
@@ -246,31 +268,4 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         intervals.extend(placement.targets.iter().map(|_| own.clone()));
     }
     Ok(Outcome { diagnosis, parameters, attachments, intervals, check, subject })
-}
-
-/// The same run with a quarter of the communication step.
-fn finer(run: &Run) -> Run {
-    const PARTS: usize = 4;
-    let drive = &run.drive;
-    let points = (drive.points - 1) * PARTS + 1;
-    let refine = |values: &Vec<f64>| {
-        (0..points)
-            .map(|k| {
-                let (i, part) = (k / PARTS, k % PARTS);
-                let next = values[(i + 1).min(values.len() - 1)];
-                if part == 0 {
-                    values[i]
-                } else {
-                    values[i] + (next - values[i]) * part as f64 / PARTS as f64
-                }
-            })
-            .collect()
-    };
-    let drive = Drive {
-        start: drive.start,
-        step: drive.step / PARTS as f64,
-        inputs: drive.inputs.iter().map(|(v, values)| (*v, refine(values))).collect(),
-        points,
-    };
-    Run { drive: Arc::new(drive), ..run.clone() }
 }

@@ -1,7 +1,8 @@
 //! Where on a model an effect can sit: target, drivers, and natural sizes of its parameters there.
 
+use super::locate::TIME;
 use super::roles::Roles;
-use crate::effect::{Attachment, Chosen, Effect, Parameter, Port, Role, Signal, Source};
+use crate::effect::{Attachment, Chosen, Effect, Parameter, Port, Role, Signal, Source, empirical};
 use crate::fit::{Drive, Traces};
 use crate::model::unit::Unit;
 use crate::model::{Causality, Interface, Kind, Variability};
@@ -73,8 +74,11 @@ impl Placement {
         self.targets.iter().map(at).collect()
     }
 
-    /// Names of what it depends on.
+    /// Names of what it depends on; the time, for a function without a name that no signal drives.
     pub fn depends_on(&self, interface: &Interface) -> Vec<String> {
+        if self.drivers.is_empty() && empirical::is(self.effect) {
+            return vec![TIME.into()];
+        }
         self.drivers
             .iter()
             .map(|signal| {

@@ -121,11 +121,28 @@ pub fn uses(folder: &Path, names: &[String], inputs: &[Vec<&[f64]>]) -> Result<V
     Ok(uses)
 }
 
-/// A third of the runs for checking. `inputs` has the courses of the same inputs for each run. The runs to check
-/// are at first the middle of every three, and then changed for others as long as that makes the two sets
-/// more alike: in how much and around what each input moves, and which of them move together. A programme
+/// A third of the runs for checking, the middle of every three changed for what is like the others: a programme
 /// often repeats itself, and a set that lacks one kind of run checks nothing there.
 fn split(inputs: &[Vec<&[f64]>]) -> Vec<Use> {
+    let checked = evened(inputs, (0..inputs.len()).map(|i| i % 3 == 1).collect());
+    checked.into_iter().map(|c| if c { Use::Check } else { Use::Fit }).collect()
+}
+
+/// Numbers of `count` runs at most that are like the others in what `inputs` do.
+pub fn some_like_all(inputs: &[Vec<&[f64]>], count: usize) -> Vec<usize> {
+    let n = inputs.len();
+    if n <= count {
+        return (0..n).collect();
+    }
+    let chosen: Vec<usize> = (0..count).map(|i| (2 * i + 1) * n / (2 * count)).collect();
+    let chosen = evened(inputs, (0..n).map(|i| chosen.contains(&i)).collect());
+    (0..n).filter(|i| chosen[*i]).collect()
+}
+
+/// Runs are marked or not; marks are exchanged as long as that makes the two sets more alike: in how much and
+/// around what each input moves, and which of them move together. `inputs` has the courses of the same inputs
+/// for each run.
+fn evened(inputs: &[Vec<&[f64]>], mut checked: Vec<bool>) -> Vec<bool> {
     let mut traits: Vec<Vec<f64>> = inputs.iter().map(|run| traits(run)).collect();
     let n = traits.len();
     let count = traits.iter().map(Vec::len).min().unwrap_or(0);
@@ -136,7 +153,6 @@ fn split(inputs: &[Vec<&[f64]>]) -> Vec<Use> {
         let scale = if spread > 1e-6 * mean.abs() { 1.0 / spread } else { 0.0 };
         traits.iter_mut().for_each(|t| t[k] = (t[k] - mean) * scale);
     }
-    let mut checked: Vec<bool> = (0..n).map(|i| i % 3 == 1).collect();
     let unlike = |checked: &[bool]| -> f64 {
         (0..count)
             .map(|k| {
@@ -166,7 +182,7 @@ fn split(inputs: &[Vec<&[f64]>]) -> Vec<Use> {
         checked.swap(i, j);
         least = now;
     }
-    checked.into_iter().map(|c| if c { Use::Check } else { Use::Fit }).collect()
+    checked
 }
 
 /// Mean and movement of each input of a run, and the common movement of each two.

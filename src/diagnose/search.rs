@@ -87,7 +87,7 @@ pub(super) fn search(
             }
             Decision::Unnamed(i, mut finding) => {
                 // the function is of one signal; more may be known of what it should have been of
-                let left = Left::of(study, subject, roles, &fit, &found.check);
+                let left = Left::of(study, subject, roles, &found.current, (&fit, &found.check));
                 if let Some(signals) = left.depends_on() {
                     finding.depends_on = signals;
                 }
@@ -100,7 +100,7 @@ pub(super) fn search(
         }
     }
     progress("locating what is left", 0.88);
-    let left = Left::of(study, subject, roles, &fit, &found.check);
+    let left = Left::of(study, subject, roles, &found.current, (&fit, &found.check));
     if left.counts(found.base_check.total - found.check.total) {
         found.unknown = Some(left.finding(subject, study));
     }

@@ -1,6 +1,8 @@
 //! [`Study`]: a model, its runs, and the fits of the model with effects to them.
 
 use super::blocks::redundancy;
+use super::excerpt::beginning;
+use super::locate::Sensitivity;
 use super::placement::Placement;
 use super::subject::FreeParameter;
 use crate::effect::Parameter;
@@ -15,10 +17,14 @@ const PRIOR: f64 = 0.3;
 const REACH: f64 = 1.0;
 /// Step of differences for parameters, as a share.
 const STEP: f64 = 1e-3;
+/// Steps are so many times as long if the model takes long: those have many small parts that hold and let go,
+/// and what a short step changes is mostly that.
+const WIDE: f64 = 50.0;
 /// Parameters that are fitted at most; those with the most effect on the outputs.
 const MAX_FREE: usize = 14;
-/// Runs that they are chosen with, if the model takes long.
-const SLOW_RUNS: usize = 3;
+/// The same if the model takes long, and what they are chosen with of each run \[s\].
+const MAX_FREE_SLOW: usize = 10;
+const SLOW_PIECE: f64 = 3.0;
 /// Steps of a fit at most, then.
 const SLOW_STEPS: usize = 6;
 /// A model that needs more time for a second of a recording takes long \[s\].
@@ -27,6 +33,9 @@ const SLOW: f64 = 5e-3;
 const ALIKE: f64 = 0.3;
 /// A parameter that moves the outputs by less than this share of their size, over its whole prior, stays.
 const MIN_EFFECT: f64 = 1e-3;
+/// Windows of a run that a parameter may have values of its own in, and parameters that this is looked at of.
+const WINDOWS: usize = 12;
+const WANDERING: usize = 2;
 /// Blocks of a run that errors are compared over, at most and at least.
 const BLOCKS: usize = 24;
 const FEW_BLOCKS: usize = 8;
@@ -61,6 +70,7 @@ pub struct Model {
 }
 
 /// A model fitted to the fit runs.
+#[derive(Debug, Clone)]
 pub struct Fitted {
     /// The model.
     pub model: Model,
@@ -126,6 +136,7 @@ impl Study<'_> {
     }
 
     fn unknowns(&self, model: &Model) -> Vec<Unknown> {
+        let wide = if self.slow { WIDE } else { 1.0 };
         let mut unknowns: Vec<Unknown> = self
             .free
             .iter()
@@ -134,7 +145,15 @@ impl Study<'_> {
                 // of a parameter that is zero nothing is known but its range
                 let prior = if p.nominal == 0.0 { 1.0 } else { PRIOR };
                 let (low, high) = (p.low / p.scale, p.high / p.scale);
-                Unknown { start: nominal, mean: nominal, low, high, step: STEP, prior, reach: REACH * prior }
+                Unknown {
+                    start: nominal,
+                    mean: nominal,
+                    low,
+                    high,
+                    step: STEP * wide,
+                    prior,
+                    reach: REACH * prior,
+                }
             })
             .collect();
         let lag = Unknown { start: 0.0, mean: 0.0, low: 0.0, high: 1.0, step: 0.05, prior: 1.0, reach: 1.0 };
@@ -146,7 +165,7 @@ impl Study<'_> {
                     let typical = parameter.probes.first().copied().unwrap_or(low).ln();
                     let (low, high) = (low.ln(), high.ln());
                     let prior = 0.5 * (high - low);
-                    let (step, reach) = (0.02, 1.0);
+                    let (step, reach) = (0.02 * wide.min(5.0), 1.0);
                     unknowns.push(Unknown { start: typical, mean: typical, low, high, step, prior, reach });
                     continue;
                 }
@@ -154,7 +173,8 @@ impl Study<'_> {
                 let off = parameter.off.unwrap_or(typical);
                 // what is known beforehand: that it is within the search; weak, for directions without data
                 let prior = (high - low).abs().max(f64::MIN_POSITIVE);
-                let step = if parameter.off.is_some() { 0.02 * typical } else { 0.02 * typical.max(1e-9) };
+                let least = if parameter.off.is_some() { 0.0 } else { 1e-9 };
+                let step = 0.02 * wide * typical.max(least);
                 unknowns.push(Unknown { start: off, mean: off, low, high, step, prior, reach: prior });
             }
         }
@@ -182,11 +202,15 @@ impl Study<'_> {
     /// # Errors
     /// A model that cannot be run.
     pub fn fit(&self, model: &Model, iterations: usize) -> Result<Fitted> {
-        if self.slow && iterations > 1 {
-            let first = self.fit_near(model, 1, None)?;
-            return self.fit_near(model, iterations.min(SLOW_STEPS), Some(&first.fit.jacobian));
-        }
         self.fit_near(model, iterations, None)
+    }
+
+    /// Goes on with a fit whose problem has hardly changed since: with its derivatives, if the model takes long.
+    ///
+    /// # Errors
+    /// A model that cannot be run.
+    pub fn fit_on(&self, from: &Fitted, iterations: usize) -> Result<Fitted> {
+        self.fit_near(&from.model, iterations, self.slow.then_some(&from.fit.jacobian))
     }
 
     /// As [`Study::fit`], with the derivatives of a model that lacks the last effect: a sixth of the work.
@@ -199,7 +223,17 @@ impl Study<'_> {
         for (unknown, x) in unknowns.iter_mut().zip(Self::point(model)) {
             unknown.start = x;
         }
-        let options = Options { iterations, redundancy: self.redundancy, known, ..Options::default() };
+        let mut options = Options { iterations, redundancy: self.redundancy, known, ..Options::default() };
+        let first;
+        if self.slow && iterations > 1 {
+            // all derivatives once, and updates from there on
+            if known.is_none_or(|k| k.ncols() < unknowns.len()) {
+                first = least_squares(&problem, &unknowns, Options { iterations: 1, ..options })?;
+                options.known = Some(&first.jacobian);
+            }
+            options.iterations = iterations.min(SLOW_STEPS);
+            options.only_known = known.is_some();
+        }
         let fit = least_squares(&problem, &unknowns, options)?;
         let own = self.free.len() + 1;
         let parameters = fit.x[..own].to_vec();
@@ -248,6 +282,54 @@ impl Study<'_> {
         Ok(Rest { simulated, blocks, total })
     }
 
+    /// What those parameters do to the outputs that would explain most of what is left if they wandered: if each
+    /// window of the fit runs had a value of its own.
+    pub fn wandering(&self, current: &Fitted, (fit, check): (&Rest, &Rest)) -> Vec<Sensitivity> {
+        let rows: Vec<usize> = self.fit_runs.iter().map(|r| r.time.len() * r.channels.len()).collect();
+        let jacobian = &current.fit.jacobian;
+        if rows.iter().sum::<usize>() != jacobian.nrows() {
+            return Vec::new();
+        }
+        let explained = |parameter: usize| -> f64 {
+            let (mut first, mut sum) = (0, 0.0);
+            for (run, rows) in self.fit_runs.iter().zip(&rows) {
+                let n = run.time.len();
+                let mut windows = [(0.0, 0.0); WINDOWS];
+                for k in 0..*rows {
+                    let window = &mut windows[k % n.max(1) * WINDOWS / n.max(1)];
+                    let (s, r) = (jacobian[(first + k, parameter)], current.fit.residuals[first + k]);
+                    window.0 += s * r;
+                    window.1 += s * s;
+                }
+                sum += windows.iter().filter(|w| w.1 > 0.0).map(|w| w.0 * w.0 / w.1).sum::<f64>();
+                first += rows;
+            }
+            sum
+        };
+        let mut order: Vec<(f64, usize)> = (0..self.free.len()).map(|i| (explained(i), i)).collect();
+        order.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let sensitivity = |i: usize| {
+            let mut model = current.model.clone();
+            let unknown = &current.unknowns[i];
+            let step =
+                if model.parameters[i] + unknown.step <= unknown.high { unknown.step } else { -unknown.step };
+            model.parameters[i] += step;
+            let change = |runs: &[&Run], from: &Rest| -> Option<Vec<Traces>> {
+                let moved = self.rest(&model, runs).ok()?.simulated;
+                let slope =
+                    |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| (a - b) / step).collect();
+                let of = |(a, b): (&Traces, &Traces)| a.iter().zip(b).map(slope).collect();
+                Some(moved.iter().zip(&from.simulated).map(of).collect())
+            };
+            Some(Sensitivity {
+                parameter: self.bench.interface().variables[self.free[i].variable].name.clone(),
+                fit: change(&self.fit_runs, fit)?,
+                check: change(&self.check_runs, check)?,
+            })
+        };
+        order.into_iter().take(WANDERING).filter_map(|(_, i)| sensitivity(i)).collect()
+    }
+
     /// True if two simulations of the check runs differ by much less than either does from what was measured.
     pub fn is_alike(&self, a: &Rest, b: &Rest) -> bool {
         (0..self.weights.len()).all(|c| {
@@ -292,10 +374,11 @@ impl Study<'_> {
     pub fn choose_free(&mut self, candidates: &[FreeParameter]) -> Result<()> {
         self.free = candidates.to_vec();
         let model = self.nominal();
+        let pieces: Vec<Run>;
         let mut runs = self.fit_runs.clone();
         if self.slow {
-            let every = runs.len().div_ceil(SLOW_RUNS);
-            runs = runs.into_iter().step_by(every).collect();
+            pieces = runs.iter().map(|run| beginning(run, SLOW_PIECE)).collect();
+            runs = pieces.iter().collect();
         }
         let problem = self.problem(&model, runs);
         let mut points = vec![model.parameters.clone()];
@@ -319,7 +402,7 @@ impl Study<'_> {
         }
         effects.retain(|(effect, i)| *effect > MIN_EFFECT || self.free[*i].asked);
         effects.sort_by(|a, b| b.0.total_cmp(&a.0));
-        effects.truncate(MAX_FREE);
+        effects.truncate(if self.slow { MAX_FREE_SLOW } else { MAX_FREE });
         self.free = effects.iter().map(|(_, i)| candidates[*i].clone()).collect();
         Ok(())
     }

@@ -42,11 +42,13 @@ pub struct Options<'a> {
     /// Derivatives by the first unknowns, as many as there are columns, from a problem that differs
     /// little: they are updated from step to step instead of computed by differences.
     pub known: Option<&'a DMatrix<f64>>,
+    /// Where the known derivatives lead nowhere the fit ends, instead of computing them.
+    pub only_known: bool,
 }
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Self { iterations: 12, tolerance: 1e-4, redundancy: 1.0, known: None }
+        Self { iterations: 12, tolerance: 1e-4, redundancy: 1.0, known: None, only_known: false }
     }
 }
 
@@ -141,7 +143,7 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
             }
         }
         let Some((tried, point, r, reached)) = better else {
-            if exact {
+            if exact || (options.only_known && updated == n) {
                 break;
             }
             // what was known leads nowhere

@@ -72,6 +72,13 @@ pub enum FaultKind {
     ClockDrift,
 }
 
+impl FaultKind {
+    /// True for what single runs have and the others do not.
+    pub fn is_of_some_runs(self) -> bool {
+        matches!(self, Self::OffsetInSomeRuns | Self::DelayInSomeRuns | Self::GainInSomeRuns)
+    }
+}
+
 /// What a fault means for the diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 pub enum Severity {
@@ -113,6 +120,13 @@ impl Fault {
     /// True if the fault makes the verdict `recording`: it is more than a note.
     pub fn counts(&self) -> bool {
         self.severity != Severity::Note
+    }
+
+    /// True if it is the other one, seen again: of the same kind in the same channel, in one of the same runs.
+    pub fn is_of(&self, other: &Self) -> bool {
+        self.kind == other.kind
+            && self.channel == other.channel
+            && self.runs.iter().any(|run| other.runs.contains(run))
     }
 }
 

@@ -40,6 +40,10 @@ const NEAR_LEFT: f64 = 0.35;
 /// A near factor in all runs: the gains may scatter by this much. Physics that changes a gain twofold
 /// changes it with conditions; a unit does not.
 const NEAR_SCATTER: f64 = 0.05;
+/// Gains beyond this are more than parameters in their bounds and a sensor's own gain make, if so many runs have
+/// the same.
+const STRANGE: f64 = 2.0;
+const STRANGE_RUNS: usize = 3;
 /// What may be left with the sign reversed.
 const SIGN_LEFT: f64 = 0.6;
 /// And at most this share of the best that a delay does without reversing. A sine is as well delayed by
@@ -154,16 +158,12 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
     }
     let name = table.channels[channel].clone();
     let all = median(&gains);
-    if by_factor.is_empty() && is_far(all) && gains.iter().all(|g| (g / all).ln().abs() < FAR_TOLERANCE) {
-        // no units that go together, but no parameter makes that either
-        let agrees = |pair: &&Pair| mean_agrees(&pair.measured, pair.simulated, all);
-        if table.pairs[channel].iter().flatten().all(|pair| agrees(&pair)) {
-            by_factor.push((
-                all,
-                "no usual units, so the calibration may be wrong",
-                fits.iter().map(|f| (f.0, f.1.gain)).collect(),
-            ));
-        }
+    if by_factor.is_empty() && no_model_error(table, channel, &fits, &gains) {
+        by_factor.push((
+            all,
+            "no usual units, so the calibration may be wrong",
+            fits.iter().map(|f| (f.0, f.1.gain)).collect(),
+        ));
     }
     let mut faults = Vec::new();
     for (factor, what, hits) in by_factor {
@@ -195,6 +195,23 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
         });
     }
     faults
+}
+
+/// Whether gains that are no ratio of units are so far from 1, and so much the same in all runs, that neither
+/// parameters nor physics make them.
+fn no_model_error(table: &Table, channel: usize, fits: &[(usize, Fit, f64)], gains: &[f64]) -> bool {
+    let all = median(gains);
+    let within = |tolerance: f64| gains.iter().all(|g| *g > 0.0 && (g / all).ln().abs() < tolerance);
+    let alike = if is_far(all) {
+        within(FAR_TOLERANCE)
+    } else {
+        all.max(1.0 / all) > STRANGE
+            && fits.len() >= STRANGE_RUNS
+            && within(2.0 * NEAR_SCATTER)
+            && fits.iter().all(|(_, fit, size)| fit.error < NEAR_LEFT * size)
+    };
+    let agrees = |pair: &Pair| mean_agrees(&pair.measured, pair.simulated, all);
+    alike && table.pairs[channel].iter().flatten().all(agrees)
 }
 
 /// A unit scales the mean as well, where there is one; friction and the like do not.

@@ -18,7 +18,7 @@ const MORE: f64 = 1.3;
 /// Signals that tell about as much as the best.
 const ALIKE: f64 = 0.9;
 /// What stands for the time since the start.
-pub(super) const TIME: &str = "time";
+pub const TIME: &str = "time";
 
 /// The names of the one or two signals that tell best how large the residual is or which value it has:
 /// inputs and measured channels (as simulated), `rate of` them, `time` since the start, `slid energy`.

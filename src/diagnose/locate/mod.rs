@@ -15,10 +15,10 @@ mod structure;
 mod welch;
 
 pub use common::{Common, common_cause};
-pub use depends::depends_on;
+pub use depends::{TIME, depends_on};
 pub use map::map;
 pub use noise::noise;
-pub use structure::{Seen, Structure, structure};
+pub use structure::{Seen, Sensitivity, Structure, structure};
 
 #[cfg(test)]
 mod bed;

@@ -34,6 +34,18 @@ pub struct Structure {
     pub p: f64,
     /// Signals that it is foretold from, the most important first.
     pub depends_on: Vec<String>,
+    /// The parameter of the model that would have to change with them, if it is foretold in that way.
+    pub through: Option<String>,
+}
+
+/// What a parameter of the model does to the outputs.
+pub struct Sensitivity {
+    /// Its name.
+    pub parameter: String,
+    /// Change of each channel per change of the parameter, at the samples of each fit run.
+    pub fit: Vec<Traces>,
+    /// The same for the check runs.
+    pub check: Vec<Traces>,
 }
 
 /// Runs with what is simulated of them.
@@ -49,10 +61,17 @@ pub struct Seen<'a> {
 /// nothing can are left out.
 ///
 /// Functions: piecewise linear ones of each signal (inputs, simulated channels, their rates, time, slid
-/// energy), the same times the channel itself, and products of two signals. Groups of them are taken in one
-/// after the other while an information criterion for as many groups as there are allows it. A gain or a
-/// lag of the channel itself counts as a sensor's, not as structure.
-pub fn structure(fit: Seen<'_>, check: Seen<'_>, interface: &Interface, roles: &Roles) -> Vec<Structure> {
+/// energy), the same times the channel itself, products of two signals, and functions times what a parameter
+/// of the model does, as if it changed with the signal. Groups of them are taken in one after the other while
+/// an information criterion for as many groups as there are allows it. A gain or a lag of the channel itself
+/// counts as a sensor's, and the parameter as a whole as a refit's, not as structure.
+pub fn structure(
+    fit: Seen<'_>,
+    check: Seen<'_>,
+    wandering: &[Sensitivity],
+    interface: &Interface,
+    roles: &Roles,
+) -> Vec<Structure> {
     let count = channels(fit.runs).min(channels(check.runs));
     let of = |seen: Seen<'_>| candidates(seen.runs, seen.simulated, interface, roles);
     let (from, to) = (of(fit), of(check));
@@ -70,7 +89,7 @@ pub fn structure(fit: Seen<'_>, check: Seen<'_>, interface: &Interface, roles: &
         .filter_map(|((name, fit), (_, check))| Signal::of(name, fit, check))
         .collect();
     let mut found: Vec<Structure> = (0..count)
-        .filter_map(|channel| one(channel, fit, check, &signals))
+        .filter_map(|channel| one(channel, fit, check, wandering, &signals))
         .map(|s| Structure { p: (s.p * count as f64).min(1.0), ..s })
         .collect();
     found.sort_by(|a, b| b.share.total_cmp(&a.share));
@@ -131,12 +150,12 @@ impl Signal {
 struct Group {
     /// Numbers of the signals.
     signals: Vec<usize>,
-    /// Times the channel itself.
-    times_own: bool,
+    /// Times one of the factors: the channel itself, or what a parameter does to it.
+    times: Option<usize>,
 }
 
 impl Group {
-    fn columns(&self, signals: &[Signal], own: &[f64], check: bool) -> Vec<Vec<f64>> {
+    fn columns(&self, signals: &[Signal], factors: &[[Vec<f64>; 2]], check: bool) -> Vec<Vec<f64>> {
         let mut columns = match self.signals[..] {
             [one] => signals[one].hats(check),
             [one, other] => {
@@ -145,23 +164,26 @@ impl Group {
             }
             _ => Vec::new(),
         };
-        if self.times_own {
+        if let Some(factor) = self.times {
+            let factor = &factors[factor][usize::from(check)];
             for column in &mut columns {
-                column.iter_mut().zip(own).for_each(|(c, y)| *c *= y);
+                column.iter_mut().zip(factor).for_each(|(c, y)| *c *= y);
             }
         }
         columns
     }
 }
 
-fn groups(signals: &[Signal]) -> Vec<Group> {
+fn groups(signals: &[Signal], factors: usize) -> Vec<Group> {
     let mut all = Vec::new();
     for (i, signal) in signals.iter().enumerate() {
-        all.push(Group { signals: vec![i], times_own: false });
-        all.push(Group { signals: vec![i], times_own: true });
+        all.push(Group { signals: vec![i], times: None });
+        // the channel itself is the first
+        let some = if signal.is_rate { factors.min(1) } else { factors };
+        all.extend((0..some).map(|factor| Group { signals: vec![i], times: Some(factor) }));
         if !signal.is_rate && signal.name != TIME {
             let others = (i + 1..signals.len()).filter(|j| !signals[*j].is_rate && signals[*j].name != TIME);
-            all.extend(others.map(|j| Group { signals: vec![i, j], times_own: false }));
+            all.extend(others.map(|j| Group { signals: vec![i, j], times: None }));
         }
     }
     all
@@ -171,28 +193,49 @@ fn groups(signals: &[Signal]) -> Vec<Group> {
 struct Design<'a> {
     signals: &'a [Signal],
     groups: Vec<Group>,
-    /// The channel as simulated, in multiples of its size: in the fit runs, in the check runs.
-    own: [Vec<f64>; 2],
-    /// What a sensor of its own may do: offset, gain, lag.
+    /// The channel as simulated, and what parameters do to it, in multiples of their sizes: in the fit runs, in
+    /// the check runs.
+    factors: Vec<[Vec<f64>; 2]>,
+    /// What a sensor of its own may do: offset, gain, lag; and what a refit may.
     plain: [Vec<Vec<f64>>; 2],
     /// Every how many samples are used to find functions.
     stride: usize,
 }
 
 impl<'a> Design<'a> {
-    fn of(channel: usize, seen: [Seen<'_>; 2], signals: &'a [Signal]) -> Option<Self> {
-        let own = seen.map(|s| s.simulated.iter().flat_map(|t| t[channel].clone()).collect::<Vec<f64>>());
-        let size = own[0].iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    fn of(
+        channel: usize,
+        seen: [Seen<'_>; 2],
+        wandering: &[Sensitivity],
+        signals: &'a [Signal],
+    ) -> Option<Self> {
+        let joined = |runs: &[Traces]| runs.iter().flat_map(|t| t[channel].clone()).collect::<Vec<f64>>();
+        let own = seen.map(|s| joined(s.simulated));
+        let slopes = seen
+            .map(|s| -> Vec<f64> { s.simulated.iter().flat_map(|t| rate_by_sample(&t[channel])).collect() });
+        let scaled = |sides: [Vec<f64>; 2], size: f64| {
+            sides.map(|values| values.into_iter().map(|v| v / size).collect::<Vec<f64>>())
+        };
+        let size_of = |sides: &[Vec<f64>; 2]| sides[0].iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let size = size_of(&own);
         if size <= 0.0 {
             return None;
         }
-        let scaled = |values: Vec<f64>| values.into_iter().map(|v| v / size).collect::<Vec<f64>>();
-        let slopes = |s: Seen<'_>| s.simulated.iter().flat_map(|t| rate_by_sample(&t[channel])).collect();
-        let own = own.map(scaled);
-        let slopes = seen.map(slopes).map(scaled);
-        let plain = [0, 1].map(|i| vec![vec![1.0; own[i].len()], own[i].clone(), slopes[i].clone()]);
-        let stride = own[0].len().div_ceil(MAX_ROWS).max(1);
-        Some(Self { signals, groups: groups(signals), own, plain, stride })
+        let slopes = scaled(slopes, size);
+        let mut factors = vec![scaled(own, size)];
+        for s in wandering {
+            let sides = [joined(&s.fit), joined(&s.check)];
+            let size = size_of(&sides);
+            // what it does not move has no factor, but keeps its number
+            factors.push(scaled(sides, if size > 0.0 { size } else { 1.0 }));
+        }
+        let plain = [0, 1].map(|i| {
+            let ones = vec![1.0; factors[0][i].len()];
+            let all = factors.iter().map(|f| f[i].clone());
+            [ones, slopes[i].clone()].into_iter().chain(all).collect::<Vec<_>>()
+        });
+        let stride = factors[0][0].len().div_ceil(MAX_ROWS).max(1);
+        Some(Self { signals, groups: groups(signals, factors.len()), factors, plain, stride })
     }
 
     fn thin(&self, values: &[f64]) -> DVector<f64> {
@@ -203,7 +246,7 @@ impl<'a> Design<'a> {
     }
 
     fn columns(&self, group: usize, check: bool) -> Vec<Vec<f64>> {
-        self.groups[group].columns(self.signals, &self.own[usize::from(check)], check)
+        self.groups[group].columns(self.signals, &self.factors, check)
     }
 
     /// Takes groups in as long as their gain is worth their functions and the choice among so many.
@@ -246,7 +289,7 @@ impl<'a> Design<'a> {
             then.extend(self.columns(*g, true).into_iter().map(|c| (k + 1, c)));
         }
         let amounts = solve(&columns, &self.thin(target))?;
-        let mut parts = vec![vec![0.0; self.own[1].len()]; chosen.len() + 1];
+        let mut parts = vec![vec![0.0; self.factors[0][1].len()]; chosen.len() + 1];
         for ((k, column), amount) in then.iter().zip(amounts.iter()) {
             parts[*k].iter_mut().zip(column).for_each(|(s, c)| *s += amount * c);
         }
@@ -255,12 +298,18 @@ impl<'a> Design<'a> {
     }
 }
 
-fn one(channel: usize, fit: Seen<'_>, check: Seen<'_>, signals: &[Signal]) -> Option<Structure> {
+fn one(
+    channel: usize,
+    fit: Seen<'_>,
+    check: Seen<'_>,
+    wandering: &[Sensitivity],
+    signals: &[Signal],
+) -> Option<Structure> {
     let [fit_rest, check_rest] = [fit, check].map(|s| residual(s.runs, s.simulated, channel));
     if fit_rest.iter().chain(&check_rest).any(Vec::is_empty) {
         return None;
     }
-    let design = Design::of(channel, [fit, check], signals)?;
+    let design = Design::of(channel, [fit, check], wandering, signals)?;
     let target: Vec<f64> = fit_rest.concat();
     let independent = (target.len() as f64 / memory(&fit_rest)).max(4.0);
     let chosen = design.choose(&target, independent);
@@ -294,7 +343,21 @@ fn one(channel: usize, fit: Seen<'_>, check: Seen<'_>, signals: &[Signal]) -> Op
         share: won / total,
         p: sign_flip(&gains),
         depends_on: important(&design, &chosen, &parts),
+        through: through(&design, &chosen, &parts, wandering),
     })
+}
+
+/// The parameter that the largest part is foretold through.
+fn through(
+    design: &Design<'_>,
+    chosen: &[usize],
+    parts: &[Vec<f64>],
+    wandering: &[Sensitivity],
+) -> Option<String> {
+    let square = |part: &Vec<f64>| part.iter().map(|v| v * v).sum::<f64>();
+    let largest = chosen.iter().zip(parts).max_by(|a, b| square(a.1).total_cmp(&square(b.1)))?.0;
+    let parameter = design.groups[*largest].times?.checked_sub(1)?;
+    wandering.get(parameter).map(|s| s.parameter.clone())
 }
 
 /// The signals by how much the functions that they are in make.
@@ -377,7 +440,7 @@ mod tests {
         let roles = Roles::of(&interface, &[]).unwrap();
         let runs: Vec<&Run> = runs.iter().collect();
         let side = |from: usize, to: usize| Seen { runs: &runs[from..to], simulated: &simulated[from..to] };
-        structure(side(0, 4), side(4, 6), &interface, &roles)
+        structure(side(0, 4), side(4, 6), &[], &interface, &roles)
     }
 
     #[test]
