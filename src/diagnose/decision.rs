@@ -25,6 +25,9 @@ const FAR: f64 = 2.0;
 /// Probability of chance below which what can be foretold counts, and the share from which on.
 const FORETOLD_LEVEL: f64 = 0.01;
 const MIN_FORETOLD: f64 = 0.03;
+/// The same for signals that are only said to be likely.
+const LIKELY_LEVEL: f64 = 0.2;
+const MUCH: f64 = 0.3;
 /// A rival is as good if chance makes such a difference with more than this probability.
 const TIE: f64 = 0.05;
 
@@ -261,7 +264,8 @@ impl Left {
         let mut structure = None;
         let mut most = 0.0;
         let wandering = study.wandering(current, (fit, check));
-        for s in locate::structure(before, then, &wandering, &subject.interface, roles) {
+        let structures = locate::structure(before, then, &wandering, &subject.interface, roles);
+        for s in structures.iter().cloned() {
             if s.p < FORETOLD_LEVEL && s.share > MIN_FORETOLD {
                 let part = s.share * errors[s.channel];
                 foretold += part;
@@ -301,10 +305,22 @@ impl Left {
         } else {
             0.0
         };
+        // what would foretell much in one of these channels, if less surely, says more than where the error is large
+        let concerns = |channel: usize| {
+            let variable = runs.first().and_then(|r| r.channels.get(channel)).map(|c| c.variable);
+            far.is_some_and(|(c, _)| c == channel)
+                || common
+                    .as_ref()
+                    .is_some_and(|common| variable.is_some_and(|v| common.channels.contains(&v)))
+        };
+        let likely = structures.iter().find(|s| concerns(s.channel) && s.p < LIKELY_LEVEL && s.share > MUCH);
         let depends_on = match (&structure, &common, far) {
             (Some(s), ..) => s.depends_on.clone(),
             (None, None, None) => Vec::new(),
-            _ => locate::depends_on(runs, &check.simulated, &subject.interface, roles),
+            _ => match likely {
+                Some(s) => s.depends_on.clone(),
+                None => locate::depends_on(runs, &check.simulated, &subject.interface, roles),
+            },
         };
         Self { common, structure, far, depends_on, error: foretold.max(shared).max(beyond) }
     }

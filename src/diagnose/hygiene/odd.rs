@@ -9,6 +9,7 @@ use super::against::Table;
 use super::align::{Fit, Pair, bandwidth};
 use super::explain::explained;
 use super::robust::{deviation, median, spread};
+use super::unit_sign::mean_agrees;
 use super::{Fault, FaultKind, Severity, run_name, short};
 
 /// Fewer runs than this say nothing about what is usual.
@@ -34,6 +35,9 @@ const MOVES: f64 = 0.2;
 /// A run whose channel moves by less than this share of the median run's tells no gain: a small force that the
 /// model lacks looks like a large one.
 const WEAK: f64 = 0.3;
+
+/// What may be left of a channel in a run whose simulation tells its gain.
+const TOLD: f64 = 0.7;
 
 /// Runs with a spectrum narrower than this are taken as single sines: there a delay is no more than a phase,
 /// which a wrong parameter shifts as well.
@@ -82,7 +86,7 @@ fn odd_in(table: &mut Table, channel: usize) -> Vec<Fault> {
     }
     let usual = Fit {
         offset: 0.0,
-        gain: median(&fits.iter().map(|f| f.1.gain).collect::<Vec<_>>()),
+        gain: usual_gain(&fits),
         delay: median(&fits.iter().map(|f| f.1.delay).collect::<Vec<_>>()),
         error: 0.0,
     };
@@ -117,6 +121,11 @@ fn odd_in(table: &mut Table, channel: usize) -> Vec<Fault> {
         let out = away.abs() > least && away.abs() > SIGMAS * (1.0 + 3.0 / seen.len() as f64) * scatter;
         let pair = fits[i].0;
         let weak = what == What::Gain && pair.amplitude() < WEAK * amplitude;
+        // a gain is that of the level, too
+        let weak = weak
+            || (what == What::Gain
+                && value > 0.0
+                && !mean_agrees(&pair.measured, pair.simulated, value * usual.gain));
         let phase = what == What::Delay
             && (bandwidth(pair.time, pair.simulated) < NARROW
                 || (away.abs() > 0.4 * pair.period() && left > ROUND * this.usual_error));
@@ -153,6 +162,14 @@ fn odd_in(table: &mut Table, channel: usize) -> Vec<Fault> {
         }
     }
     faults
+}
+
+/// The gain of most runs, as far as the simulation tells any of what was measured in them: noise about a level
+/// that hardly changes has none.
+fn usual_gain(fits: &[(&Pair, Fit)]) -> f64 {
+    let told = fits.iter().filter(|(pair, fit)| fit.error < TOLD * pair.size());
+    let gains: Vec<f64> = told.map(|f| f.1.gain).collect();
+    if gains.is_empty() { 1.0 } else { median(&gains) }
 }
 
 /// The mean of what is left with the usual gain and delay.

@@ -215,7 +215,7 @@ fn no_model_error(table: &Table, channel: usize, fits: &[(usize, Fit, f64)], gai
 }
 
 /// A unit scales the mean as well, where there is one; friction and the like do not.
-fn mean_agrees(measured: &[f64], simulated: &[f64], factor: f64) -> bool {
+pub fn mean_agrees(measured: &[f64], simulated: &[f64], factor: f64) -> bool {
     let (m, s) = (mean(measured), mean(simulated));
     s.abs() < 2.0 * deviation(simulated) || ((m / s / factor).abs().ln().abs() < 0.5 && m * s > 0.0)
 }

@@ -3,7 +3,7 @@
 
 use super::depends::{TIME, candidates, rate_by_sample};
 use super::signals::{bins, blocks, channels, memory, residual};
-use crate::diagnose::blocks::sign_flip;
+use crate::diagnose::blocks::{redundancy, sign_flip};
 use crate::diagnose::roles::Roles;
 use crate::fit::{Run, Traces};
 use crate::model::Interface;
@@ -189,6 +189,14 @@ fn groups(signals: &[Signal], factors: usize) -> Vec<Group> {
     all
 }
 
+/// A group taken in: the columns so far, and what is left.
+#[derive(Clone)]
+struct Taken {
+    group: usize,
+    basis: Vec<DVector<f64>>,
+    left: DVector<f64>,
+}
+
 /// A channel's functions in the fit runs and in the check runs.
 struct Design<'a> {
     signals: &'a [Signal],
@@ -249,32 +257,45 @@ impl<'a> Design<'a> {
         self.groups[group].columns(self.signals, &self.factors, check)
     }
 
-    /// Takes groups in as long as their gain is worth their functions and the choice among so many.
-    fn choose(&self, target: &[f64], independent: f64) -> Vec<usize> {
+    /// Takes groups in as long as their gain is worth their functions and the choice among so many. At first as
+    /// many samples are independent as the memory of the residual allows, `independent`; what is missing makes that
+    /// memory long, so that a group which leaves a shorter one is judged by that, too.
+    fn choose(&self, target: &[f64], mut independent: f64) -> Vec<usize> {
         let mut basis: Vec<DVector<f64>> = Vec::new();
         let mut left = self.thin(target);
         for direction in self.plain[0].iter().map(|c| self.thin(c)) {
             take_in(&mut basis, direction, &mut left);
         }
+        let rows = left.len() as f64;
+        let enough = 2.0 * (self.groups.len() as f64).ln();
         let mut chosen: Vec<usize> = Vec::new();
         while chosen.len() < MAX_GROUPS {
             let before = left.norm_squared();
-            let rated = (0..self.groups.len()).filter(|g| !chosen.contains(g)).map(|g| {
-                let mut own = basis.clone();
-                let mut rest = left.clone();
-                for column in self.columns(g, false) {
-                    take_in(&mut own, self.thin(&column), &mut rest);
+            let worth = |taken: &Taken, independent: f64| {
+                let likelihood = -independent * (taken.left.norm_squared() / before).max(1e-12).ln();
+                likelihood - (taken.basis.len() - basis.len()) as f64 * independent.ln()
+            };
+            let mut best: [Option<(f64, Taken)>; 2] = [None, None];
+            for group in (0..self.groups.len()).filter(|g| !chosen.contains(g)) {
+                let mut taken = Taken { group, basis: basis.clone(), left: left.clone() };
+                for column in self.columns(group, false) {
+                    take_in(&mut taken.basis, self.thin(&column), &mut taken.left);
                 }
-                let likelihood = -independent * (rest.norm_squared() / before).max(1e-12).ln();
-                (likelihood - (own.len() - basis.len()) as f64 * independent.ln(), g, own, rest)
-            });
-            let best = rated.max_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((worth, group, own, rest)) = best else { break };
-            if worth < 2.0 * (self.groups.len() as f64).ln() {
-                break;
+                for (best, independent) in best.iter_mut().zip([independent, rows]) {
+                    let worth = worth(&taken, independent);
+                    if best.as_ref().is_none_or(|b| b.0 < worth) {
+                        *best = Some((worth, taken.clone()));
+                    }
+                }
             }
-            (basis, left) = (own, rest);
-            chosen.push(group);
+            let [careful, bold] = best;
+            let careful = careful.filter(|c| c.0 >= enough).map(|(_, taken)| (independent, taken));
+            let bold =
+                bold.map(|(_, taken)| ((rows / redundancy(taken.left.as_slice())).max(independent), taken));
+            let bold = bold.filter(|(own, taken)| worth(taken, *own) >= enough);
+            let Some((own, taken)) = careful.or(bold) else { break };
+            chosen.push(taken.group);
+            (basis, left, independent) = (taken.basis, taken.left, own);
         }
         chosen
     }
