@@ -36,7 +36,8 @@ const OFTEN_RIGHT: f64 = 0.92;
 
 pub(super) enum Decision {
     Nothing,
-    Named(usize, Finding),
+    /// With the numbers of its alternatives, in their order.
+    Named(usize, Finding, Vec<usize>),
     Unnamed(usize, Finding),
 }
 
@@ -147,17 +148,21 @@ pub(super) fn decide(
     };
     let share_of = |i: usize| rivals.iter().position(|r| r.0 == i).map_or(0.0, |k| shares[k]);
     let share_of_chosen: f64 = rivals.iter().filter(|r| same(r.1)).map(|r| share_of(r.0)).sum();
-    let mut alternatives: Vec<Alternative> = rivals
+    let mut alternatives: Vec<(usize, Alternative)> = rivals
         .iter()
         .filter(|r| !same(r.1))
-        .map(|r| Alternative {
-            effect: r.1.placement.effect.id.into(),
-            family: family(r.1.placement.effect),
-            place: r.1.placement.place(&subject.interface),
-            confidence: share_of(r.0),
+        .map(|r| {
+            let alternative = Alternative {
+                effect: r.1.placement.effect.id.into(),
+                family: family(r.1.placement.effect),
+                place: r.1.placement.place(&subject.interface),
+                confidence: share_of(r.0),
+            };
+            (r.0, alternative)
         })
         .collect();
-    alternatives.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
+    alternatives.sort_by(|a, b| b.1.confidence.total_cmp(&a.1.confidence));
+    let (others, alternatives) = alternatives.into_iter().unzip();
     let placement = &t.placement;
     let channels = affected(study, subject, t, current_check);
     let finding = Finding {
@@ -177,7 +182,7 @@ pub(super) fn decide(
             t.p
         ),
     };
-    if is_named { Decision::Named(chosen, finding) } else { Decision::Unnamed(chosen, finding) }
+    if is_named { Decision::Named(chosen, finding, others) } else { Decision::Unnamed(chosen, finding) }
 }
 
 /// Minus twice the logarithm of the likelihood of errors of unknown size in each channel.

@@ -11,7 +11,7 @@ use super::search::{Found, search};
 use super::study::{Model, Study, first_weights};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
-use super::{hygiene, locate};
+use super::{experiment, hygiene, locate};
 use crate::Result;
 use crate::effect::Role;
 use crate::fit::{Bench, Run};
@@ -192,6 +192,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     };
     let fatal = faults.iter().any(is_fatal);
     let Found { mut current, check: mut current_check, base_check: mut base_rest, .. } = found;
+    let experiment = experiment::propose(&study, &roles, &found.rivals, &current_check);
     // what is handed on has the model's own steps
     study.bench = &bench;
     let (mut findings, mut unknown, candidates) = (found.findings, found.unknown, found.candidates);
@@ -255,7 +256,8 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     };
     let total = (nominal_rest.total, base_rest.total, current_check.total);
     diagnosis.summary = summary(&diagnosis, total);
-    diagnosis.next_experiment = next_experiment(&diagnosis);
+    diagnosis.next_experiment = experiment::sentence(experiment.as_ref(), &next_experiment(&diagnosis));
+    diagnosis.experiment = experiment;
     let check = traces(&study, &subject, &base_model, &current.model, &recordings, &names)?;
     let parameters =
         study.free.iter().zip(&current.model.parameters).map(|(p, x)| (p.variable, p.scale * x)).collect();

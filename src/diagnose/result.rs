@@ -25,6 +25,9 @@ pub struct Diagnosis {
     /// The experiment that would separate the alternatives, or that would make an answer possible; empty
     /// if nothing is open.
     pub next_experiment: String,
+    /// The same for machines, if it was found by simulation.
+    #[serde(default)]
+    pub experiment: Option<Experiment>,
     /// The recordings and what they were used for.
     pub runs: Vec<RunUse>,
     /// What is wrong with the recordings.
@@ -196,6 +199,38 @@ pub struct Candidate {
     pub reason: String,
 }
 
+/// A programme for the rig, simulated with the fitted models of effects that the recordings do not separate.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Experiment {
+    /// The catalogue's id of the finding that has alternatives.
+    pub effect: String,
+    /// Where in the model.
+    pub place: String,
+    /// What to drive, in words with units.
+    pub programme: String,
+    /// The output channel that shows it best.
+    pub channel: String,
+    /// Root mean square of what the finding and an alternative make of that channel, one minus the other, in
+    /// multiples of its noise, after refits: the smallest of the alternatives that are separated, which takes
+    /// 2, or of all if none is.
+    pub separation: f64,
+    /// The alternatives, each with its separation from the finding.
+    pub rivals: Vec<Separation>,
+    /// Number of programmes that were simulated.
+    pub tried: usize,
+}
+
+/// How far an alternative is from a finding.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Separation {
+    /// The catalogue's id.
+    pub effect: String,
+    /// Where in the model.
+    pub place: String,
+    /// As [`Experiment::separation`], in the channel that shows it best.
+    pub separation: f64,
+}
+
 /// A recording and its use.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct RunUse {
@@ -274,6 +309,11 @@ impl Diagnosis {
         for p in &self.parameters {
             all.push((format!("the start of {:?}", p.name), p.start));
             all.push((format!("the value of {:?}", p.name), p.value));
+        }
+        if let Some(experiment) = &self.experiment {
+            all.push(("the separation of the experiment".into(), experiment.separation));
+            let of = |r: &Separation| (format!("the separation of {:?}", r.effect), r.separation);
+            all.extend(experiment.rivals.iter().map(of));
         }
         for cell in &self.map {
             let place = |what: &str| format!("the {what} of a cell of {:?}", cell.channel);

@@ -4,6 +4,7 @@
 use super::begin::begin;
 use super::candidates::{Tried, polish, screen};
 use super::decision::{Decision, Left, decide};
+use super::experiment::Rival;
 use super::pipeline::FINAL;
 use super::result::{Candidate, Finding};
 use super::roles::Roles;
@@ -28,6 +29,8 @@ pub(super) struct Found {
     pub unknown: Option<Finding>,
     /// All that was tried.
     pub candidates: Vec<Candidate>,
+    /// Of the first effect that has alternatives: its model, and those of the alternatives.
+    pub rivals: Vec<Rival>,
 }
 
 impl Found {
@@ -40,6 +43,7 @@ impl Found {
             findings: Vec::new(),
             unknown: None,
             candidates: Vec::new(),
+            rivals: Vec::new(),
         }
     }
 }
@@ -75,8 +79,12 @@ pub(super) fn search(
         let (check, base) = (&found.check, &found.base_check);
         match decide(study, subject, &tried, check, base, round, &mut found.candidates) {
             Decision::Nothing => break,
-            Decision::Named(i, finding) => {
+            Decision::Named(i, finding, others) => {
                 found.findings.push(finding);
+                if found.rivals.is_empty() && !others.is_empty() {
+                    let rivals = std::iter::once(i).chain(others).map(|k| &tried[k]);
+                    found.rivals = rivals.map(|t| Rival::of(study, &t.placement, &t.fitted)).collect();
+                }
                 let t = tried.swap_remove(i);
                 // what is left of a channel is what counts from here on
                 study.weigh(&fit_runs, &t.fit_rest);

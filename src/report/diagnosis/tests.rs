@@ -204,6 +204,7 @@ fn diagnosis() -> Diagnosis {
         next_experiment: "Load the standing tire sideways and let it roll off slowly: a compliant carcass moves at once, \
                           relaxation needs travel."
             .into(),
+        experiment: None,
         runs: vec![
             RunUse { name: "sweep-11.csv".into(), use_: Use::Fit },
             RunUse { name: "sweep-17.csv".into(), use_: Use::Fit },
