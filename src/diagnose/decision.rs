@@ -339,6 +339,11 @@ impl Left {
         }
     }
 
+    /// What effects that have taken away `explained` are of all that there was to explain.
+    pub(super) fn share_after(&self, explained: f64) -> f64 {
+        explained.max(0.0) / (explained.max(0.0) + self.error).max(f64::MIN_POSITIVE)
+    }
+
     /// The signals that an empirical function should have had, if that is known.
     pub(super) fn depends_on(&self) -> Option<Vec<String>> {
         self.structure.as_ref().map(|s| s.depends_on.clone())

@@ -109,7 +109,11 @@ pub(super) fn search(
     }
     progress("locating what is left", 0.88);
     let left = Left::of(study, subject, roles, &found.current, (&fit, &found.check));
-    if left.counts(found.base_check.total - found.check.total) {
+    let explained = found.base_check.total - found.check.total;
+    if left.counts(explained) {
+        // what leaves much is less sure to be what it is called
+        let share = left.share_after(explained);
+        found.findings.iter_mut().for_each(|f| f.confidence *= share);
         found.unknown = Some(left.finding(subject, study));
     }
     Ok(found)
