@@ -1,7 +1,7 @@
 //! How the fits of screened effects begin: from where the fit without them ended, or from nominal parameters
 //! where that fit has bent them.
 
-use super::candidates::{Tried, assess, choose, screen};
+use super::candidates::{Tried, assess, choose, implausible, screen};
 use super::roles::Roles;
 use super::screen::Screened;
 use super::study::{Fitted, Model, Rest, Study};
@@ -18,6 +18,8 @@ const BENT: f64 = 0.2;
 const ALSO: usize = 3;
 /// Of those that are promising there, the ones that promise this share of what the best does.
 const PROMISING: f64 = 0.5;
+/// What keeping to plausible parameters may cost of what an effect explains.
+const AT_LITTLE_COST: f64 = 0.1;
 /// An effect that misses more than this share of what the best one explains is given up.
 const HOPELESS: f64 = 0.6;
 
@@ -127,6 +129,22 @@ fn bent(model: &Model, nominal: &Model) -> bool {
     parameters.take(nominal.parameters.len().saturating_sub(1)).any(|(x, n)| (x - n).abs() > BENT * n.abs())
 }
 
+/// The fit with the last effect's parameters kept to what its name allows, where they are not and that costs
+/// little of what it explains: then chance has led them there, not need.
+fn plausible(study: &Study<'_>, fitted: &Fitted, current_fit: &Rest) -> Option<Fitted> {
+    implausible(&fitted.model)?;
+    let mut model = fitted.model.clone();
+    let (placement, values) = model.effects.last_mut()?;
+    placement.bounded = true;
+    for (value, parameter) in values.iter_mut().zip(placement.effect.parameters) {
+        let (low, high) = placement.limits(parameter);
+        *value = value.clamp(low, high);
+    }
+    let kept = study.fit_near(&model, 2 * TRY_OUT, Some(&fitted.fit.jacobian)).ok()?;
+    let explained = (current_fit.total - fitted.fit.cost).max(0.0);
+    (kept.fit.cost - fitted.fit.cost < AT_LITTLE_COST * explained).then_some(kept)
+}
+
 impl Begun {
     /// Begins where the fit without the effect ended: near its off value, and for one that is there as a whole
     /// or not at all in the middle of what is plausible.
@@ -156,6 +174,7 @@ impl Begun {
     pub fn finish(self, study: &Study<'_>, current_fit: &Rest, current_check: &Rest) -> Option<Tried> {
         let Self { screened, fitted } = self;
         let fitted = study.fit_near(&fitted.model, TRY_OUT, Some(&fitted.fit.jacobian)).unwrap_or(fitted);
+        let fitted = plausible(study, &fitted, current_fit).unwrap_or(fitted);
         assess(study, (screened.placement, screened.places), fitted, current_fit, current_check)
     }
 }

@@ -305,7 +305,7 @@ fn spoils(before: &[f64], after: &[f64], study: &Study<'_>) -> Option<String> {
 }
 
 /// A coefficient of the last effect that its name does not allow.
-fn implausible(model: &Model) -> Option<String> {
+pub(super) fn implausible(model: &Model) -> Option<String> {
     let (placement, values) = model.effects.last()?;
     placement.effect.parameters.iter().zip(values).zip(&placement.scales).find_map(|((p, v), scale)| {
         let (low, high) = p.plausible;

@@ -28,6 +28,8 @@ pub struct Placement {
     pub scales: Vec<f64>,
     /// Units of the parameters, where they have a name.
     pub units: Vec<Option<String>>,
+    /// A fit keeps its parameters within what is plausible, not within what can be searched.
+    pub bounded: bool,
 }
 
 impl Placement {
@@ -38,6 +40,13 @@ impl Placement {
             && self.port == other.port
             && self.targets == other.targets
             && self.drivers == other.drivers
+    }
+
+    /// Where a fit may look for a parameter.
+    pub fn limits(&self, parameter: &Parameter) -> (f64, f64) {
+        let ((low, high), (least, most)) = (parameter.search, parameter.plausible);
+        // what is plausible of a shape may reach farther than a fit can go
+        if self.bounded { (low.max(least).min(high), high.min(most).max(low)) } else { (low, high) }
     }
 
     /// Where it is, in words: `output force_y`.
@@ -182,7 +191,15 @@ impl Site<'_> {
                     continue;
                 }
                 let units = effect.parameters.iter().map(|p| self.unit(p, targets[0], &drivers)).collect();
-                placements.push(Placement { effect, port, targets: targets.clone(), drivers, scales, units });
+                placements.push(Placement {
+                    effect,
+                    port,
+                    targets: targets.clone(),
+                    drivers,
+                    scales,
+                    units,
+                    bounded: false,
+                });
             }
         }
         placements

@@ -160,7 +160,7 @@ impl Study<'_> {
         unknowns.push(lag);
         for (placement, _) in &model.effects {
             for parameter in placement.effect.parameters {
-                let (low, high) = parameter.search;
+                let (low, high) = placement.limits(parameter);
                 if parameter.is_logarithmic() {
                     let typical = parameter.probes.first().copied().unwrap_or(low).ln();
                     let (low, high) = (low.ln(), high.ln());
@@ -243,7 +243,7 @@ impl Study<'_> {
             .iter()
             .map(|(placement, _)| {
                 let value = |(p, x): (&Parameter, &f64)| {
-                    let (low, high) = p.search;
+                    let (low, high) = placement.limits(p);
                     // what is at a bound is at it to the last digit
                     if p.is_logarithmic() { x.exp().clamp(low, high) } else { *x }
                 };

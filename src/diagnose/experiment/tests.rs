@@ -83,7 +83,7 @@ fn placement(id: &str, drivers: Vec<Signal>) -> Placement {
     let effect = find(id).unwrap();
     let n = effect.parameters.len();
     let (scales, units) = (vec![1.0; n], vec![None; n]);
-    Placement { effect, port: Port::Output, targets: vec![FORCE], drivers, scales, units }
+    Placement { effect, port: Port::Output, targets: vec![FORCE], drivers, scales, units, bounded: false }
 }
 
 /// A rival whose parameters are known to a standard deviation each.

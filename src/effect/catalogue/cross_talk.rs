@@ -22,7 +22,8 @@ pub const EFFECT: Effect = Effect {
         "share",
         "How much of the other channel is added",
         Scale::of("1", 1, [-1, 0, 0]),
-        (-0.5, 0.5),
+        // as much as the channel itself: a moment about another point is that, too
+        (-1.0, 1.0),
         (-2.0, 2.0),
         &[0.02],
     )],
