@@ -1,5 +1,6 @@
 //! The machines: equations written from the physics, states, channels and the parameters that a base model has.
 
+use crate::flat_track;
 use crate::hidden::Influence;
 
 /// A machine of which a base model exists.
@@ -17,6 +18,8 @@ pub enum Base {
     BrakeCorner,
     /// The same with an anti-lock controller.
     AbsBrake,
+    /// The ring-and-brush tire that latsch ships, on a flat-track rig: equations in [`crate::flat_track`], not here.
+    FlatTrack,
 }
 
 /// A channel or parameter: name, unit, and its usual size (for a parameter, what the base model starts from).
@@ -65,13 +68,14 @@ const STANDSTILL: f64 = 2.0;
 
 impl Base {
     /// All machines.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Oscillator,
         Self::QuarterCar,
         Self::SteadyTire,
         Self::MagicWheel,
         Self::BrakeCorner,
         Self::AbsBrake,
+        Self::FlatTrack,
     ];
 
     /// The name of its base model.
@@ -84,6 +88,7 @@ impl Base {
             Self::MagicWheel => "magic-wheel",
             Self::BrakeCorner => "brake-corner",
             Self::AbsBrake => "abs-brake",
+            Self::FlatTrack => flat_track::NAME,
         }
     }
 
@@ -113,6 +118,7 @@ impl Base {
             Self::AbsBrake => {
                 &[("driver_pressure", "Pa", 0.0), ("load", "N", 4000.0), ("start_speed", "m/s", 30.0)]
             }
+            Self::FlatTrack => &flat_track::INPUTS,
         }
     }
 
@@ -144,6 +150,7 @@ impl Base {
                 ("brake_torque", "N.m", 300.0),
                 ("slip", "1", 0.03),
             ],
+            Self::FlatTrack => &flat_track::OUTPUTS,
         }
     }
 
@@ -184,6 +191,7 @@ impl Base {
             ],
             Self::BrakeCorner => &BRAKE,
             Self::AbsBrake => &ABS,
+            Self::FlatTrack => &flat_track::PARAMETERS,
         }
     }
 
@@ -218,6 +226,7 @@ impl Base {
             Self::MagicWheel => vec![u[4] / p[6], 0.0, u[1], 0.0],
             Self::BrakeCorner => vec![u[2], u[2] / p[5], 0.0, 0.0, 0.0],
             Self::AbsBrake => vec![u[2], u[2] / p[5], 0.0, u[0].max(0.0), 0.0],
+            Self::FlatTrack => Vec::new(),
         }
     }
 
@@ -284,6 +293,7 @@ impl Base {
                     ..none
                 }
             }
+            Self::FlatTrack => none,
         }
     }
 
@@ -317,6 +327,7 @@ impl Base {
                 dx[3] = if self == Self::AbsBrake { anti_lock(p, u, x) } else { 0.0 };
                 dx[4] = x[1];
             }
+            Self::FlatTrack => {}
         }
     }
 
@@ -347,6 +358,7 @@ impl Base {
                 let slip = 1.0 - x[1] * p[5] / x[0].max(1.0);
                 vec![x[0], x[1], pressure, brake_torque(p, pressure, x, by), slip]
             }
+            Self::FlatTrack => Vec::new(),
         }
     }
 }

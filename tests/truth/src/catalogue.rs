@@ -1,5 +1,7 @@
 //! Ids and families of effects as a diagnosis names them, and which of them are the same physics on data of this kind.
 
+use crate::flat_track;
+
 /// Families that count as one when a name is judged.
 const FAMILIES: [(&str, &[&str]); 6] = [
     (
@@ -103,6 +105,9 @@ const ALIKE: [&[&str]; 13] = [
     &["hydraulic-lag", "driveline-compliance"],
 ];
 
+/// The same where the model tells the power of its friction, as the flat track does.
+const ALIKE_BY_POWER: &[&str] = &["thermal-softening", "frictional-heating"];
+
 /// The family of an id; none for an unknown one.
 #[must_use]
 pub fn family(id: &str) -> Option<&'static str> {
@@ -117,6 +122,16 @@ pub fn alike(id: &str) -> Vec<String> {
         if group.contains(&id) {
             all.extend(group.iter().filter(|other| **other != id).map(|other| (*other).to_owned()));
         }
+    }
+    all
+}
+
+/// As [`alike`], on a machine of this name.
+#[must_use]
+pub fn alike_on(model: &str, id: &str) -> Vec<String> {
+    let mut all = alike(id);
+    if model == flat_track::NAME && ALIKE_BY_POWER.contains(&id) {
+        all.extend(ALIKE_BY_POWER.iter().filter(|other| **other != id).map(|other| (*other).to_owned()));
     }
     all
 }

@@ -1,6 +1,7 @@
 //! Draws a case: which effect hides where, how large, and what the rig does.
 
 use crate::base::Base;
+use crate::flat_track::{self, Concealed};
 use crate::hidden::{Hidden, Law};
 use crate::programme::{self, EVERYTHING, Region, Run, Sampling};
 use crate::random::Random;
@@ -12,18 +13,18 @@ use std::collections::BTreeSet;
 
 /// An effect that can hide in a machine.
 #[derive(Debug, Clone, Copy)]
-struct Offer {
-    id: &'static str,
-    law: Law,
-    base: Base,
+pub(crate) struct Offer {
+    pub(crate) id: &'static str,
+    pub(crate) law: Law,
+    pub(crate) base: Base,
     /// Inputs (on the way in) or outputs (on the way out) that it can sit at.
-    channels: &'static [usize],
+    pub(crate) channels: &'static [usize],
     /// Whether its sign is free.
-    signed: bool,
-    depends_on: &'static [&'static str],
+    pub(crate) signed: bool,
+    pub(crate) depends_on: &'static [&'static str],
 }
 
-const fn offer(
+pub(crate) const fn offer(
     id: &'static str,
     law: Law,
     base: Base,
@@ -34,7 +35,7 @@ const fn offer(
     Offer { id, law, base, channels, signed, depends_on }
 }
 
-use Base::{AbsBrake, BrakeCorner, MagicWheel, Oscillator, QuarterCar, SteadyTire};
+use Base::{AbsBrake, BrakeCorner, FlatTrack, MagicWheel, Oscillator, QuarterCar, SteadyTire};
 
 const SPRING: &[&str] = &["position", "suspension_deflection", "deflection"];
 const DAMPER: &[&str] = &["velocity", "suspension_velocity", "rate"];
@@ -395,6 +396,16 @@ fn plan(kind: Kind, random: &mut Random) -> Option<Plan> {
                 ..plain(trap.base, offers, CLEAR)
             }
         }
+        Kind::FlatTrack(concealed) => {
+            let of = |random: &mut Random, from: &[Offer], id| pick(random, from, |o| o.id == id);
+            let (offers, target) = match concealed {
+                Concealed::Clear(id) => (vec![of(random, &flat_track::OFFERS, id)?], CLEAR),
+                Concealed::Faint(id) => (vec![of(random, &flat_track::OFFERS, id)?], FAINT),
+                Concealed::Outside(id) => (vec![of(random, &flat_track::OUTSIDE, id)?], CLEAR),
+                Concealed::Parameters => (vec![], CLEAR),
+            };
+            plain(FlatTrack, offers, target)
+        }
         Kind::Mack(k) => {
             let onset = offer("pad-onset", Law::Onset, AbsBrake, &[3], false, &["pressure", "time"]);
             let disc = offer(
@@ -451,10 +462,11 @@ fn parameters(kind: Kind, base: Base, random: &mut Random) -> Vec<f64> {
 fn sampling(base: Base, random: &mut Random, runs: usize) -> Sampling {
     let rate: f64 = match base {
         Oscillator => random.pick(&[100.0, 125.0, 200.0]),
+        FlatTrack => 200.0,
         _ => random.pick(&[200.0, 250.0]),
     };
     #[allow(clippy::cast_precision_loss)] // a dozen
-    let duration = (10_000.0 / (rate * runs as f64)).clamp(4.0, 8.0);
+    let duration = if base == FlatTrack { 10.0 } else { (10_000.0 / (rate * runs as f64)).clamp(4.0, 8.0) };
     Sampling { rate, duration, jitter: random.within(0.01, 0.06) }
 }
 
@@ -499,7 +511,8 @@ fn noise(world: &World, runs: &[(u64, Run)], random: &mut Random) -> Vec<Noise> 
             let count = values.len() as f64;
             let mean = values.iter().sum::<f64>() / count;
             let spread = (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count).sqrt();
-            let level = random.log_within(0.005, 0.03);
+            let least = if world.base == FlatTrack { flat_track::LEAST_NOISE } else { 0.005 };
+            let level = random.log_within(least, 0.03);
             let deviation = match rows[c].0 {
                 "wheel_angle" => random.within(0.003, 0.01),
                 _ => level * spread.max(0.1 * rows[c].2),
@@ -510,7 +523,7 @@ fn noise(world: &World, runs: &[(u64, Run)], random: &mut Random) -> Vec<Noise> 
 }
 
 fn draw_runs(plan: &Plan, random: &mut Random, gain: f64) -> (Vec<Run>, Option<Vec<bool>>) {
-    let count = 6 + random.below(7);
+    let count = if plan.base == FlatTrack { 10 } else { 6 + random.below(7) };
     let sampling = sampling(plan.base, random, count);
     let check: Vec<bool> = (0..count).map(|k| k % 3 == 2).collect();
     let runs = (0..count)

@@ -8,9 +8,14 @@ use std::path::Path;
 /// A case of a study, simulated.
 ///
 /// # Errors
-/// A case that does not exist or cannot be drawn.
+/// A case that does not exist or cannot be drawn, or a machine that left what its equations are good for.
 pub fn case(seed: u64, number: usize) -> Result<Recorded, String> {
-    Ok(record(&draw(seed, number)?))
+    let recorded = record(&draw(seed, number)?);
+    let mut squares = recorded.reference.runs.iter().flat_map(|run| &run.channels);
+    match squares.find(|(_, square)| !square.is_finite()) {
+        None => Ok(recorded),
+        Some((channel, _)) => Err(format!("{}: {channel} is not finite", recorded.answer.case)),
+    }
 }
 
 /// Writes what a diagnosis may see: the name of the model and the recordings.

@@ -1,6 +1,6 @@
 //! Recordings of machines in which an effect is concealed, the sealed answers to them, and the score.
 //!
-//! Nothing here depends on latsch. A [`study`] is a list of kinds, shuffled by its seed; [`draw`] makes
+//! Nothing here depends on latsch, but for the tire that [`flat_track`] rolls. A [`study`] is a list of kinds, shuffled by its seed; [`draw`] makes
 //! a case of one of them: a base machine with parameters of its own, what is [hidden] in it, a
 //! [`programme`], [sensors](sensor) and perhaps a [`fault`] of the recording; [`recording`] simulates it.
 //! The same seed gives the same bytes on every machine.
@@ -12,6 +12,7 @@ pub mod catalogue;
 pub mod draw;
 pub mod fault;
 pub mod files;
+pub mod flat_track;
 pub mod hidden;
 pub mod programme;
 pub mod random;

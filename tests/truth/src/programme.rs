@@ -1,12 +1,13 @@
 //! What a rig does in a run: waves for the inputs, and when samples are taken.
 
 use crate::base::Base;
+use crate::flat_track;
 use crate::random::Random;
 use std::f64::consts::{PI, TAU};
 
 /// The course of one input, about 0.
 #[derive(Debug, Clone, PartialEq)]
-enum Wave {
+pub(crate) enum Wave {
     /// Nothing.
     Rest,
     /// Amplitude, first and last frequency \[Hz\], duration.
@@ -62,12 +63,18 @@ impl Wave {
     }
 
     /// A wave of this amplitude within a band \[Hz\].
-    fn draw(random: &mut Random, amplitude: f64, band: (f64, f64), duration: f64) -> Self {
+    pub(crate) fn draw(random: &mut Random, amplitude: f64, band: (f64, f64), duration: f64) -> Self {
         let kind = random.below(5);
         Self::of(kind, random, amplitude, band, duration)
     }
 
-    fn of(kind: usize, random: &mut Random, amplitude: f64, band: (f64, f64), duration: f64) -> Self {
+    pub(crate) fn of(
+        kind: usize,
+        random: &mut Random,
+        amplitude: f64,
+        band: (f64, f64),
+        duration: f64,
+    ) -> Self {
         match kind {
             0 if random.chance(0.5) => Self::Chirp(amplitude, band.0, band.1, duration),
             0 => Self::Chirp(amplitude, band.1, band.0, duration),
@@ -85,7 +92,12 @@ impl Wave {
         }
     }
 
-    fn steps(random: &mut Random, amplitude: f64, duration: f64, over: f64) -> Self {
+    /// A slow sweep to both sides, its period within `periods` \[s\].
+    pub(crate) fn triangle(random: &mut Random, amplitude: f64, periods: (f64, f64)) -> Self {
+        Self::Triangle(amplitude, random.within(periods.0, periods.1), random.pick(&[0.0, 0.5]))
+    }
+
+    pub(crate) fn steps(random: &mut Random, amplitude: f64, duration: f64, over: f64) -> Self {
         let mut levels = Vec::new();
         let mut t = random.within(0.3, 0.6);
         while t < duration - 0.4 {
@@ -283,6 +295,7 @@ fn waves(
             let start = speed.max(18.0) + 8.0;
             vec![(0.0, pressure, 0.0), (load, swing, 0.0), (start, Wave::Rest, 0.0)]
         }
+        Base::FlatTrack => flat_track::waves(random, duration, region, index),
     }
 }
 

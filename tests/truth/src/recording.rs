@@ -1,7 +1,7 @@
 //! The recordings and the answer of a case.
 
 use crate::answer::{Answer, Effect, Parameter, Reference, ReferenceRun};
-use crate::catalogue::{alike, family};
+use crate::catalogue::{alike_on, family};
 use crate::draw::Case;
 use crate::fault::Tables;
 use crate::sensor::{Quantum, quantum};
@@ -148,12 +148,12 @@ fn answer(case: &Case, fault: Option<(String, String)>) -> Answer {
             family: family(hidden.id).unwrap_or_default().to_owned(),
             channels: order.into_iter().map(|c| outputs[c].0.to_owned()).collect(),
             depends_on: depends_on.clone(),
-            accept: if family(hidden.id).is_some() { alike(hidden.id) } else { Vec::new() },
+            accept: if family(hidden.id).is_some() { alike_on(base.name(), hidden.id) } else { Vec::new() },
             size: hidden.size,
             over_noise,
         }
     });
-    let detail = match case.kind {
+    let detail = match case.kind.plain() {
         Kind::Clear(id) | Kind::Faint(id) | Kind::Outside(id) | Kind::Fault(id) => id.to_owned(),
         Kind::Mack(k) => format!("K{k}"),
         _ => case.world.hidden.iter().map(|h| h.id).collect::<Vec<_>>().join(" + "),

@@ -1,6 +1,7 @@
 //! One run of a machine with what is hidden in it, on a fine grid, as ideal sensors behind a filter see it.
 
 use crate::base::{Base, Ports};
+use crate::flat_track;
 use crate::hidden::{Hidden, Influence, Memory};
 use crate::programme::Run;
 
@@ -30,18 +31,18 @@ pub struct Ideal {
 pub const STEP: f64 = 0.37e-3;
 
 /// A first-order filter, exact for an input that runs straight.
-struct Filter {
+pub(crate) struct Filter {
     lag: f64,
     last: Vec<f64>,
-    state: Vec<f64>,
+    pub(crate) state: Vec<f64>,
 }
 
 impl Filter {
-    fn new(lag: f64, start: &[f64]) -> Self {
+    pub(crate) fn new(lag: f64, start: &[f64]) -> Self {
         Self { lag, last: start.to_vec(), state: start.to_vec() }
     }
 
-    fn follow(&mut self, values: &[f64], dt: f64) {
+    pub(crate) fn follow(&mut self, values: &[f64], dt: f64) {
         let decay = libm::exp(-dt / self.lag);
         for ((state, last), value) in self.state.iter_mut().zip(&mut self.last).zip(values) {
             let behind = (value - *last) / dt * self.lag;
@@ -86,6 +87,9 @@ impl World {
     /// The run number `number` with steps of at most `longest` seconds.
     #[must_use]
     pub fn run(&self, run: &Run, number: u64, longest: f64) -> Ideal {
+        if self.base == Base::FlatTrack {
+            return flat_track::run(self, run, number, longest);
+        }
         let sizes: Vec<f64> = self.base.outputs().iter().map(|row| row.2).collect();
         let raw = |k: usize| -> Vec<f64> { run.inputs.iter().map(|values| values[k]).collect() };
         let mut from = raw(0);
@@ -140,7 +144,7 @@ impl World {
         ideal
     }
 
-    fn enter(&self, memories: &mut [Memory], at: &Ports, u: &mut [f64], dt: f64) {
+    pub(crate) fn enter(&self, memories: &mut [Memory], at: &Ports, u: &mut [f64], dt: f64) {
         for (hidden, memory) in self.hidden.iter().zip(memories) {
             hidden.enter(memory, at, u, dt);
         }

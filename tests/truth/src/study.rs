@@ -2,6 +2,7 @@
 
 use crate::draw::{ids, outside_ids};
 use crate::fault::FAULTS;
+use crate::flat_track::{self, Concealed};
 use crate::random::Random;
 
 /// What a case is about.
@@ -25,13 +26,15 @@ pub enum Kind {
     Decoy(usize),
     /// A case of Mack (2009), by number.
     Mack(usize),
+    /// A case of the flat track; it counts as [what it is about](Kind::plain).
+    FlatTrack(Concealed),
 }
 
 impl Kind {
     /// As answers have it.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
+        match self.plain() {
             Self::Clear(_) => "clear",
             Self::Faint(_) => "faint",
             Self::Mix => "mix",
@@ -40,7 +43,19 @@ impl Kind {
             Self::Fault(_) => "fault",
             Self::Outside(_) => "outside",
             Self::Decoy(_) => "decoy",
-            Self::Mack(_) => "mack",
+            Self::Mack(_) | Self::FlatTrack(_) => "mack",
+        }
+    }
+
+    /// The kind of a case without the machine that it is on.
+    #[must_use]
+    pub fn plain(self) -> Self {
+        match self {
+            Self::FlatTrack(Concealed::Clear(id)) => Self::Clear(id),
+            Self::FlatTrack(Concealed::Faint(id)) => Self::Faint(id),
+            Self::FlatTrack(Concealed::Parameters) => Self::Parameters,
+            Self::FlatTrack(Concealed::Outside(id)) => Self::Outside(id),
+            other => other,
         }
     }
 }
@@ -65,6 +80,8 @@ pub fn study(seed: u64) -> Vec<Kind> {
     all.extend((0..20).map(Kind::Decoy));
     all.extend([1, 2, 4, 5, 6, 7, 8].map(Kind::Mack));
     random.shuffle(&mut all);
+    // behind all others, whose numbers and draws stay what they are
+    all.extend(flat_track::draw_cases(&mut random).map(Kind::FlatTrack));
     all
 }
 
@@ -85,8 +102,12 @@ mod tests {
         let all = study(1);
         let count = |name: &str| all.iter().filter(|kind| kind.name() == name).count();
         let counts = ["clear", "faint", "mix", "fault", "outside", "decoy", "mack"].map(count);
-        assert_eq!(counts, [60, 60, 20, 20, 40, 20, 7]);
-        assert_eq!(count("null") + count("parameters"), 60);
+        assert_eq!(counts, [63, 61, 20, 20, 41, 20, 7]);
+        assert_eq!(count("null") + count("parameters"), 61);
+        // the flat track comes last
+        let place = all.iter().position(|k| matches!(k, Kind::FlatTrack(_)));
+        assert_eq!((all.len(), place), (293, Some(287)));
+        assert!(all[287..].iter().all(|k| matches!(k, Kind::FlatTrack(_))));
         for kind in ["clear", "faint"] {
             let ids: BTreeSet<_> = all
                 .iter()

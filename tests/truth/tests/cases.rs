@@ -5,7 +5,7 @@ use latsch_truth::draw::draw;
 use latsch_truth::files::case;
 use latsch_truth::recording::record;
 use latsch_truth::simulate::{STEP, World};
-use latsch_truth::study::{Kind, study};
+use latsch_truth::study::{Kind, name, study};
 
 const SEED: u64 = 1;
 
@@ -116,6 +116,48 @@ fn clear_effects_stand_out_and_faint_ones_do_not() {
             assert_eq!(a.inputs, b.inputs);
         }
     }
+}
+
+#[test]
+fn cases_before_those_of_the_flat_track_are_what_they_were_without_them() {
+    // kinds and files as they were drawn before there was a flat track
+    let kinds = study(7).into_iter().enumerate().take(287);
+    let list: String = kinds.map(|(n, kind)| format!("{} {kind:?}\n", name(n))).collect();
+    assert_eq!(hash(&list), 0x8b73_dabc_d3ea_612a, "{:#x}", hash(&list));
+    for (number, expected) in [(0, 0x887d_139e_b1cf_7161), (286, 0x3085_8758_e552_2a6d)] {
+        let text: String = case(SEED, number).unwrap().files.into_iter().map(|(_, text)| text).collect();
+        assert_eq!(hash(&text), expected, "{number}: {:#x}", hash(&text));
+    }
+}
+
+/// The sources that are compiled into the generator.
+fn sources(folder: &std::path::Path) -> Vec<(String, String)> {
+    let mut all = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            all.extend(sources(&path));
+        } else {
+            all.push((path.display().to_string(), std::fs::read_to_string(&path).unwrap()));
+        }
+    }
+    all
+}
+
+#[test]
+fn of_latsch_only_the_tire_of_the_flat_track_is_used() {
+    let all = sources(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src"));
+    let (mut used, mut seen) = (0, 0);
+    for (file, text) in all {
+        seen += 1;
+        for line in text.lines().filter(|line| line.contains("latsch::")) {
+            let allowed = ["Result;", "model::{Native, Settings, Slave};", "rig::RingBrushFlatTrack;"];
+            let fits = allowed.iter().any(|what| line == format!("use latsch::{what}"));
+            assert!(fits && file.contains("flat_track"), "{file}: {line}");
+            used += 1;
+        }
+    }
+    assert!(seen > 15 && used >= 3, "{seen} {used}");
 }
 
 #[test]

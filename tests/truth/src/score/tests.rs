@@ -101,6 +101,12 @@ fn the_table_counts_a_made_up_study() {
         None,
         &Timing { seconds: Some(60.0), failure: Some("took too long".into()) },
     ));
+    for seconds in [300.0, 400.0] {
+        let truth = Answer { model: "ring-brush-flat-track".into(), ..answer("outside", &["outside-snap"]) };
+        let unknown = serde_json::from_str(r#"{"verdict":"unknown"}"#).unwrap();
+        let timing = Timing { seconds: Some(seconds), failure: None };
+        all.push(judge(truth, &Reference::default(), Some(&unknown), &timing));
+    }
     let text = report(&all);
     let has = |line: &str| assert!(text.contains(line), "{line}\n{text}");
     has("| clear effects: the right family named first | 90 % | 90 % | 9 of 10 | 60 to 98 % | yes |");
@@ -108,11 +114,14 @@ fn the_table_counts_a_made_up_study() {
     has(
         "| nothing missing, or parameters only: something named | at most 5 % | 0 % | 0 of 2 | 0 to 66 % | yes |",
     );
-    has("| not in the catalogue: says so | 90 % | 0 % | 0 of 1 |");
+    has("| not in the catalogue: says so | 90 % | 67 % | 2 of 3 |");
+    has("| diagnosis of a cheap base model within 20 s | 100 % | 0 % | 0 of 1 |");
+    has("| diagnosis of the flat track within 6 minutes | 100 % | 50 % | 1 of 2 |");
+    has("Longest diagnosis of a cheap base model: 60.0 s, of the flat track: 400.0 s.");
     has("| recording faults: reported as such | 90 % | 100 % | 1 of 1 |");
     has("| stated confidence of 0.85 to 0.95: right | 85 to 95 % | 82 % | 9 of 11 |");
     has("| mixes: both found | 70 % | - | 0 of 0 | - | no case |");
-    has("| no diagnosis came |  | 7 % | 1 of 14 |");
+    has("| no diagnosis came |  | 6 % | 1 of 16 |");
     has("| case-001 | null |  |  | took too long | - | 60.0 |");
     has("| camber-thrust | 9 of 10 | 9 of 10 | 0 of 0 | 0 of 0 |");
 }
