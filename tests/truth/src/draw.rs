@@ -569,6 +569,15 @@ fn try_draw(kind: Kind, mut random: Random) -> Option<Case> {
                 effect.size = if effect.law == Law::RoadScatter { 0.6 } else { 1.0 };
                 measure(&effect)
             }
+            // bristles that slide a step earlier or later hide what a small effect does: it is a share of a clear one
+            Kind::FlatTrack(Concealed::Faint(_)) => {
+                const LARGER: f64 = 8.0;
+                let (target, least) = (LARGER * target, LARGER * plan.target.0);
+                let mut left = size(&mut effect, target, least, lifting, &mut measure)?;
+                effect.size /= LARGER;
+                left.iter_mut().for_each(|v| *v /= LARGER);
+                left
+            }
             _ => size(&mut effect, target, plan.target.0, lifting, &mut measure)?,
         };
         marks.push((one.depends_on.iter().map(|s| (*s).to_owned()).collect(), left));
