@@ -511,7 +511,8 @@ fn noise(world: &World, runs: &[(u64, Run)], random: &mut Random) -> Vec<Noise> 
             let count = values.len() as f64;
             let mean = values.iter().sum::<f64>() / count;
             let spread = (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count).sqrt();
-            let level = random.log_within(0.005, 0.03);
+            let least = if world.base == FlatTrack { flat_track::LEAST_NOISE } else { 0.005 };
+            let level = random.log_within(least, 0.03);
             let deviation = match rows[c].0 {
                 "wheel_angle" => random.within(0.003, 0.01),
                 _ => level * spread.max(0.1 * rows[c].2),
@@ -567,6 +568,15 @@ fn try_draw(kind: Kind, mut random: Random) -> Option<Case> {
             Kind::Mack(1 | 8) => {
                 effect.size = if effect.law == Law::RoadScatter { 0.6 } else { 1.0 };
                 measure(&effect)
+            }
+            // bristles that slide a step earlier or later hide what a small effect does: it is a share of a clear one
+            Kind::FlatTrack(Concealed::Faint(_)) => {
+                const LARGER: f64 = 8.0;
+                let (target, least) = (LARGER * target, LARGER * plan.target.0);
+                let mut left = size(&mut effect, target, least, lifting, &mut measure)?;
+                effect.size /= LARGER;
+                left.iter_mut().for_each(|v| *v /= LARGER);
+                left
             }
             _ => size(&mut effect, target, plan.target.0, lifting, &mut measure)?,
         };

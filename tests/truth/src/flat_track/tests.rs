@@ -1,5 +1,4 @@
 use super::*;
-use crate::draw::Offer;
 use crate::hidden::{Hidden, Law};
 use crate::programme::{self, EVERYTHING, Sampling};
 use crate::random::Random;
@@ -65,8 +64,8 @@ fn shipped(run: &Run, step: f64) -> Vec<Vec<f64>> {
 
 #[test]
 fn with_nothing_hidden_it_is_the_shipped_model() {
-    // bristles meet the road between steps, which errs in proportion to the step and by chance: 0.08 and 0.1 ms differ
-    // by sqrt(0.8^2 + 1) / sqrt(2^2 + 1) = 0.57 of what 0.1 and 0.2 ms do
+    // with errors e h, of either sign, in proportion to the step h: those of 0.08 and 0.1 ms differ by 1.8 e h at most,
+    // those of 0.1 and 0.2 ms by e h at least
     for index in [4, 5] {
         let run = drawn(index, 2.0);
         let truth = world(vec![]).run(&run, 0, STEP);
@@ -74,12 +73,12 @@ fn with_nothing_hidden_it_is_the_shipped_model() {
         for (c, row) in OUTPUTS.iter().enumerate() {
             let (off, error) = (rms(&truth.outputs[c], &usual[c]), rms(&coarse[c], &usual[c]));
             assert!(
-                off <= 0.75 * error + 1e-9 * row.2,
+                off <= 1.8 * error + 1e-9 * row.2,
                 "{} of run {index}: {off}, convergence {error}",
                 row.0
             );
-            // and that is less than half of the least noise
-            assert!(off < 2e-3 * row.2, "{} of run {index}: {off}", row.0);
+            // and that is less than half of the least noise, a share of the spread
+            assert!(off < 0.5 * LEAST_NOISE * row.2, "{} of run {index}: {off}", row.0);
         }
         assert_eq!(truth.inputs.len(), INPUTS.len());
     }
@@ -90,7 +89,7 @@ fn effects_of_no_size_change_nothing() {
     let run = drawn(9, 0.5);
     let without = world(vec![]).run(&run, 0, 1e-3);
     let all = OFFERS.iter().chain(&OUTSIDE);
-    for offer in all.map(|offer: &Offer| *offer) {
+    for offer in all {
         for (share, changes) in [(0.0, false), (1.0, true)] {
             let with = world(vec![hidden(offer.law, share, offer.channels[0])]).run(&run, 0, 1e-3);
             assert_eq!(with.inputs, without.inputs);
