@@ -142,7 +142,7 @@ pub fn some_like_all(inputs: &[Vec<&[f64]>], count: usize) -> Vec<usize> {
 /// Runs are marked or not; marks are exchanged as long as that makes the two sets more alike: in how much and
 /// around what each input moves, and which of them move together. `inputs` has the courses of the same inputs
 /// for each run.
-fn evened(inputs: &[Vec<&[f64]>], mut checked: Vec<bool>) -> Vec<bool> {
+fn evened(inputs: &[Vec<&[f64]>], mut marked: Vec<bool>) -> Vec<bool> {
     let mut traits: Vec<Vec<f64>> = inputs.iter().map(|run| traits(run)).collect();
     let n = traits.len();
     let count = traits.iter().map(Vec::len).min().unwrap_or(0);
@@ -153,11 +153,11 @@ fn evened(inputs: &[Vec<&[f64]>], mut checked: Vec<bool>) -> Vec<bool> {
         let scale = if spread > 1e-6 * mean.abs() { 1.0 / spread } else { 0.0 };
         traits.iter_mut().for_each(|t| t[k] = (t[k] - mean) * scale);
     }
-    let unlike = |checked: &[bool]| -> f64 {
+    let unlike = |marked: &[bool]| -> f64 {
         (0..count)
             .map(|k| {
                 let mean = |which: bool| {
-                    let own = traits.iter().zip(checked).filter(|(_, c)| **c == which).map(|(t, _)| t[k]);
+                    let own = traits.iter().zip(marked).filter(|(_, c)| **c == which).map(|(t, _)| t[k]);
                     let (sum, n) = own.fold((0.0, 0.0), |(sum, n), v| (sum + v, n + 1.0));
                     sum / f64::max(n, 1.0)
                 };
@@ -165,24 +165,24 @@ fn evened(inputs: &[Vec<&[f64]>], mut checked: Vec<bool>) -> Vec<bool> {
             })
             .sum()
     };
-    let mut least = unlike(&checked);
+    let mut least = unlike(&marked);
     loop {
         let mut best = None;
         for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
-            if checked[i] && !checked[j] {
-                checked.swap(i, j);
-                let now = unlike(&checked);
-                checked.swap(i, j);
+            if marked[i] && !marked[j] {
+                marked.swap(i, j);
+                let now = unlike(&marked);
+                marked.swap(i, j);
                 if now < 0.999 * best.map_or(least, |(_, _, b)| b) {
                     best = Some((i, j, now));
                 }
             }
         }
         let Some((i, j, now)) = best else { break };
-        checked.swap(i, j);
+        marked.swap(i, j);
         least = now;
     }
-    checked
+    marked
 }
 
 /// Mean and movement of each input of a run, and the common movement of each two.
@@ -280,6 +280,10 @@ mod tests {
             let own: Vec<Use> = (0..9).filter(|i| i % 3 == kind).map(|i| uses[i]).collect();
             assert!(own.contains(&Use::Check) && own.contains(&Use::Fit), "{kind}: {own:?}");
         }
+        // few runs that stand for all of them: one of each kind
+        let few = some_like_all(&runs, 3);
+        assert_eq!(few.iter().map(|i| i % 3).collect::<std::collections::BTreeSet<_>>().len(), 3, "{few:?}");
+        assert_eq!(some_like_all(&runs[..2], 3), [0, 1]);
         // nothing to choose by: the middle of every three
         let same: Vec<Vec<&[f64]>> = (0..6).map(|_| vec![&wave[..]]).collect();
         let checked: Vec<usize> = (0..6).filter(|i| split(&same)[*i] == Use::Check).collect();

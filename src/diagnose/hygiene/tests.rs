@@ -481,3 +481,60 @@ fn faults_are_found() {
     }
     assert!(weak.is_empty(), "{weak:?}");
 }
+
+/// Runs of one channel: what a simulation has, and what was measured.
+fn channel_of(runs: &[(Vec<f64>, Vec<f64>)]) -> [Vec<Recording>; 2] {
+    let side = |which: usize| {
+        let recording = |(i, run): (usize, &(Vec<f64>, Vec<f64>))| {
+            let values = if which == 0 { run.0.clone() } else { run.1.clone() };
+            Recording {
+                time: (0..values.len()).map(|k| 0.01 * k as f64).collect(),
+                channels: vec![Channel { name: "wheel_speed".into(), unit: "rad/s".into(), values }],
+                source: format!("run-{i}.csv"),
+            }
+        };
+        runs.iter().enumerate().map(recording).collect()
+    };
+    [side(0), side(1)]
+}
+
+#[test]
+fn noise_about_a_level_has_no_gain() {
+    for seed in 0..40 {
+        let mut random = Random(seed);
+        let mut runs = Vec::new();
+        for _ in 0..8 {
+            // the wheel hardly changes its speed; what is measured is noise
+            let level = random.within(20.0, 100.0);
+            let simulated = (0..800).map(|k| level + 0.05 * (0.02 * f64::from(k)).sin()).collect();
+            let measured = (0..800).map(|_| level + 0.5 * random.normal()).collect();
+            runs.push((simulated, measured));
+        }
+        let [simulated, measured] = channel_of(&runs);
+        assert_eq!(faults_against(&measured, &simulated, &["wheel_speed".into()]), [], "{seed}");
+    }
+}
+
+#[test]
+fn a_gain_that_no_parameter_makes_is_a_calibration() {
+    let with = |gain: f64| {
+        let mut random = Random(5);
+        let mut runs = Vec::new();
+        for i in 0..5 {
+            let rate = 0.03 + 0.01 * f64::from(i);
+            let simulated: Vec<f64> = (0..800)
+                .map(|k| 10.0 + 3.0 * (rate * f64::from(k)).sin() + (0.27 * rate * f64::from(k)).sin())
+                .collect();
+            let measured = simulated.iter().map(|v| gain * v + 0.1 * random.normal()).collect();
+            runs.push((simulated, measured));
+        }
+        let [simulated, measured] = channel_of(&runs);
+        faults_against(&measured, &simulated, &["wheel_speed".into()])
+    };
+    // no ratio of units is near
+    let found = with(2.7);
+    assert_eq!(found.iter().map(|f| f.kind).collect::<Vec<_>>(), [FaultKind::WrongUnit], "{found:?}");
+    assert!((found[0].value - 2.7).abs() < 0.01 && found[0].runs.len() == 5, "{found:?}");
+    // what a sensor or parameters make is left to effects
+    assert_eq!(with(1.4), []);
+}

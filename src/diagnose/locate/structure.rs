@@ -441,9 +441,14 @@ mod tests {
     /// What is found if the recorded force has `wrong(load, angle, speed, force, rate of force)` more than
     /// the simulated one.
     fn ask(seed: u64, wrong: impl Fn([f64; 5]) -> f64) -> Vec<Structure> {
+        ask_with(seed, wrong, None)
+    }
+
+    /// The same with a parameter that moves the force by a function of the angle.
+    fn ask_with(seed: u64, wrong: impl Fn([f64; 5]) -> f64, moves: Option<fn(f64) -> f64>) -> Vec<Structure> {
         let mut dice = Dice::new(seed);
         let n = 2000;
-        let (mut runs, mut simulated) = (Vec::new(), Vec::new());
+        let (mut runs, mut simulated, mut sensitivity) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..6 {
             let [load, angle, speed] = [0, 1, 2].map(|_| coloured(&mut dice, 0.98, n));
             let force: Vec<f64> = load.iter().zip(&angle).map(|(f, a)| 500.0 * a * (5.0 + f)).collect();
@@ -454,6 +459,8 @@ mod tests {
             });
             let measured: Vec<f64> = measured.collect();
             let other: Vec<f64> = (0..n).map(|_| normal(&mut dice)).collect();
+            let moved = |f: fn(f64) -> f64| angle.iter().map(|a| f(*a)).collect::<Vec<f64>>();
+            sensitivity.push(vec![moves.map_or(vec![0.0; n], moved), vec![0.0; n]]);
             runs.push(run("a", 0.01, &[load, angle, speed], &[measured, other]));
             simulated.push(vec![force, vec![0.0; n]]);
         }
@@ -461,7 +468,10 @@ mod tests {
         let roles = Roles::of(&interface, &[]).unwrap();
         let runs: Vec<&Run> = runs.iter().collect();
         let side = |from: usize, to: usize| Seen { runs: &runs[from..to], simulated: &simulated[from..to] };
-        structure(side(0, 4), side(4, 6), &[], &interface, &roles)
+        let (fit, check) = (sensitivity[..4].to_vec(), sensitivity[4..].to_vec());
+        let wandering: Vec<Sensitivity> =
+            moves.map(|_| Sensitivity { parameter: "curvature".into(), fit, check }).into_iter().collect();
+        structure(side(0, 4), side(4, 6), &wandering, &interface, &roles)
     }
 
     #[test]
@@ -477,6 +487,23 @@ mod tests {
             assert_eq!(names, ["load", "speed"]);
             let found = ask(seed, |[_, _, speed, force, _]| 0.1 * force * speed.max(0.0));
             assert!(found[0].depends_on.contains(&"speed".to_owned()) && found[0].p < 0.01, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_parameter_that_changes_with_a_signal_is_named_with_it() {
+        let cube: fn(f64) -> f64 = |angle| 300.0 * angle.powi(3);
+        for seed in 20..23 {
+            let found =
+                ask_with(seed, |[_, angle, speed, ..]| 0.2 * cube(angle) * (2.0 * speed).sin(), Some(cube));
+            assert_eq!(found[0].through.as_deref(), Some("curvature"), "{found:?}");
+            assert_eq!((found[0].channel, &found[0].depends_on[..]), (0, &["speed".to_owned()][..]));
+            assert!(found[0].p < 0.01);
+            // what a refit of it would do, and noise, are no structure
+            for amount in [0.0, 0.2] {
+                let found = ask_with(seed, |[_, angle, ..]| amount * cube(angle), Some(cube));
+                assert!(found.iter().all(|s| s.p > 0.01), "{amount}: {found:?}");
+            }
         }
     }
 
