@@ -8,7 +8,7 @@
 
 use super::locate;
 use super::placement::Placement;
-use super::programmes::{Programme, library};
+use super::programmes::{Programme, library, rounded};
 use super::result::{Experiment, Separation};
 use super::roles::Roles;
 use super::study::{Fitted, Model, Rest, Study, negligible};
@@ -19,6 +19,8 @@ use std::time::{Duration, Instant};
 
 /// Rivals that differ by less than so many times the noise are not separated.
 const ENOUGH: f64 = 2.0;
+/// What is less has no number of its own in words.
+const NOTHING: f64 = 0.1;
 /// Of programmes that separate by this share of the most, the shortest is proposed.
 const NEARLY: f64 = 0.9;
 /// Rivals at most: the one that was named and the likeliest of the others.
@@ -323,10 +325,13 @@ pub(super) fn sentence(experiment: Option<&Experiment>, catalogue: &str) -> Stri
     };
     let (near, far): (Vec<_>, Vec<_>) = e.rivals.iter().partition(|r| r.separation < ENOUGH);
     let chosen = format!("{} ({})", e.effect, e.place);
-    let by = format!("{} times the noise of {}", number(e.separation), e.channel);
+    let by = match e.separation {
+        small if small < NOTHING => format!("less than {NOTHING} times the noise of {}", e.channel),
+        by => format!("{} times the noise of {}", number(rounded(by)), e.channel),
+    };
     let mut words = if far.is_empty() {
         format!(
-            "None of the {} programmes that were simulated separates {chosen} from {}: with the fitted models they differ by {by} at most, on: {}.",
+            "None of the {} programmes that were simulated separates {chosen} from {}: with the fitted models they differ by {by} at the most ({}).",
             e.tried,
             names(&near),
             e.programme

@@ -187,6 +187,12 @@ fn cover<'a>(interface: &'a Interface, roles: &Roles, runs: &[&Run]) -> Vec<Inpu
         pooled.retain(|v| v.is_finite());
         pooled.sort_by(f64::total_cmp);
         let (Some(low), Some(high)) = (pooled.first().copied(), pooled.last().copied()) else { continue };
+        // levels that somebody can read and set, within what was recorded
+        let unit = 0.01 * 10.0_f64.powf((high - low).log10().floor());
+        let level =
+            |value: f64, round: fn(f64) -> f64| if unit > 0.0 { unit * round(value / unit) } else { value };
+        let (low, high) = (level(low, |v| (v - 1e-6).ceil()), level(high, |v| (v + 1e-6).floor()));
+        let typical = level(pooled[pooled.len() / 2], f64::round).clamp(low, high.max(low));
         let (mut fast, mut square, mut rates) = (0.0, 0.0, Vec::new());
         for (values, step) in courses(variable) {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -202,7 +208,7 @@ fn cover<'a>(interface: &'a Interface, roles: &Roles, runs: &[&Run]) -> Vec<Inpu
             variable,
             low,
             high,
-            typical: pooled[pooled.len() / 2],
+            typical,
             frequency: if moves { (fast / square).sqrt() / (2.0 * PI) } else { 0.0 },
             moves,
             part: match () {
@@ -245,7 +251,7 @@ fn slope(values: &[f64], step: f64) -> Vec<f64> {
 }
 
 /// To two digits: nobody sets a rig to more.
-fn rounded(value: f64) -> f64 {
+pub(super) fn rounded(value: f64) -> f64 {
     let unit = 10.0_f64.powf(value.log10().floor() - 1.0);
     let rounded = (value / unit).round() * unit;
     if rounded.is_finite() && rounded > 0.0 { rounded } else { value }
@@ -278,7 +284,7 @@ pub(super) fn library(
     lengths.sort_by(f64::total_cmp);
     let run = lengths[lengths.len() / 2].min(longest.unwrap_or(f64::INFINITY));
     let intervals = first.time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0);
-    let highest = HIGHEST / intervals.fold(f64::INFINITY, f64::min).clamp(step, f64::MAX);
+    let highest = HIGHEST / intervals.fold(f64::INFINITY, f64::min).max(step);
     if !(run > 0.0 && step > 0.0 && highest * run > 1.0) {
         return Vec::new();
     }
@@ -301,7 +307,7 @@ pub(super) fn library(
         let steps = |hold: f64| Shape::Steps { low, high, hold };
         let mut put = |rank, shape, length| wanted.push(Wish { rank, moved: i, shape, length, second: None });
         put(0, sine((low, high), 1.0, usual), lasts(usual));
-        put(1, steps(0.25 * run), run);
+        put(1, steps(rounded(0.25 * run)), run);
         put(4, sine((low, high), 0.5, usual), lasts(usual));
         put(5, Shape::Triangle { low, high }, run);
         if longest.is_none() {
@@ -309,7 +315,7 @@ pub(super) fn library(
         }
         put(9, Shape::Band { low, high, from: slow, to: fast }, run);
         if usual > 3.0 / run {
-            put(10, steps(0.5 / usual), lasts(usual));
+            put(10, steps(rounded(0.5 / usual)), lasts(usual));
         }
         for (frequency, rank) in [(fast, 2), (slow, 7)] {
             // only if it is another one
@@ -330,7 +336,7 @@ pub(super) fn library(
                 for (rank, shape, length) in [
                     (3, sine((low, high), 1.0, usual), lasts(usual)),
                     (12, sine((low, high), 1.0, fast), lasts(fast)),
-                    (12, steps(0.25 * run), run),
+                    (12, steps(rounded(0.25 * run)), run),
                 ] {
                     wanted.push(Wish { rank, moved: i, shape, length, second });
                 }

@@ -235,6 +235,7 @@ fn rivals_that_nothing_separates_are_said_to_be_alike() {
     let found = proposed(&study, &rivals, 0.01).unwrap();
     assert!(found.separation < 1e-9 && found.tried > 8, "{found:?}");
     let words = sentence(Some(&found), "hint");
+    assert!(words.contains("less than 0.1 times the noise of force at the most"), "{words}");
     assert!(words.starts_with(&format!("None of the {} programmes", found.tried)), "{words}");
     assert!(words.ends_with("In general: hint."), "{words}");
     // of several the ones that can be separated are
