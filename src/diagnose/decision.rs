@@ -8,6 +8,7 @@ use super::roles::Roles;
 use super::study::{Fitted, Rest, Study, negligible};
 use super::subject::Subject;
 use super::tables::estimates;
+use super::wander::wandering;
 use crate::effect::{Effect, empirical};
 
 /// Probability of chance below which a gain on the check runs counts, for all that were fitted together.
@@ -268,7 +269,7 @@ impl Left {
         let mut foretold = 0.0;
         let mut structure = None;
         let mut most = 0.0;
-        let wandering = study.wandering(current, (fit, check));
+        let wandering = wandering(study, current, (fit, check));
         let structures = locate::structure(before, then, &wandering, &subject.interface, roles);
         for s in structures.iter().cloned() {
             if s.p < FORETOLD_LEVEL && s.share > MIN_FORETOLD {

@@ -22,6 +22,7 @@ pub mod spectrum;
 mod study;
 mod subject;
 mod tables;
+mod wander;
 
 pub use pipeline::{CheckTraces, Outcome, Request, diagnose};
 pub use result::*;

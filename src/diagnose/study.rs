@@ -2,7 +2,6 @@
 
 use super::blocks::redundancy;
 use super::excerpt::beginning;
-use super::locate::Sensitivity;
 use super::placement::Placement;
 use super::subject::FreeParameter;
 use crate::effect::Parameter;
@@ -20,6 +19,8 @@ const STEP: f64 = 1e-3;
 /// Steps are so many times as long if the model takes long: those have many small parts that hold and let go,
 /// and what a short step changes is mostly that.
 const WIDE: f64 = 50.0;
+/// The same for logarithms, whose steps are long anyway.
+const WIDE_LOGARITHM: f64 = 5.0;
 /// Parameters that are fitted at most; those with the most effect on the outputs.
 const MAX_FREE: usize = 14;
 /// The same if the model takes long, and what they are chosen with of each run \[s\].
@@ -33,9 +34,6 @@ const SLOW: f64 = 5e-3;
 const ALIKE: f64 = 0.3;
 /// A parameter that moves the outputs by less than this share of their size, over its whole prior, stays.
 const MIN_EFFECT: f64 = 1e-3;
-/// Windows of a run that a parameter may have values of its own in, and parameters that this is looked at of.
-const WINDOWS: usize = 12;
-const WANDERING: usize = 2;
 /// Blocks of a run that errors are compared over, at most and at least.
 const BLOCKS: usize = 24;
 const FEW_BLOCKS: usize = 8;
@@ -136,7 +134,7 @@ impl Study<'_> {
     }
 
     fn unknowns(&self, model: &Model) -> Vec<Unknown> {
-        let wide = if self.slow { WIDE } else { 1.0 };
+        let (wide, wide_logarithm) = if self.slow { (WIDE, WIDE_LOGARITHM) } else { (1.0, 1.0) };
         let mut unknowns: Vec<Unknown> = self
             .free
             .iter()
@@ -165,7 +163,7 @@ impl Study<'_> {
                     let typical = parameter.probes.first().copied().unwrap_or(low).ln();
                     let (low, high) = (low.ln(), high.ln());
                     let prior = 0.5 * (high - low);
-                    let (step, reach) = (0.02 * wide.min(5.0), 1.0);
+                    let (step, reach) = (0.02 * wide_logarithm, 1.0);
                     unknowns.push(Unknown { start: typical, mean: typical, low, high, step, prior, reach });
                     continue;
                 }
@@ -280,54 +278,6 @@ impl Study<'_> {
         }
         let total = blocks.iter().flatten().sum();
         Ok(Rest { simulated, blocks, total })
-    }
-
-    /// What those parameters do to the outputs that would explain most of what is left if they wandered: if each
-    /// window of the fit runs had a value of its own.
-    pub fn wandering(&self, current: &Fitted, (fit, check): (&Rest, &Rest)) -> Vec<Sensitivity> {
-        let rows: Vec<usize> = self.fit_runs.iter().map(|r| r.time.len() * r.channels.len()).collect();
-        let jacobian = &current.fit.jacobian;
-        if rows.iter().sum::<usize>() != jacobian.nrows() {
-            return Vec::new();
-        }
-        let explained = |parameter: usize| -> f64 {
-            let (mut first, mut sum) = (0, 0.0);
-            for (run, rows) in self.fit_runs.iter().zip(&rows) {
-                let n = run.time.len();
-                let mut windows = [(0.0, 0.0); WINDOWS];
-                for k in 0..*rows {
-                    let window = &mut windows[k % n.max(1) * WINDOWS / n.max(1)];
-                    let (s, r) = (jacobian[(first + k, parameter)], current.fit.residuals[first + k]);
-                    window.0 += s * r;
-                    window.1 += s * s;
-                }
-                sum += windows.iter().filter(|w| w.1 > 0.0).map(|w| w.0 * w.0 / w.1).sum::<f64>();
-                first += rows;
-            }
-            sum
-        };
-        let mut order: Vec<(f64, usize)> = (0..self.free.len()).map(|i| (explained(i), i)).collect();
-        order.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let sensitivity = |i: usize| {
-            let mut model = current.model.clone();
-            let unknown = &current.unknowns[i];
-            let step =
-                if model.parameters[i] + unknown.step <= unknown.high { unknown.step } else { -unknown.step };
-            model.parameters[i] += step;
-            let change = |runs: &[&Run], from: &Rest| -> Option<Vec<Traces>> {
-                let moved = self.rest(&model, runs).ok()?.simulated;
-                let slope =
-                    |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| (a - b) / step).collect();
-                let of = |(a, b): (&Traces, &Traces)| a.iter().zip(b).map(slope).collect();
-                Some(moved.iter().zip(&from.simulated).map(of).collect())
-            };
-            Some(Sensitivity {
-                parameter: self.bench.interface().variables[self.free[i].variable].name.clone(),
-                fit: change(&self.fit_runs, fit)?,
-                check: change(&self.check_runs, check)?,
-            })
-        };
-        order.into_iter().take(WANDERING).filter_map(|(_, i)| sensitivity(i)).collect()
     }
 
     /// True if two simulations of the check runs differ by much less than either does from what was measured.

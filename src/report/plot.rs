@@ -216,7 +216,9 @@ impl Plot {
         if finite().next().is_none() {
             return Ok(Html::note("No data.").as_str().into());
         }
-        let x = Scale::new(finite().map(|p| p.0), 10, false);
+        // the labels of the other axis are to the left of it
+        let room = f64::from(width) / f64::from(letters) - 7.0;
+        let x = Scale::beside(finite().map(|p| p.0), room);
         let y = Scale::new(finite().map(|p| p.1), (height as usize) / 120, true);
 
         let mut svg = String::new();
@@ -308,6 +310,18 @@ impl Scale {
         let exponent = if (0.01..1e5).contains(&size) { 0 } else { 3 * (size.log10() / 3.0).floor() as i32 };
         let decimals = (-(step / 10_f64.powi(exponent)).log10() - 1e-9).ceil().max(0.0) as usize;
         Self { low, high, ticks, decimals, exponent }
+    }
+
+    /// A scale over finite values with about ten labels, or as many as have room beside each other: `room` is
+    /// the length of the axis in heights of letters.
+    fn beside(values: impl Iterator<Item = f64> + Clone, room: f64) -> Self {
+        let fits = |scale: &Self| {
+            let longest = scale.ticks.iter().map(|t| scale.label(*t).chars().count()).max().unwrap_or(0);
+            // a digit is a little more than half as wide as it is high, and two of them are kept between labels
+            scale.ticks.len() as f64 * 0.6 * (longest as f64 + 2.0) <= room
+        };
+        let scale = |count: usize| Self::new(values.clone(), count, false);
+        (2..=10).rev().map(scale).find(fits).unwrap_or_else(|| scale(2))
     }
 
     fn label(&self, value: f64) -> String {
@@ -492,6 +506,19 @@ mod tests {
         let plot = Plot::new("", Axis::time(), Axis::new("force", "kN")).line("a", &[0.0, 1.0], &[0.0, 2.0]);
         let html = plot.html();
         assert!(html.as_str().contains("time [s]") && html.as_str().contains("force [kN]"));
+    }
+
+    #[test]
+    fn labels_have_room_beside_each_other() {
+        // a position of hundredths of a millimetre about 0.3 m: labels of seven characters
+        for (low, high) in [(0.3, 0.3003), (-1.0, 1.0), (-4e-8, 7e-8), (0.0, 12345.0)] {
+            let scale = Scale::beside([low, high].into_iter(), 26.0);
+            let characters: usize = scale.ticks.iter().map(|t| scale.label(*t).chars().count()).sum();
+            assert!(scale.ticks.len() >= 2, "{:?}", scale.ticks);
+            assert!(0.6 * characters as f64 <= 26.0, "{:?}", scale.ticks);
+        }
+        // where there is room nothing changes
+        assert_eq!(Scale::beside([0.0, 10.0].into_iter(), 60.0).ticks.len(), 11);
     }
 
     #[test]
