@@ -1,7 +1,7 @@
 //! The chain from recordings to a verdict.
 
 use super::blocks::{differences, sign_flip};
-use super::decision::LEVEL;
+use super::decision::{LEVEL, NOISE_MARGIN};
 use super::excerpt::finer;
 use super::reading::{fault, faults_against, read_folder, same_channels, shortest_interval};
 use super::result::{Diagnosis, Estimate, RunUse, Use, Verdict};
@@ -156,10 +156,10 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     }
     let mut base_rest = study.rest(&base.model, &check_runs)?;
     if coarse.is_some() {
-        // long steps of the model's own are good enough if they matter little beside what is left
+        // long steps of the model's own are good enough if they leave as much as short ones
         study.bench = &bench;
         let fine = study.rest(&base.model, &check_runs)?;
-        if !study.is_alike(&base_rest, &fine) {
+        if !study.is_as_good(&base_rest, &fine) {
             base = study.fit_on(&base, FINAL)?;
             base_rest = study.rest(&base.model, &check_runs)?;
         } else if let Some(coarse) = &coarse {
@@ -177,6 +177,11 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         faults_against(study, &subject, model, &all_runs, &recordings, &names)
     };
     faults.extend(against(&study, &base.model)?);
+    // a refit bends the model towards channels that are exchanged or in other units, as far as it can
+    let gross = against(&study, &nominal)?.into_iter().filter(|f| f.kind.is_gross());
+    let new = gross.filter(|g| !faults.iter().any(|f| f.kind.is_gross() && f.channel == g.channel));
+    let new: Vec<hygiene::Fault> = new.collect();
+    faults.extend(new);
     let mut base_model = base.model.clone();
     let found = if faults.iter().any(|f| is_fatal(f) && !f.kind.is_of_some_runs()) {
         Found::nothing(base, base_rest)
@@ -184,9 +189,10 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         let fallback = base.clone();
         let found = search(&mut study, &subject, &roles, &nominal, (base, base_rest), progress)?;
         if faults.iter().any(is_fatal) {
-            // what single runs have may be physics: of a fault that is there no effect makes runs like the others
+            // what single runs have may be physics: of a fault that is there no name makes runs like the others
             let there = against(&study, &found.current.model)?;
-            faults.retain(|f| !is_fatal(f) || there.iter().any(|t| t.is_of(f)));
+            let explained = |f: &hygiene::Fault| found.unknown.is_none() && !there.iter().any(|t| t.is_of(f));
+            faults.retain(|f| !is_fatal(f) || !explained(f));
         }
         if faults.iter().any(is_fatal) { Found::nothing(fallback, found.base_check) } else { found }
     };
@@ -226,10 +232,15 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let nominal_rest = study.rest(&nominal, &study.check_runs)?;
     let units = base_rest.by_channel();
     let improved = sign_flip(&differences(&nominal_rest.in_units(&units), &base_rest.in_units(&units)));
+    let check = channel_checks(&study, &subject, &base_rest, &current_check);
+    let mended = faults.iter().any(hygiene::Fault::counts);
+    let is_noise = check.iter().all(|c| c.noise.is_none_or(|noise| c.after < NOISE_MARGIN * noise));
     let verdict = match (&findings[..], &unknown) {
         _ if fatal => Verdict::Recording,
         // what was mended explains what is seen if nothing else does
-        ([], None) if faults.iter().any(hygiene::Fault::counts) => Verdict::Recording,
+        ([], None) if mended => Verdict::Recording,
+        // and so it does the little that samples which were mended leave
+        ([], Some(left)) if mended && is_noise && left.parameters.is_empty() => Verdict::Recording,
         (_, Some(_)) => Verdict::Unknown,
         ([], None) if improved < LEVEL && base_rest.total < 0.98 * nominal_rest.total => Verdict::Parameters,
         ([], None) => Verdict::Nothing,
@@ -242,7 +253,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let mut diagnosis = Diagnosis {
         verdict,
         findings,
-        check: channel_checks(&study, &subject, &base_rest, &current_check),
+        check,
         parameters: fitted_parameters(&study, &subject, &current),
         candidates,
         map,

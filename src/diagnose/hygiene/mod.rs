@@ -73,6 +73,11 @@ pub enum FaultKind {
 }
 
 impl FaultKind {
+    /// True for what no parameters can make of a channel: it shows beside a model that was not refitted, too.
+    pub fn is_gross(self) -> bool {
+        matches!(self, Self::WrongUnit | Self::WrongSign | Self::SwappedChannels)
+    }
+
     /// True for what single runs have and the others do not.
     pub fn is_of_some_runs(self) -> bool {
         matches!(self, Self::OffsetInSomeRuns | Self::DelayInSomeRuns | Self::GainInSomeRuns)
