@@ -492,16 +492,20 @@ mod tests {
 
     #[test]
     fn a_parameter_that_changes_with_a_signal_is_named_with_it() {
-        let cube: fn(f64) -> f64 = |angle| 300.0 * angle.powi(3);
+        let square: fn(f64) -> f64 = |angle| 300.0 * angle.powi(2);
         for seed in 20..23 {
-            let found =
-                ask_with(seed, |[_, angle, speed, ..]| 0.2 * cube(angle) * (2.0 * speed).sin(), Some(cube));
+            let found = ask_with(
+                seed,
+                |[_, angle, speed, ..]| 0.3 * square(angle) * (1.5 * speed).sin(),
+                Some(square),
+            );
+            assert_eq!(found.len(), 1, "{seed}: {found:?}");
             assert_eq!(found[0].through.as_deref(), Some("curvature"), "{found:?}");
             assert_eq!((found[0].channel, &found[0].depends_on[..]), (0, &["speed".to_owned()][..]));
             assert!(found[0].p < 0.01);
             // what a refit of it would do, and noise, are no structure
             for amount in [0.0, 0.2] {
-                let found = ask_with(seed, |[_, angle, ..]| amount * cube(angle), Some(cube));
+                let found = ask_with(seed, |[_, angle, ..]| amount * square(angle), Some(square));
                 assert!(found.iter().all(|s| s.p > 0.01), "{amount}: {found:?}");
             }
         }
