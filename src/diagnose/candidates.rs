@@ -110,12 +110,7 @@ pub(super) fn screen(
         .into_iter()
         .collect();
     let point = Study::point(&current.model);
-    let steps: Vec<f64> = current
-        .unknowns
-        .iter()
-        .zip(&point)
-        .map(|(u, x)| if x + u.step <= u.high { u.step } else { -u.step })
-        .collect();
+    let steps: Vec<f64> = current.unknowns.iter().zip(&point).map(|(u, x)| u.step_at(*x)).collect();
     let prepare = |count: usize| {
         let problem = study.problem(&current.model, runs[..count].to_vec());
         let watch = Arc::clone(&watch);

@@ -25,7 +25,7 @@ pub(super) const NOISE_MARGIN: f64 = 1.4;
 const FAR: f64 = 2.0;
 /// And of so many times it nothing is explained, whatever the names have taken away: what was named right left 2.5
 /// times at most in seed 6 of the study, 3.2 times in real recordings.
-const HOPELESS: f64 = 10.0;
+const TOO_FAR: f64 = 10.0;
 /// Probability of chance below which what can be foretold counts, and the share from which on.
 const FORETOLD_LEVEL: f64 = 0.01;
 const MIN_FORETOLD: f64 = 0.03;
@@ -336,7 +336,7 @@ impl Left {
 
     /// Whether it is worth a word beside effects that have taken away `explained`.
     pub(super) fn counts(&self, explained: f64) -> bool {
-        if self.far.is_some_and(|(_, ratio)| ratio > HOPELESS) {
+        if self.far.is_some_and(|(_, ratio)| ratio > TOO_FAR) {
             true
         } else if explained > 0.0 {
             self.error > LEFT_OVER * (explained + self.error)

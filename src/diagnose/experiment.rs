@@ -55,7 +55,7 @@ impl Rival {
         let point = Study::point(&fitted.model);
         let own = placement.effect.parameters.len().min(point.len());
         let first = point.len() - own;
-        let step = |(u, x): (&crate::fit::Unknown, &f64)| if x + u.step <= u.high { u.step } else { -u.step };
+        let step = |(u, x): (&crate::fit::Unknown, &f64)| u.step_at(*x);
         let covariance = fitted.fit.covariance(&fitted.unknowns, study.redundancy);
         let block = covariance.view((first, first), (own, own)).into_owned();
         // rounding may leave it a hair from positive; then each parameter by itself

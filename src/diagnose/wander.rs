@@ -26,9 +26,7 @@ pub(super) fn wandering(
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
     let sensitivity = |i: usize| {
         let mut model = current.model.clone();
-        let unknown = &current.unknowns[i];
-        let step =
-            if model.parameters[i] + unknown.step <= unknown.high { unknown.step } else { -unknown.step };
+        let step = current.unknowns[i].step_at(model.parameters[i]);
         model.parameters[i] += step;
         let change = |runs: &[&Run], from: &Rest| -> Option<Vec<Traces>> {
             let moved = study.rest(&model, runs).ok()?.simulated;

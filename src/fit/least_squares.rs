@@ -29,6 +29,13 @@ pub struct Unknown {
     pub reach: f64,
 }
 
+impl Unknown {
+    /// The step of differences at a place: backwards where the upper bound is nearer than that.
+    pub fn step_at(&self, x: f64) -> f64 {
+        if x + self.step <= self.high { self.step } else { -self.step }
+    }
+}
+
 /// When to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options<'a> {
@@ -175,10 +182,7 @@ fn differentiate(
     jacobian: &mut DMatrix<f64>,
     from: usize,
 ) {
-    let step = |i: usize| {
-        let u = &unknowns[i];
-        if x[i] + u.step <= u.high { u.step } else { -u.step }
-    };
+    let step = |i: usize| unknowns[i].step_at(x[i]);
     let moved = |i: usize| {
         let mut point = x.to_vec();
         point[i] += step(i);
