@@ -3,6 +3,7 @@
 use super::export::read_settings;
 use super::{Format, print};
 use indicatif::{ProgressBar, ProgressStyle};
+use latsch::cosimulate::write_corrected;
 use latsch::diagnose::{Base, Map, Outcome, Request, diagnose};
 use latsch::effect::file::{Fitted, corrected_text};
 use latsch::fmi::archive::ModelLibrary;
@@ -106,13 +107,21 @@ fn write(folder: &Path, outcome: &Outcome) -> Result<()> {
     let base = match &outcome.subject.base {
         Base::Shipped(name, settings) => CorrectedBase::Model(name.clone(), settings.clone()),
         Base::Fmu(path) => CorrectedBase::Fmu(path.clone()),
-        // a wired system is no FMU: corrected.toml says what to change in it
-        Base::System(_) => return Ok(()),
+        Base::System(path) => return write_system(folder, path, &fitted, outcome),
     };
     let parameters: Vec<(String, f64)> = fitted.into_iter().map(|f| (f.name, f.value)).collect();
     let library = ModelLibrary::shipped()?;
     let fmu = export_corrected(&base, &parameters, &outcome.attachments, &library, &[])?;
     write_file(&folder.join("corrected.fmu"), &fmu)
+}
+
+/// A wired system again, with corrected parts.
+fn write_system(folder: &Path, path: &Path, fitted: &[Fitted], outcome: &Outcome) -> Result<()> {
+    let folder = folder.join("corrected-system");
+    let parameters: Vec<(String, f64)> = fitted.iter().map(|f| (f.name.clone(), f.value)).collect();
+    let library = ModelLibrary::shipped()?;
+    write_corrected(path, &folder, &parameters, &outcome.attachments, &library)
+        .map_err(|e| e.at("the corrected system cannot be written; all else is there"))
 }
 
 /// The verdict for people.
@@ -124,6 +133,24 @@ fn text(outcome: &Outcome) -> String {
             "  {:<28} error on the check runs {:.4e} -> {:.4e} {}",
             check.channel, check.before, check.after, check.unit
         ));
+    }
+    for part in &diagnosis.parts {
+        let channels = |made: bool| {
+            let own = part.channels.iter().filter(move |c| c.made_here == Some(made));
+            own.map(|c| c.channel.as_str()).collect::<Vec<_>>().join(", ")
+        };
+        let (here, elsewhere) = (channels(true), channels(false));
+        if !here.is_empty() {
+            let name = &part.part;
+            lines.push(format!(
+                "  {name} differs by itself: with recorded inputs {here} keep more than noise"
+            ));
+        } else if !elsewhere.is_empty() {
+            lines.push(format!(
+                "  {} does not differ by itself: with recorded inputs only noise is left",
+                part.part
+            ));
+        }
     }
     if !diagnosis.next_experiment.is_empty() {
         lines.push(format!("What would tell them apart: {}", diagnosis.next_experiment));

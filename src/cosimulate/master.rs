@@ -1,7 +1,7 @@
 //! The master: starts the components, exchanges values, and takes them through one interval.
 
-use super::System;
 use super::energy::Bond;
+use super::system::{Port, System};
 use crate::model::Snapshot;
 use crate::{Error, Result};
 
@@ -54,6 +54,8 @@ pub(super) struct Flow {
     next: f64,
     /// What the input got: at the beginning and at the end of the interval.
     pub applied: (f64, f64),
+    /// What is added to the output on its way.
+    added: f64,
 }
 
 impl Flow {
@@ -148,7 +150,7 @@ impl System {
             let value = self.read(i)?;
             let applied = self.wires[i].map(value);
             self.exchange.flows[i] =
-                Flow { before: value, now: value, next: value, applied: (applied, applied) };
+                Flow { before: value, now: value, next: value, applied: (applied, applied), added: 0.0 };
         }
         for bond in &mut self.bonds {
             if let Some(i) = self.wires.iter().position(|w| w.to == bond.motion.to) {
@@ -379,11 +381,24 @@ impl System {
         Ok(())
     }
 
-    /// The output of a connection, as its component has it now.
+    /// The output of a connection, as its component has it now, with what is added to it.
     fn read(&mut self, wire: usize) -> Result<f64> {
         let from = self.wires[wire].from;
         let component = &mut self.components[from.component];
-        component.slave.get(from.variable).map_err(|e| e.at(&component.name))
+        let value = component.slave.get(from.variable).map_err(|e| e.at(&component.name))?;
+        // nothing leaves all bits, the sign of zero too
+        let added = self.exchange.flows[wire].added;
+        Ok(if added == 0.0 { value } else { value + added })
+    }
+
+    /// Between intervals: all connections of an output carry `change` more than it, from now on.
+    pub(super) fn change_wires(&mut self, from: Port, change: f64) {
+        for (wire, flow) in self.wires.iter().zip(&mut self.exchange.flows) {
+            if wire.from == from && wire.real && flow.added != change {
+                flow.now += change - flow.added;
+                flow.added = change;
+            }
+        }
     }
 
     fn save(&mut self, depth: usize) -> Result<()> {

@@ -10,6 +10,7 @@
 //! order in which components are stepped ([`Coupling::order`]) decides about delay and energy; see
 //! docs/cosimulate.md.
 
+mod corrected;
 mod energy;
 mod file;
 mod master;
@@ -19,7 +20,9 @@ mod slave;
 mod ssd;
 mod system;
 mod toml;
+mod write;
 
+pub use corrected::write_corrected;
 pub use energy::{Bond, BondKind};
 pub use file::{SystemFile, read_system};
 pub use master::{Coupling, Turn};
@@ -30,5 +33,5 @@ pub use plan::{
 pub use run::{ENERGY_SHARE, Experiment, Outcome, cosimulate, energy_warnings};
 pub use slave::SystemSlave;
 pub use ssd::parse_ssd;
-pub use system::{Component, Port, System, Transfer};
+pub use system::{Component, Cut, Port, System, Transfer};
 pub use toml::parse_toml;

@@ -107,7 +107,11 @@ impl SystemSlave {
         &self.system
     }
 
-    fn port(&self, variable: usize) -> Result<Port> {
+    /// Where a variable is in the system.
+    ///
+    /// # Errors
+    /// No variable has that number.
+    pub fn port(&self, variable: usize) -> Result<Port> {
         self.ports.get(variable).copied().ok_or_else(|| {
             Error::variable(format!("{} has no variable number {variable}", self.interface.name))
         })
@@ -205,6 +209,16 @@ impl Slave for SystemSlave {
 
     fn own_step(&self) -> Option<f64> {
         Some(self.interface.communication_step)
+    }
+
+    fn is_passed_on(&self, variable: usize) -> bool {
+        self.ports.get(variable).is_some_and(|port| self.system.wires.iter().any(|w| w.from == *port))
+    }
+
+    fn change_passed_on(&mut self, variable: usize, change: f64) {
+        if let Some(port) = self.ports.get(variable) {
+            self.system.change_wires(*port, change);
+        }
     }
 
     fn warning(&self) -> Option<String> {

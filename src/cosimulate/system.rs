@@ -72,6 +72,19 @@ pub(super) struct Wire {
     pub map: Option<(f64, f64)>,
 }
 
+/// A connection that was cut: where its values came from, and how numbers at the output become those at the input.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cut {
+    /// The output.
+    pub from: Port,
+    /// The input, which nothing is connected to any more.
+    pub to: Port,
+    /// The input was factor * output + offset.
+    pub factor: f64,
+    /// The input was factor * output + offset, in the input's unit.
+    pub offset: f64,
+}
+
 /// An input that follows a recording.
 pub(super) struct Feed {
     pub to: Port,
@@ -331,18 +344,11 @@ impl System {
     /// # Errors
     /// A component without connected inputs, or channels that are missing or do not fit.
     pub fn open(&mut self, component: usize, recording: &Recording) -> Result<Vec<String>> {
-        let (cut, kept) =
-            std::mem::take(&mut self.wires).into_iter().partition(|w| w.to.component == component);
-        self.wires = kept;
-        let cut: Vec<Wire> = cut;
+        let cut = self.cut(component);
         if cut.is_empty() {
             let name = &self.components[component].name;
             return Err(Error::call(format!("{name} has no connected input: there is nothing to cut")));
         }
-        self.bonds.retain(|bond| {
-            self.wires.iter().any(|w| w.to == bond.effort.to)
-                && self.wires.iter().any(|w| w.to == bond.motion.to)
-        });
         let mut names = Vec::new();
         for wire in cut {
             let name = self.name(wire.to);
@@ -353,6 +359,22 @@ impl System {
             names.push(name);
         }
         Ok(names)
+    }
+
+    /// Cuts all connections into a component: its connected inputs become free ones.
+    pub fn cut(&mut self, component: usize) -> Vec<Cut> {
+        let (cut, kept): (Vec<Wire>, Vec<Wire>) =
+            std::mem::take(&mut self.wires).into_iter().partition(|w| w.to.component == component);
+        self.wires = kept;
+        self.bonds.retain(|bond| {
+            self.wires.iter().any(|w| w.to == bond.effort.to)
+                && self.wires.iter().any(|w| w.to == bond.motion.to)
+        });
+        let of = |wire: Wire| {
+            let (factor, offset) = wire.map.unwrap_or((1.0, 0.0));
+            Cut { from: wire.from, to: wire.to, factor, offset }
+        };
+        cut.into_iter().map(of).collect()
     }
 
     /// Fails if an input follows an output or a recording.

@@ -72,6 +72,8 @@ struct Target {
     factor: Option<f64>,
     offset: Option<f64>,
     #[serde(default)]
+    keep_units: bool,
+    #[serde(default)]
     derivative: bool,
 }
 
@@ -189,7 +191,7 @@ fn target_of(value: toml::Value) -> std::result::Result<(String, Transfer), Stri
     let target: Target = value.try_into().map_err(|e: toml::de::Error| e.message().to_string())?;
     let linear = (target.factor.is_some() || target.offset.is_some())
         .then(|| (target.factor.unwrap_or(1.0), target.offset.unwrap_or(0.0)));
-    Ok((target.to, Transfer { linear, keep_units: false, derivative: target.derivative }))
+    Ok((target.to, Transfer { linear, keep_units: target.keep_units, derivative: target.derivative }))
 }
 
 /// The entries of a table in the order of the file.

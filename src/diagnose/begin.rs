@@ -149,8 +149,10 @@ impl Begun {
     /// Begins where the fit without the effect ended: near its off value, and for one that is there as a whole
     /// or not at all in the middle of what is plausible.
     fn from_current(study: &Study<'_>, current: &Fitted, screened: &Screened) -> Option<Self> {
+        // the fit of a model that takes long is done in one go: it ends where its derivatives lead no farther
+        let iterations = if study.slow { 2 * TRY_OUT } else { TRY_OUT };
         let begin = |values: Vec<f64>| {
-            study.fit_near(&with(current, screened, values), TRY_OUT, Some(&current.fit.jacobian)).ok()
+            study.fit_near(&with(current, screened, values), iterations, Some(&current.fit.jacobian)).ok()
         };
         let near = begin(small(screened));
         let parameters = screened.placement.effect.parameters;
@@ -172,8 +174,10 @@ impl Begun {
 
     /// Goes on with the fit, and looks at what it leaves.
     pub fn finish(self, study: &Study<'_>, current_fit: &Rest, current_check: &Rest) -> Option<Tried> {
-        let Self { screened, fitted } = self;
-        let fitted = study.fit_near(&fitted.model, TRY_OUT, Some(&fitted.fit.jacobian)).unwrap_or(fitted);
+        let Self { screened, mut fitted } = self;
+        if !study.slow {
+            fitted = study.fit_near(&fitted.model, TRY_OUT, Some(&fitted.fit.jacobian)).unwrap_or(fitted);
+        }
         let fitted = plausible(study, &fitted, current_fit).unwrap_or(fitted);
         assess(study, (screened.placement, screened.places), fitted, current_fit, current_check)
     }

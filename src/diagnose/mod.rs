@@ -9,6 +9,7 @@ mod experiment;
 pub mod hygiene;
 pub mod loads;
 pub mod locate;
+mod parts;
 mod pipeline;
 mod placement;
 mod programmes;

@@ -3,6 +3,7 @@
 use super::blocks::{differences, sign_flip};
 use super::decision::{LEVEL, NOISE_MARGIN};
 use super::excerpt::finer;
+use super::parts::{errors_of_parts, opened};
 use super::reading::{fault, faults_against, read_folder, same_channels, shortest_interval};
 use super::result::{Diagnosis, Estimate, RunUse, Use, Verdict};
 use super::roles::Roles;
@@ -98,10 +99,11 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         .collect();
     let uses = uses(&request.recordings, &names, &courses)?;
     let roles = Roles::of(&subject.interface, &request.map.roles())?;
+    let step = request.step.or(subject.own_step());
     let mut runs: Vec<(Run, Use)> = Vec::new();
     for ((name, recording), use_) in names.iter().zip(&recordings).zip(&uses) {
         if *use_ != Use::Leave {
-            let mut run = prepare(&subject.interface, recording, name, request.step)?;
+            let mut run = prepare(&subject.interface, recording, name, step)?;
             for channel in &mut run.channels {
                 channel.counts = [Role::WheelAngle, Role::TravelDistance]
                     .iter()
@@ -117,10 +119,14 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         std::thread::available_parallelism().map_or(1, usize::from)
     };
     let bench = Bench::new(&subject.factory, &subject.fixed, threads)?;
-    let coarse = subject.coarse().map(|fixed| Bench::new(&subject.factory, &fixed, threads)).transpose()?;
+    // with longer and longer steps of the model's own
+    let coarse: Vec<Bench> = (subject.coarse().iter())
+        .map(|fixed| Bench::new(&subject.factory, fixed, threads))
+        .collect::<Result<_>>()?;
     let with = |wanted: Use| runs.iter().filter(|(_, u)| *u == wanted).map(|(r, _)| r).collect::<Vec<&Run>>();
+    let opened = opened(&subject, threads)?;
     let mut study = Study {
-        bench: coarse.as_ref().unwrap_or(&bench),
+        bench: coarse.last().unwrap_or(&bench),
         fit_runs: with(Use::Fit),
         check_runs: with(Use::Check),
         free: Vec::new(),
@@ -155,15 +161,20 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         base = study.fit(&base.model, iterations)?;
     }
     let mut base_rest = study.rest(&base.model, &check_runs)?;
-    if coarse.is_some() {
-        // long steps of the model's own are good enough if they leave as much as short ones
+    if let Some(longest) = coarse.last() {
+        // the longest steps of the model's own that leave as much as its usual ones
         study.bench = &bench;
-        let fine = study.rest(&base.model, &check_runs)?;
-        if !study.is_as_good(&base_rest, &fine) {
+        let usual = study.rest(&base.model, &check_runs)?;
+        for steps in coarse.iter().rev().chain([&bench]) {
+            study.bench = steps;
+            base_rest = study.rest(&base.model, &check_runs)?;
+            if study.is_as_good(&base_rest, &usual) {
+                break;
+            }
+        }
+        if !std::ptr::eq(study.bench, longest) {
             base = study.fit_on(&base, FINAL)?;
             base_rest = study.rest(&base.model, &check_runs)?;
-        } else if let Some(coarse) = &coarse {
-            study.bench = coarse;
         }
     }
 
@@ -204,12 +215,16 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let (mut findings, mut unknown, candidates) = (found.findings, found.unknown, found.candidates);
     let of_fine = |coarse: &[&Run]| coarse.iter().map(|run| finer(run)).collect::<Vec<Run>>();
     let (fine_fit, fine_check);
-    if !current.model.effects.is_empty() {
-        // effects act at communication points: what is handed on is fitted where shorter steps change nothing
+    let has_effects = !current.model.effects.is_empty();
+    // effects act at communication points: what is handed on is fitted where shorter steps change nothing
+    let finer = has_effects && subject.own_step().is_none();
+    if finer {
         progress("fitting the corrected model with short steps", 0.9);
         (fine_fit, fine_check) = (of_fine(&study.fit_runs), of_fine(&study.check_runs));
         study.fit_runs = fine_fit.iter().collect();
         study.check_runs = fine_check.iter().collect();
+    }
+    if finer || study.slow {
         current = study.fit_on(&current, FINAL)?;
         current_check = study.rest(&current.model, &study.check_runs)?;
         for (finding, estimates) in
@@ -217,12 +232,11 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         {
             finding.parameters = estimates;
         }
-    } else if study.slow {
-        current = study.fit_on(&current, FINAL)?;
-        current_check = study.rest(&current.model, &check_runs)?;
-        base_model = current.model.clone();
     }
     if study.slow {
+        if !has_effects {
+            base_model = current.model.clone();
+        }
         base_rest = study.rest(&base_model, &check_runs)?;
     }
     let noise: Vec<Option<f64>> =
@@ -233,6 +247,8 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let units = base_rest.by_channel();
     let improved = sign_flip(&differences(&nominal_rest.in_units(&units), &base_rest.in_units(&units)));
     let check = channel_checks(&study, &subject, &base_rest, &current_check);
+    let left: Vec<Option<f64>> = check.iter().map(|c| c.noise).collect();
+    let parts = errors_of_parts(&study, &subject, &opened, &base_rest, &left)?;
     let mended = faults.iter().any(hygiene::Fault::counts);
     let is_noise = check.iter().all(|c| c.noise.is_none_or(|noise| c.after < NOISE_MARGIN * noise));
     let verdict = match (&findings[..], &unknown) {
@@ -257,6 +273,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         parameters: fitted_parameters(&study, &subject, &current),
         candidates,
         map,
+        parts,
         faults: faults.iter().filter(|f| f.counts()).map(fault).collect(),
         runs: names
             .iter()

@@ -20,6 +20,9 @@ pub struct Diagnosis {
     pub parameters: Vec<Fitted>,
     /// Where simulation and recordings differ after the refit of the model's own parameters.
     pub map: Vec<Cell>,
+    /// Of a wired system: its parts, each with its loop open.
+    #[serde(default)]
+    pub parts: Vec<Part>,
     /// All effects that were tried inside the simulation, the best first.
     pub candidates: Vec<Candidate>,
     /// The experiment that would separate the alternatives, or that would make an answer possible; empty
@@ -139,6 +142,34 @@ pub struct ChannelCheck {
     pub after: f64,
     /// What the noise of the recordings leaves to any model; `None` if it could not be estimated.
     pub noise: Option<f64>,
+}
+
+/// A part of a wired system whose loop was opened: its connected inputs follow the recorded check runs instead of the
+/// other parts.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Part {
+    /// Its name.
+    pub part: String,
+    /// Connected inputs that no channel tells; if there are any, the loop stayed closed.
+    pub missing: Vec<String>,
+    /// Its measured outputs; empty if the loop stayed closed.
+    pub channels: Vec<PartChannel>,
+}
+
+/// A measured output of a part: root mean squares of measurement minus simulation.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct PartChannel {
+    /// The channel.
+    pub channel: String,
+    /// Unit of the errors.
+    pub unit: String,
+    /// Error in the wired system, refitted.
+    pub wired: f64,
+    /// Error with recorded inputs, the part's parameters fitted to its own outputs.
+    pub replayed: f64,
+    /// Whether the part differs by itself: with recorded inputs more than noise is left. `None` if there is nothing to
+    /// tell, because little more than noise is left in the wired system or the noise is not known.
+    pub made_here: Option<bool>,
 }
 
 /// One cell of the significance map.
@@ -305,6 +336,10 @@ impl Diagnosis {
         for check in &self.check {
             all.push((format!("the error before of {:?}", check.channel), check.before));
             all.push((format!("the error after of {:?}", check.channel), check.after));
+        }
+        for c in self.parts.iter().flat_map(|p| &p.channels) {
+            all.push((format!("the error of {:?} in the system", c.channel), c.wired));
+            all.push((format!("the error of {:?} with recorded inputs", c.channel), c.replayed));
         }
         for p in &self.parameters {
             all.push((format!("the start of {:?}", p.name), p.start));

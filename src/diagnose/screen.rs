@@ -175,13 +175,15 @@ impl<'a> Screen<'a> {
         found
     }
 
-    /// True for an effect on outputs that no other effect changes: traces tell all about it.
+    /// True for an effect on outputs that no other effect changes and that nothing inside the model gets: traces
+    /// tell all about it.
     fn is_replayed(&self, placement: &Placement) -> bool {
         let behind =
             self.model.effects.iter().any(|(p, _)| {
                 p.port == Port::Output && p.targets.iter().any(|v| placement.targets.contains(v))
             });
-        placement.port == Port::Output && !behind
+        let inside = placement.targets.iter().any(|v| self.bench.is_passed_on(*v));
+        placement.port == Port::Output && !behind && !inside
     }
 
     /// Change of the weighted outputs per unit of one amplitude, for each job.

@@ -5,6 +5,7 @@ use super::begin::begin;
 use super::candidates::{Tried, polish, screen};
 use super::decision::{Decision, Left, decide};
 use super::experiment::Rival;
+use super::locate;
 use super::pipeline::FINAL;
 use super::result::{Candidate, Finding};
 use super::roles::Roles;
@@ -14,6 +15,8 @@ use crate::Result;
 
 /// Effects that are found one after the other.
 const MAX_EFFECTS: usize = 3;
+/// What leaves less than so many times the noise leaves nothing for another effect that takes long to look for.
+const HARDLY_MORE: f64 = 1.2;
 
 /// What was found.
 pub(super) struct Found {
@@ -48,6 +51,12 @@ impl Found {
     }
 }
 
+/// Whether hardly more than noise is left of every channel of the check runs.
+fn is_noise(study: &Study<'_>, rest: &Rest) -> bool {
+    let noise = |channel: usize| locate::noise(&study.check_runs, &rest.simulated, channel);
+    (0..study.weights.len()).all(|c| noise(c).is_some_and(|n| study.error(rest, c) < HARDLY_MORE * n))
+}
+
 /// Searches, beginning with the refitted model and what it leaves of the check runs. Weights of channels
 /// change on the way.
 pub(super) fn search(
@@ -63,6 +72,9 @@ pub(super) fn search(
     let mut fit = study.rest(&base.model, &fit_runs)?;
     let mut found = Found::nothing(base, base_check);
     for round in 0..MAX_EFFECTS {
+        if study.slow && round > 0 && is_noise(study, &found.check) {
+            break;
+        }
         let progressed = 0.15 + 0.7 * round as f64 / MAX_EFFECTS as f64;
         progress("screening effects", progressed);
         let screened = screen(study, subject, roles, &found.current, &fit)?;

@@ -7,7 +7,7 @@ use super::subject::FreeParameter;
 use crate::effect::Parameter;
 use crate::fit::{Bench, Fit, Knob, Options, OutputError, Problem, Run, Traces, Unknown, least_squares};
 use crate::{Error, Result};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// What is known beforehand about a parameter: its standard deviation as a share of the nominal value.
 const PRIOR: f64 = 0.3;
@@ -23,11 +23,10 @@ const WIDE: f64 = 50.0;
 const WIDE_LOGARITHM: f64 = 5.0;
 /// Parameters that are fitted at most; those with the most effect on the outputs.
 const MAX_FREE: usize = 14;
-/// The same if the model takes long, and what they are chosen with of each run \[s\].
-const MAX_FREE_SLOW: usize = 10;
-const SLOW_PIECE: f64 = 3.0;
+/// What they are chosen with of each run if the model takes long \[s\].
+const SLOW_PIECE: f64 = 2.0;
 /// Steps of a fit at most, then.
-const SLOW_STEPS: usize = 6;
+const SLOW_STEPS: usize = 12;
 /// A model that needs more time for a second of a recording takes long \[s\].
 const SLOW: f64 = 5e-3;
 /// A model is as good as another if it leaves at most so many times the error. What it makes may differ more, where
@@ -281,6 +280,17 @@ impl Study<'_> {
         Ok(Rest { simulated, blocks, total })
     }
 
+    /// Root mean square of what is left of a channel of the check runs, in the unit of the model's output.
+    pub fn error(&self, rest: &Rest, channel: usize) -> f64 {
+        let (mut sum, mut n) = (0.0, 0.0);
+        for (run, traces) in self.check_runs.iter().zip(&rest.simulated) {
+            let values = &run.channels[channel].values;
+            sum += traces[channel].iter().zip(values).map(|(s, m)| (s - m).powi(2)).sum::<f64>();
+            n += run.time.len() as f64;
+        }
+        (sum / f64::max(n, 1.0)).sqrt()
+    }
+
     /// True if one model leaves hardly more of any channel of the check runs than another does.
     pub fn is_as_good(&self, this: &Rest, other: &Rest) -> bool {
         let pairs = this.by_channel().into_iter().zip(other.by_channel());
@@ -310,7 +320,8 @@ impl Study<'_> {
         Ok(())
     }
 
-    /// The parameters that matter: those with the most effect on the outputs, the most important first.
+    /// The parameters that matter: those with the most effect on the outputs, the most important first. If they are
+    /// too many, those of which others do the same stay.
     ///
     /// # Errors
     /// The model cannot be run with its nominal values.
@@ -335,18 +346,20 @@ impl Study<'_> {
         let mut answers = problem.residuals(&points).into_iter();
         let base = answers.next().flatten();
         let base = base.ok_or_else(|| self.why_not(&problem))?;
+        let base = DVector::from_vec(base);
         let size = (base.len() as f64).sqrt();
-        let mut effects: Vec<(f64, usize)> = Vec::new();
+        let mut effects: Vec<(usize, DVector<f64>)> = Vec::new();
         for (i, answer) in answers.enumerate() {
             let Some(moved) = answer else { continue };
-            let change = base.iter().zip(&moved).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-            let step = (points[i + 1][i] - points[0][i]).abs();
-            effects.push((change / size / step * PRIOR, i));
+            let step = points[i + 1][i] - points[0][i];
+            let effect = (DVector::from_vec(moved) - &base) * (PRIOR / size / step);
+            if effect.norm() > MIN_EFFECT || self.free[i].asked {
+                effects.push((i, effect));
+            }
         }
-        effects.retain(|(effect, i)| *effect > MIN_EFFECT || self.free[*i].asked);
-        effects.sort_by(|a, b| b.0.total_cmp(&a.0));
-        effects.truncate(if self.slow { MAX_FREE_SLOW } else { MAX_FREE });
-        self.free = effects.iter().map(|(_, i)| candidates[*i].clone()).collect();
+        effects.sort_by(|a, b| b.1.norm_squared().total_cmp(&a.1.norm_squared()));
+        let chosen = most_by_themselves(effects.iter().map(|e| e.1.clone()).collect(), MAX_FREE);
+        self.free = chosen.into_iter().map(|k| candidates[effects[k].0].clone()).collect();
         Ok(())
     }
 
@@ -384,6 +397,27 @@ impl Study<'_> {
         spans.sort_by(f64::total_cmp);
         self.redundancy = spans.get(spans.len() / 2).copied().unwrap_or(1.0).max(1.0);
     }
+}
+
+/// Those effects, in their order, that do the most which others chosen before them cannot do: of two parameters that do
+/// the same one is enough.
+fn most_by_themselves(mut effects: Vec<DVector<f64>>, most: usize) -> Vec<usize> {
+    let mut left: Vec<usize> = (0..effects.len()).collect();
+    let mut chosen = Vec::new();
+    while chosen.len() < most && !left.is_empty() {
+        let size = |k: &usize| effects[*k].norm_squared();
+        let first = (1..left.len()).fold(0, |a, b| if size(&left[b]) > size(&left[a]) { b } else { a });
+        let k = left.swap_remove(first);
+        chosen.push(k);
+        let effect = std::mem::replace(&mut effects[k], DVector::zeros(0));
+        let length = effect.norm_squared().max(f64::MIN_POSITIVE);
+        for other in &left {
+            let along = effect.dot(&effects[*other]) / length;
+            effects[*other].axpy(-along, &effect, 1.0);
+        }
+    }
+    chosen.sort_unstable();
+    chosen
 }
 
 /// An error of a channel that is too small to say anything: a thousandth of what it moves.
@@ -424,4 +458,20 @@ pub fn first_weights(runs: &[&Run]) -> Vec<f64> {
             if spread > 0.0 { 1.0 / spread } else { 1.0 }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_parameters_that_do_the_same_one_is_chosen() {
+        let effect = |values: [f64; 3]| DVector::from_vec(values.to_vec());
+        // the second does what the first does, but for little; the third is smaller and does something else
+        let effects = vec![effect([3.0, 0.0, 0.0]), effect([2.9, 0.1, 0.0]), effect([0.5, 0.0, 0.4])];
+        assert_eq!(most_by_themselves(effects.clone(), 2), [0, 2]);
+        assert_eq!(most_by_themselves(effects.clone(), 3), [0, 1, 2]);
+        assert_eq!(most_by_themselves(effects, 9), [0, 1, 2]);
+        assert!(most_by_themselves(Vec::new(), 2).is_empty());
+    }
 }

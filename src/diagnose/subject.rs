@@ -1,7 +1,7 @@
 //! What is diagnosed: a shipped model, an FMU or a wired system, how to make slaves of it, and which of
 //! its parameters a fit may change.
 
-use crate::cosimulate::{SystemSlave, read_system};
+use crate::cosimulate::{System, SystemSlave, read_system};
 use crate::fit::Factory;
 use crate::fmi::Entry;
 use crate::fmi::import::ImportedFmu;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// How far a parameter without bounds of its own may move from its nominal value, as a share of it.
 const REACH: f64 = 0.5;
 /// How many times as long as its own the steps of a model may be while effects are looked for.
-const COARSER: f64 = 4.0;
+const COARSER: [f64; 2] = [2.0, 4.0];
 /// Parameters of the numerics, which no recording is fitted with: parts of their names.
 const NUMERICAL: &[&str] = &[
     "step_size",
@@ -73,9 +73,13 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// What is fixed in a copy with longer steps of its own, if the model has such a parameter and the user has
-    /// left it alone.
-    pub fn coarse(&self) -> Option<Vec<(usize, Value)>> {
+    /// What is fixed in copies with longer and longer steps of the model's own, if it has such a parameter and the
+    /// user has left it alone.
+    pub fn coarse(&self) -> Vec<Vec<(usize, Value)>> {
+        COARSER.iter().filter_map(|factor| self.with_steps(*factor)).collect()
+    }
+
+    fn with_steps(&self, factor: f64) -> Option<Vec<(usize, Value)>> {
         let variable = self.interface.index("step_size")?;
         let info = &self.interface.variables[variable];
         let given = match &self.base {
@@ -86,11 +90,16 @@ impl Subject {
             Some(Value::Real(start)) => start,
             _ => return None,
         };
-        let step = (COARSER * start).min(info.max.unwrap_or(f64::INFINITY));
+        let step = (factor * start).min(info.max.unwrap_or(f64::INFINITY));
         if given || info.causality != Causality::Parameter || info.kind != Kind::Real || step <= start {
             return None;
         }
         Some(self.fixed.iter().cloned().chain([(variable, Value::Real(step))]).collect())
+    }
+
+    /// The communication step \[s\] that the model has and no other: that of a wired system.
+    pub fn own_step(&self) -> Option<f64> {
+        matches!(self.base, Base::System(_)).then_some(self.interface.communication_step)
     }
 
     /// Loads a model by name or file.
@@ -109,18 +118,8 @@ impl Subject {
             "ssd" | "ssp" | "toml" => {
                 let file = path.to_path_buf();
                 let load = move || -> Result<Box<dyn Slave>> {
-                    let system = read_system(&file)?;
-                    let loaded = system.plan.load()?;
-                    let step = match system.plan.step {
-                        Some(step) => step,
-                        None => {
-                            return Err(Error::file(format!(
-                                "{}: there is no communication step; give it in the file",
-                                file.display()
-                            )));
-                        }
-                    };
-                    Ok(Box::new(SystemSlave::new("system", loaded, step)?))
+                    let (system, step) = wired(&file)?;
+                    Ok(Box::new(SystemSlave::new("system", system, step)?))
                 };
                 (Base::System(path.into()), Arc::new(load))
             }
@@ -145,6 +144,19 @@ impl Subject {
         let free = free_parameters(&interface, &fixed, settings)?;
         Ok(Self { base, factory, interface, fixed, free })
     }
+}
+
+/// A wired system from its file, with its communication step \[s\].
+///
+/// # Errors
+/// A file that cannot be read or has no step, parts that cannot be loaded.
+pub(super) fn wired(file: &Path) -> Result<(System, f64)> {
+    let system = read_system(file)?;
+    let loaded = system.plan.load()?;
+    let step = system.plan.step.ok_or_else(|| {
+        Error::file(format!("{}: there is no communication step; give it in the file", file.display()))
+    })?;
+    Ok((loaded, step))
 }
 
 fn value_of(info: &VariableInfo, variable: usize, fixed: &[(usize, Value)]) -> Option<f64> {
@@ -211,9 +223,9 @@ mod tests {
         let subject = Subject::load("ring-brush-flat-track", &Settings::default()).unwrap();
         let step = subject.interface.index("step_size").unwrap();
         // 0.1 ms by itself, at most 0.5 ms
-        assert_eq!(subject.coarse(), Some(vec![(step, Value::Real(4e-4))]));
+        assert_eq!(subject.coarse(), [2e-4, 4e-4].map(|long| vec![(step, Value::Real(long))]));
         let file = "[parameters]\nstep_size = 2e-4\n";
         let chosen = Settings::parse(file, "own.toml").unwrap();
-        assert_eq!(Subject::load("ring-brush-flat-track", &chosen).unwrap().coarse(), None);
+        assert_eq!(Subject::load("ring-brush-flat-track", &chosen).unwrap().coarse().len(), 0);
     }
 }

@@ -89,21 +89,13 @@ pub(super) fn channel_checks(
     after: &Rest,
 ) -> Vec<ChannelCheck> {
     let channels = study.check_runs.first().map_or(&[][..], |r| &r.channels[..]);
-    let error = |rest: &Rest, c: usize| {
-        let (mut sum, mut n) = (0.0, 0.0);
-        for (run, traces) in study.check_runs.iter().zip(&rest.simulated) {
-            sum += traces[c].iter().zip(&run.channels[c].values).map(|(s, m)| (s - m).powi(2)).sum::<f64>();
-            n += run.time.len() as f64;
-        }
-        (sum / f64::max(n, 1.0)).sqrt()
-    };
     let of = |(c, channel): (usize, &crate::fit::Channel)| {
         let info = &subject.interface.variables[channel.variable];
         ChannelCheck {
             channel: info.name.clone(),
             unit: info.unit.clone().unwrap_or_else(|| "1".into()),
-            before: error(before, c),
-            after: error(after, c),
+            before: study.error(before, c),
+            after: study.error(after, c),
             noise: locate::noise(&study.check_runs, &after.simulated, c),
         }
     };

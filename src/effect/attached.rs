@@ -77,7 +77,8 @@ impl Attachment {
 /// Its variables are those of the slave, followed by the parameters of the effects. Effects on inputs,
 /// forces and parameters see outputs that run on from the last communication point as they did over the
 /// last step: an error of second order in the communication step. Effects on outputs see the outputs and inputs of the same point. Several effects on one
-/// variable act in the order in which they were attached.
+/// variable act in the order in which they were attached. Where an output is passed on inside, as in a wired
+/// system, what effects make of it is passed on.
 ///
 /// The derivative of an output that an effect changes is the difference over the last communication step.
 /// There are no directional derivatives.
@@ -284,6 +285,7 @@ impl<S: Slave + ?Sized> Attached<S> {
             let target = self.inner.get(self.after[i].variable)?;
             let last = self.state.outputs[i].0;
             let now = self.change(true, i, target, time, dt);
+            self.inner.change_passed_on(self.after[i].variable, now - target);
             self.state.outputs[i] = (now, if dt > 0.0 { (now - last) / dt } else { 0.0 });
         }
         Ok(())
@@ -533,6 +535,10 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
 
     fn own_step(&self) -> Option<f64> {
         self.inner.own_step()
+    }
+
+    fn is_passed_on(&self, variable: usize) -> bool {
+        self.inner.is_passed_on(variable)
     }
 
     fn warning(&self) -> Option<String> {

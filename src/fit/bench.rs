@@ -54,6 +54,8 @@ struct Task {
 pub struct Bench {
     tasks: Sender<Task>,
     interface: Interface,
+    /// Of each variable: parts inside get it.
+    passed_on: Vec<bool>,
     threads: usize,
 }
 
@@ -63,19 +65,26 @@ impl Bench {
     /// # Errors
     /// A slave that cannot be made.
     pub fn new(factory: &Factory, fixed: &[(usize, Value)], threads: usize) -> Result<Self> {
-        let interface = factory()?.interface().clone();
+        let slave = factory()?;
+        let interface = slave.interface().clone();
+        let passed_on = (0..interface.variables.len()).map(|v| slave.is_passed_on(v)).collect();
         let (tasks, queue) = channel::<Task>();
         let queue = Arc::new(Mutex::new(queue));
         for _ in 0..threads.max(1) {
             let (factory, queue, fixed) = (Arc::clone(factory), Arc::clone(&queue), fixed.to_vec());
             thread::spawn(move || work(&factory, &fixed, &queue));
         }
-        Ok(Self { tasks, interface, threads: threads.max(1) })
+        Ok(Self { tasks, interface, passed_on, threads: threads.max(1) })
     }
 
     /// The interface of the slaves without effects.
     pub fn interface(&self) -> &Interface {
         &self.interface
+    }
+
+    /// Whether parts inside the slaves get the value of an output, as [`Slave::is_passed_on`] says.
+    pub fn is_passed_on(&self, variable: usize) -> bool {
+        self.passed_on.get(variable).copied().unwrap_or_default()
     }
 
     /// How many runs go on at the same time.

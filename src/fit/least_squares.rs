@@ -49,7 +49,8 @@ pub struct Options<'a> {
     /// Derivatives by the first unknowns, as many as there are columns, from a problem that differs
     /// little: they are updated from step to step instead of computed by differences.
     pub known: Option<&'a DMatrix<f64>>,
-    /// Where the known derivatives lead nowhere the fit ends, instead of computing them.
+    /// Where the known derivatives lead nowhere the fit ends, instead of computing them. They may be wrong: the first
+    /// step is tried shorter, too.
     pub only_known: bool,
 }
 
@@ -144,8 +145,12 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
             let point = within_reach(&x, bounded_step(&normal, &gradient, &x, unknowns, tried), unknowns);
             let Some(r) = problem.residuals(std::slice::from_ref(&point)).pop().flatten() else { continue };
             let reached = square(&r) / variance + prior(&point);
-            if reached < total {
+            let best = better.as_ref().map_or(total, |b| b.3);
+            if reached < best {
                 better = Some((tried, point, r, reached));
+            }
+            let shorter = options.only_known && iteration == 0 && reached < best;
+            if better.is_some() && !shorter {
                 break;
             }
         }

@@ -120,6 +120,18 @@ pub trait Slave {
         None
     }
 
+    /// True if a part inside gets the value of this output: in a wired system.
+    fn is_passed_on(&self, variable: usize) -> bool {
+        let _ = variable;
+        false
+    }
+
+    /// Parts inside that get the value of this output get `change` more from now on, until another change
+    /// is said. Nothing happens where nothing is passed on.
+    fn change_passed_on(&mut self, variable: usize, change: f64) {
+        let _ = (variable, change);
+    }
+
     /// What the user should know about the start, once that is finished.
     fn warning(&self) -> Option<String> {
         None

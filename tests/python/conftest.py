@@ -15,6 +15,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 PROGRAM = TARGET / "debug" / "latsch"
 MODEL = "ring-brush-flat-track"
+TWO_MASSES = ROOT / "examples" / "two-masses"
 INPUTS = ["steer", "deflection", "path_speed", "camber", "slip", "slip_angle"]
 # Every shipped model: start values that let something happen, and inputs that change later.
 MODELS = {
@@ -198,3 +199,29 @@ def template_library(tmp_path_factory):
     )
     assert done.returncode == 0, done.stderr
     return target / "debug" / "liblatsch_fmu.so"
+
+
+@pytest.fixture(scope="session")
+def system(tmp_path_factory):
+    """The example of two masses with its FMU, built as a user does: the template copied, with the model of the example in it."""
+    crate = tmp_path_factory.mktemp("two") / "two-masses"
+    shutil.copytree(ROOT / "fmu-template", crate)
+    manifest = (crate / "Cargo.toml").read_text()
+    for old, new in [('path = ".."', f'path = "{ROOT}"'), ('name = "latsch-fmu"', 'name = "two-masses"')]:
+        assert old in manifest
+        manifest = manifest.replace(old, new)
+    (crate / "Cargo.toml").write_text(manifest)
+    shutil.copy(TWO_MASSES / "lib.rs", crate / "src" / "lib.rs")
+    shutil.copy(ROOT / "Cargo.lock", crate)
+    target = TARGET / "template"
+    environment = dict(os.environ, CARGO_TARGET_DIR=str(target))
+    done = subprocess.run(["cargo", "build", "--manifest-path", crate / "Cargo.toml"], env=environment,
+                          capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    folder = tmp_path_factory.mktemp("system")
+    for name in ["system.toml", "SystemStructure.ssd"]:
+        shutil.copy(TWO_MASSES / name, folder)
+    done = latsch("export", "coupled-oscillator", "--library", target / "debug" / "libtwo_masses.so", "--output",
+                  folder / "coupled-oscillator.fmu")
+    assert done.returncode == 0, done.stderr
+    return folder

@@ -1,17 +1,14 @@
 """Systems of FMUs: two masses of examples/two-masses, each an FMU of its own, against the closed form; these and the
 ABS stop of examples/abs-stop in two other masters."""
 
-import os
 import shutil
-import subprocess
 import zipfile
 
 import numpy as np
 import pytest
 
-from conftest import ROOT, TARGET, latsch, read_results
+from conftest import ROOT, latsch, read_results
 
-EXAMPLE = ROOT / "examples" / "two-masses"
 STEP, STOP = 1e-3, 2.0
 WATCHED = ["left.position", "left.velocity", "left.reaction", "right.position", "right.velocity"]
 
@@ -28,32 +25,6 @@ def abs_stop(tmp_path_factory, exported):
     shutil.copy(ROOT / "examples" / "abs-stop" / "SystemStructure.ssd", folder)
     for model in ["abs-controller", "brake-hydraulics", "ring-brush-corner"]:
         shutil.copy(exported(model), folder)
-    return folder
-
-
-@pytest.fixture(scope="module")
-def system(tmp_path_factory):
-    """The example with its FMU, built as a user does: the template copied, with the model of the example in it."""
-    crate = tmp_path_factory.mktemp("two") / "two-masses"
-    shutil.copytree(ROOT / "fmu-template", crate)
-    manifest = (crate / "Cargo.toml").read_text()
-    for old, new in [('path = ".."', f'path = "{ROOT}"'), ('name = "latsch-fmu"', 'name = "two-masses"')]:
-        assert old in manifest
-        manifest = manifest.replace(old, new)
-    (crate / "Cargo.toml").write_text(manifest)
-    shutil.copy(EXAMPLE / "lib.rs", crate / "src" / "lib.rs")
-    shutil.copy(ROOT / "Cargo.lock", crate)
-    target = TARGET / "template"
-    environment = dict(os.environ, CARGO_TARGET_DIR=str(target))
-    done = subprocess.run(["cargo", "build", "--manifest-path", crate / "Cargo.toml"], env=environment,
-                          capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    folder = tmp_path_factory.mktemp("system")
-    for name in ["system.toml", "SystemStructure.ssd"]:
-        shutil.copy(EXAMPLE / name, folder)
-    done = latsch("export", "coupled-oscillator", "--library", target / "debug" / "libtwo_masses.so", "--output",
-                  folder / "coupled-oscillator.fmu")
-    assert done.returncode == 0, done.stderr
     return folder
 
 

@@ -6,6 +6,7 @@ mod conditions;
 mod courses;
 mod loads;
 mod map;
+mod parts;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -34,6 +35,7 @@ pub fn diagnosis_report(diagnosis: &Diagnosis, runs: &[CheckRun]) -> Result<Stri
         .section(answer::section(diagnosis).with(Html::raw(format!("<style>\n{STYLE}</style>\n"))));
     for section in [
         map::section(diagnosis),
+        parts::section(diagnosis),
         courses::clearest(diagnosis, &compared),
         conditions::section(diagnosis, &compared),
         courses::section(&compared),
