@@ -139,6 +139,9 @@ fn text(outcome: &Outcome) -> String {
             let own = part.channels.iter().filter(move |c| c.made_here == Some(made));
             own.map(|c| c.channel.as_str()).collect::<Vec<_>>().join(", ")
         };
+        if let Some(why) = &part.closed {
+            lines.push(format!("  {} could not be run by itself: {why}", part.part));
+        }
         let (here, elsewhere) = (channels(true), channels(false));
         if !here.is_empty() {
             let name = &part.part;

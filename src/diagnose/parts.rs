@@ -6,16 +6,16 @@ use super::pipeline::FINAL;
 use super::result::{Part, PartChannel};
 use super::study::{Rest, Study};
 use super::subject::{Base, Subject, wired};
-use crate::Result;
-use crate::cosimulate::{Cut, Port, System, SystemSlave};
+use crate::cosimulate::{Cut, Port, System, SystemSlave, read_system};
 use crate::fit::{Bench, Drive, Factory, Run};
 use crate::model::{Causality, Interface, Slave};
 use crate::recording::Smooth;
+use crate::{Error, Result};
 use std::path::Path;
 use std::sync::Arc;
 
 /// A system with the loop open at one part.
-pub(super) struct Opened {
+struct Opened {
     name: String,
     bench: Bench,
     inputs: Vec<Replayed>,
@@ -28,23 +28,33 @@ struct Replayed {
     cut: Cut,
 }
 
-/// The system opened at each part that has connected inputs; nothing for what is no wired system.
+/// What each part leaves of its own outputs if it is fitted by itself, with recorded inputs, beside what it leaves in the
+/// wired system; nothing for what is no wired system. `rest` is what the refitted model leaves of the check runs there,
+/// `noise` that of each channel. A part whose loop cannot be opened says why.
 ///
 /// # Errors
-/// A system that cannot be loaded once more.
-pub(super) fn opened(subject: &Subject, threads: usize) -> Result<Vec<Opened>> {
+/// The system's file cannot be read any more.
+pub(super) fn errors_of_parts(
+    study: &Study<'_>,
+    subject: &Subject,
+    rest: &Rest,
+    noise: &[Option<f64>],
+) -> Result<Vec<Part>> {
     let Base::System(file) = &subject.base else { return Ok(Vec::new()) };
-    let (system, _) = wired(file)?;
-    let mut all = Vec::new();
-    for (component, part) in system.components().iter().enumerate() {
-        let inputs = replayed(&subject.interface, wired(file)?.0, component)?;
-        if inputs.is_empty() {
-            continue;
+    let plan = read_system(file)?.plan;
+    let threads = study.bench.threads();
+    let mut parts = Vec::new();
+    for (component, planned) in plan.components.into_iter().enumerate() {
+        let name = planned.name;
+        let channels = Opened::new(subject, file, component, &name, threads)
+            .and_then(|opened| opened.map_or(Ok(None), |o| o.errors(study, subject, rest, noise)));
+        match channels {
+            Ok(None) => {}
+            Ok(Some(channels)) => parts.push(Part { part: name, closed: None, channels }),
+            Err(why) => parts.push(Part { part: name, closed: Some(why.to_string()), channels: Vec::new() }),
         }
-        let bench = Bench::new(&factory(file, component), &subject.fixed, threads)?;
-        all.push(Opened { name: part.name.clone(), bench, inputs });
     }
-    Ok(all)
+    Ok(parts)
 }
 
 fn factory(file: &Path, component: usize) -> Factory {
@@ -81,30 +91,31 @@ impl Replayed {
     }
 }
 
-/// What each part leaves of its own outputs if it is fitted by itself, with recorded inputs, beside what it leaves in the
-/// wired system. `wired` is what the refitted model leaves of the check runs there, `noise` that of each channel.
-///
-/// # Errors
-/// The opened system cannot be run.
-pub(super) fn errors_of_parts(
-    study: &Study<'_>,
-    subject: &Subject,
-    opened: &[Opened],
-    wired: &Rest,
-    noise: &[Option<f64>],
-) -> Result<Vec<Part>> {
-    let errors = opened.iter().map(|part| part.errors(study, subject, wired, noise));
-    Ok(errors.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect())
-}
-
 impl Opened {
+    /// The system opened at a part; nothing if no input of it is connected.
+    fn new(
+        subject: &Subject,
+        file: &Path,
+        component: usize,
+        name: &str,
+        threads: usize,
+    ) -> Result<Option<Self>> {
+        let inputs = replayed(&subject.interface, wired(file)?.0, component)?;
+        if inputs.is_empty() {
+            return Ok(None);
+        }
+        let bench = Bench::new(&factory(file, component), &subject.fixed, threads)?;
+        Ok(Some(Self { name: name.into(), bench, inputs }))
+    }
+
+    /// Nothing if none of the part's outputs was measured.
     fn errors(
         &self,
         study: &Study<'_>,
         subject: &Subject,
         wired: &Rest,
         noise: &[Option<f64>],
-    ) -> Result<Option<Part>> {
+    ) -> Result<Option<Vec<PartChannel>>> {
         let info = |variable: usize| &subject.interface.variables[variable];
         let own = |variable: usize| {
             let name = info(variable).name.split_once('.').map(|(part, _)| part);
@@ -121,10 +132,9 @@ impl Opened {
             return Ok(None);
         }
         let unknown = self.inputs.iter().filter(|i| i.course(first).is_none());
-        let missing: Vec<String> = unknown.map(|i| info(i.input).name.clone()).collect();
-        let mut part = Part { part: self.name.clone(), missing, channels: Vec::new() };
-        if !part.missing.is_empty() {
-            return Ok(Some(part));
+        let missing: Vec<&str> = unknown.map(|i| info(i.input).name.as_str()).collect();
+        if !missing.is_empty() {
+            return Err(Error::file(format!("no channel tells {}", missing.join(", "))));
         }
         let replay = |runs: &[&Run]| runs.iter().map(|run| self.replay(run, &measured)).collect::<Vec<Run>>();
         let (fit_runs, check_runs) = (replay(&study.fit_runs), replay(&study.check_runs));
@@ -139,20 +149,20 @@ impl Opened {
         // parameters that fit the whole system may be bent by what another part lacks
         let fitted = alone.fit(&alone.nominal(), FINAL)?;
         let rest = alone.rest(&fitted.model, &alone.check_runs)?;
-        for (place, c) in measured.iter().copied().enumerate() {
-            let variable = first.channels[c].variable;
-            let (closed, open) = (study.error(wired, c), alone.error(&rest, place));
-            let noise = noise.get(c).copied().flatten();
+        let of = |(place, c): (usize, &usize)| {
+            let (closed, open) = (study.error(wired, *c), alone.error(&rest, place));
+            let noise = noise.get(*c).copied().flatten();
             let differs = noise.filter(|noise| closed > NOISE_MARGIN * noise);
-            part.channels.push(PartChannel {
-                channel: info(variable).name.clone(),
-                unit: info(variable).unit.clone().unwrap_or_else(|| "1".into()),
+            let info = info(first.channels[*c].variable);
+            PartChannel {
+                channel: info.name.clone(),
+                unit: info.unit.clone().unwrap_or_else(|| "1".into()),
                 wired: closed,
                 replayed: open,
                 made_here: differs.map(|noise| open > NOISE_MARGIN * noise),
-            });
-        }
-        Ok(Some(part))
+            }
+        };
+        Ok(Some(measured.iter().enumerate().map(of).collect()))
     }
 
     /// The run with what the connected inputs had, and with some of its channels.

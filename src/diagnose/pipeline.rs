@@ -3,7 +3,7 @@
 use super::blocks::{differences, sign_flip};
 use super::decision::{LEVEL, NOISE_MARGIN};
 use super::excerpt::finer;
-use super::parts::{errors_of_parts, opened};
+use super::parts::errors_of_parts;
 use super::reading::{fault, faults_against, read_folder, same_channels, shortest_interval};
 use super::result::{Diagnosis, Estimate, RunUse, Use, Verdict};
 use super::roles::Roles;
@@ -124,7 +124,6 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         .map(|fixed| Bench::new(&subject.factory, fixed, threads))
         .collect::<Result<_>>()?;
     let with = |wanted: Use| runs.iter().filter(|(_, u)| *u == wanted).map(|(r, _)| r).collect::<Vec<&Run>>();
-    let opened = opened(&subject, threads)?;
     let mut study = Study {
         bench: coarse.last().unwrap_or(&bench),
         fit_runs: with(Use::Fit),
@@ -248,7 +247,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let improved = sign_flip(&differences(&nominal_rest.in_units(&units), &base_rest.in_units(&units)));
     let check = channel_checks(&study, &subject, &base_rest, &current_check);
     let left: Vec<Option<f64>> = check.iter().map(|c| c.noise).collect();
-    let parts = errors_of_parts(&study, &subject, &opened, &base_rest, &left)?;
+    let parts = errors_of_parts(&study, &subject, &base_rest, &left)?;
     let mended = faults.iter().any(hygiene::Fault::counts);
     let is_noise = check.iter().all(|c| c.noise.is_none_or(|noise| c.after < NOISE_MARGIN * noise));
     let verdict = match (&findings[..], &unknown) {

@@ -150,8 +150,8 @@ pub struct ChannelCheck {
 pub struct Part {
     /// Its name.
     pub part: String,
-    /// Connected inputs that no channel tells; if there are any, the loop stayed closed.
-    pub missing: Vec<String>,
+    /// Why its loop could not be opened; `None` if it was.
+    pub closed: Option<String>,
     /// Its measured outputs; empty if the loop stayed closed.
     pub channels: Vec<PartChannel>,
 }

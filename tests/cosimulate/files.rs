@@ -1,6 +1,8 @@
 //! What the short form says, and how mistakes in it are reported.
 
 use crate::models::{channel, run, wire};
+use latsch::cosimulate::{BondKind, Plan, PlannedBond, Transfer, parse_toml};
+use std::path::Path;
 
 const GOOD: &str = r#"
 step = 1e-3
@@ -135,22 +137,65 @@ fn recorded_inputs_are_replayed() {
 
 #[test]
 fn the_documentation_has_all_keys_right() {
+    let plan = documented();
+    assert_eq!((plan.start, plan.stop, plan.step), (Some(0.0), Some(5.0), Some(1e-4)));
+    assert_eq!((plan.components.len(), plan.connections.len()), (2, 5));
+    assert_eq!((plan.inputs[0].connect.len(), plan.bonds.len(), plan.record_every), (2, 1, 10));
+    let usual = Transfer::default();
+    let transfers: Vec<Transfer> = plan.connections.iter().map(|c| c.transfer).collect();
+    let expected = [
+        usual,
+        usual,
+        Transfer { linear: Some((-1.0, 0.0)), ..usual },
+        Transfer { derivative: true, ..usual },
+        Transfer { keep_units: true, ..usual },
+    ];
+    assert_eq!(transfers, expected);
+}
+
+/// What the documentation shows of the short form.
+fn documented() -> Plan {
     let page = include_str!("../../docs/cosimulate.md");
     let form = page.split("## All of the short form").nth(1).unwrap();
     let form = form.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
-    let plan = latsch::cosimulate::parse_toml(form, "page", std::path::Path::new("")).unwrap();
-    assert_eq!((plan.start, plan.stop, plan.step), (Some(0.0), Some(5.0), Some(1e-4)));
-    assert_eq!((plan.components.len(), plan.connections.len()), (2, 4));
-    assert_eq!((plan.inputs[0].connect.len(), plan.bonds.len(), plan.record_every), (2, 1, 10));
-    let transfers: Vec<_> =
-        plan.connections.iter().map(|c| (c.transfer.linear, c.transfer.derivative)).collect();
-    assert_eq!(transfers, [(None, false), (None, false), (Some((-1.0, 0.0)), false), (None, true)]);
+    parse_toml(form, "page", Path::new("")).unwrap()
+}
+
+/// The same with everything in the order of names, and without places in the file.
+fn in_order(mut plan: Plan) -> Plan {
+    plan.components.sort_by(|a, b| a.name.cmp(&b.name));
+    for component in &mut plan.components {
+        component.place.clear();
+        component.set.sort_by(|a, b| a.variable.cmp(&b.variable));
+        component.set.iter_mut().for_each(|a| a.place.clear());
+    }
+    plan.connections.sort_by_key(|c| format!("{}.{}", c.to.component, c.to.variable));
+    plan.connections.iter_mut().for_each(|c| c.place.clear());
+    for inputs in &mut plan.inputs {
+        inputs.place.clear();
+        inputs.connect.sort_by(|a, b| a.0.cmp(&b.0));
+    }
+    plan.bonds.iter_mut().for_each(|b| b.place.clear());
+    plan
+}
+
+#[test]
+fn what_is_written_says_the_same() {
+    let mut plan = documented();
+    plan.bonds.push(PlannedBond { kind: BondKind::Displacement, ..plan.bonds[0].clone() });
+    plan.connections[0].transfer.linear = Some((0.1 + 0.2, -1e-300));
+    let text = plan.to_toml(&|path| path.display().to_string());
+    let again = parse_toml(&text, "page", Path::new("")).unwrap();
+    assert_eq!(in_order(again), in_order(plan), "{text}");
+    // files under other names
+    let text = documented().to_toml(&|path| format!("elsewhere/{}", path.display()));
+    assert!(text.contains("fmu = \"elsewhere/controller.fmu\""), "{text}");
+    assert!(text.contains("elsewhere/tire.toml") && text.contains("elsewhere/drive.csv"), "{text}");
 }
 
 #[test]
 fn a_file_without_components_is_refused() {
-    let plan =
-        latsch::cosimulate::parse_toml("stop = 1\nstep = 1e-3", "s.toml", std::path::Path::new("")).unwrap();
+    let plan = parse_toml("stop = 1\nstep = 1e-3", "s.toml", Path::new("")).unwrap();
     let message = plan.load().err().unwrap().to_string();
     assert!(message.contains("s.toml") && message.contains("no components"), "{message}");
 }

@@ -7,6 +7,7 @@ mod files;
 mod models;
 
 use latsch::cosimulate::{BondKind, Experiment, SystemSlave, Turn};
+use latsch::effect::{Attached, Attachment, Chosen, Signal, Source};
 use latsch::model::Slave;
 use models::{channel, run, run_with, wire};
 use nalgebra::{Matrix4, Vector4};
@@ -479,4 +480,56 @@ fn a_system_is_a_slave() {
     assert_eq!(first, second);
     assert_eq!(first, channel(&expected, "right.position")[300]);
     assert!(slave.step(0.3, 0.0015).unwrap_err().to_string().contains("multiples"));
+}
+
+/// Friction along the way of a force.
+fn friction(target: usize, driver: usize) -> Vec<Attachment> {
+    let effect = latsch::effect::find("guide-friction").unwrap();
+    let chosen = |value| Chosen { value, range: (-1e9, 1e9), unit: None };
+    let drivers = vec![Signal { variable: driver, source: Source::Value }];
+    vec![Attachment { effect, target, drivers, parameters: vec![chosen(2.0), chosen(0.1)] }]
+}
+
+#[test]
+fn an_effect_on_an_output_of_a_system_acts_on_what_is_connected_to_it() {
+    let text = pair("step = 1e-3", false);
+    let (plan, system) = wire(&text).unwrap();
+    let slave = SystemSlave::new("pair", system, 1e-3).unwrap();
+    let find = |slave: &SystemSlave, name: &str| slave.find(name).unwrap();
+    let (reaction, velocity) = (find(&slave, "left.reaction"), find(&slave, "left.velocity"));
+    let x = find(&slave, "right.position");
+    assert!(slave.is_passed_on(reaction) && !slave.is_passed_on(find(&slave, "right.reaction")));
+    let mut outside = Attached::new(Box::new(slave), friction(reaction, velocity)).unwrap();
+    // the part itself has the effect
+    let inside = plan
+        .wire(|system, component| {
+            let part = models::slave("side")?;
+            if component.name != "left" {
+                return system.add(&component.name, part);
+            }
+            let effects = friction(part.find("reaction")?, part.find("velocity")?);
+            system.add(&component.name, Box::new(Attached::new(part, effects)?))
+        })
+        .unwrap();
+    let mut inside = SystemSlave::new("pair", inside, 1e-3).unwrap();
+    let mut without = SystemSlave::new("pair", wire(&text).unwrap().1, 1e-3).unwrap();
+    let course = |slave: &mut dyn Slave, x: usize| -> Vec<f64> {
+        slave.start(0.0, None).unwrap();
+        slave.finish_start().unwrap();
+        (0..1000u32)
+            .map(|k| {
+                slave.step(f64::from(k) * 1e-3, f64::from(k + 1) * 1e-3 - f64::from(k) * 1e-3).unwrap();
+                slave.get(x).unwrap()
+            })
+            .collect()
+    };
+    let from_outside = course(&mut outside, x);
+    let x_inside = inside.find("right.position").unwrap();
+    let from_inside = course(&mut inside, x_inside);
+    let far = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(far(&from_outside, &from_inside) < 1e-12, "{}", far(&from_outside, &from_inside));
+    assert!(far(&from_outside, &course(&mut without, x)) > 1e-3);
+    // twice the same after a reset: nothing stays on the wires
+    outside.reset().unwrap();
+    assert_eq!(course(&mut outside, x), from_outside);
 }

@@ -93,7 +93,7 @@ def test_the_opened_loop_tells_the_part(diagnosed):
     folder, found, done, _ = diagnosed
     made = {c["channel"]: c["made_here"] for part in found["parts"] for c in part["channels"]}
     assert {part["part"] for part in found["parts"]} == {"left", "right"}
-    assert all(part["missing"] == [] for part in found["parts"])
+    assert all(part["closed"] is None for part in found["parts"])
     assert made["left.reaction"] is True, found["parts"]
     assert made["right.position"] is False and made["right.velocity"] is False, found["parts"]
     assert "left differs by itself" in done.stdout
@@ -133,5 +133,5 @@ def test_a_part_whose_inputs_were_not_recorded_is_said(system, diagnosed, tmp_pa
                   folder / "parameters.toml", "--output", tmp_path / "out", "--format", "json")
     assert done.returncode == 0, done.stderr
     parts = {p["part"]: p for p in json.loads(done.stdout)["parts"]}
-    assert parts["left"] == {"part": "left", "missing": ["left.other_position"], "channels": []}
-    assert parts["right"]["missing"] == []
+    assert parts["left"]["channels"] == [] and "no channel tells left.other_position" in parts["left"]["closed"]
+    assert parts["right"]["closed"] is None

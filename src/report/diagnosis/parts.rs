@@ -28,12 +28,10 @@ pub(super) fn section(diagnosis: &Diagnosis) -> Section {
         }
     }
     let mut section = if table.is_empty() { section } else { section.with(table.html()) };
-    for part in diagnosis.parts.iter().filter(|p| !p.missing.is_empty()) {
-        let missing = part.missing.join(", ");
-        section = section.with(Html::text(&format!(
-            "{} could not be run by itself: no channel tells {missing}.",
-            part.part
-        )));
+    for part in &diagnosis.parts {
+        if let Some(why) = &part.closed {
+            section = section.with(Html::text(&format!("{} could not be run by itself: {why}.", part.part)));
+        }
     }
     section.with(Html::note(
         "Each part was fitted and run by itself, with what its connected inputs had replayed from the recordings. If more than \
