@@ -197,7 +197,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         Found::nothing(base, base_rest)
     } else {
         let fallback = base.clone();
-        let found = search(&mut study, &subject, &roles, &nominal, (base, base_rest), progress)?;
+        let found = search(&mut study, &bench, &subject, &roles, &nominal, (base, base_rest), progress)?;
         if faults.iter().any(is_fatal) {
             // what single runs have may be physics: of a fault that is there no name makes runs like the others
             let there = against(&study, &found.current.model)?;
@@ -207,37 +207,34 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         if faults.iter().any(is_fatal) { Found::nothing(fallback, found.base_check) } else { found }
     };
     let fatal = faults.iter().any(is_fatal);
-    let Found { mut current, check: mut current_check, base_check: mut base_rest, .. } = found;
-    let experiment = experiment::propose(&study, &roles, &found.rivals, &current_check);
+    let Found { mut current, check: checked, .. } = found;
+    let experiment = experiment::propose(&study, &roles, &found.rivals, &checked);
     // what is handed on has the model's own steps
     study.bench = &bench;
     let (mut findings, mut unknown, candidates) = (found.findings, found.unknown, found.candidates);
     let of_fine = |coarse: &[&Run]| coarse.iter().map(|run| finer(run)).collect::<Vec<Run>>();
     let (fine_fit, fine_check);
     let has_effects = !current.model.effects.is_empty();
-    // effects act at communication points: what is handed on is fitted where shorter steps change nothing
-    let finer = has_effects && subject.own_step().is_none();
-    if finer {
+    if has_effects && subject.own_step().is_none() {
+        // effects act at communication points: what is handed on is fitted where shorter steps change nothing
         progress("fitting the corrected model with short steps", 0.9);
         (fine_fit, fine_check) = (of_fine(&study.fit_runs), of_fine(&study.check_runs));
         study.fit_runs = fine_fit.iter().collect();
         study.check_runs = fine_check.iter().collect();
     }
-    if finer || study.slow {
+    if has_effects {
         current = study.fit_on(&current, FINAL)?;
-        current_check = study.rest(&current.model, &study.check_runs)?;
         for (finding, estimates) in
             findings.iter_mut().chain(&mut unknown).zip(all_estimates(&study, &current))
         {
             finding.parameters = estimates;
         }
     }
-    if study.slow {
-        if !has_effects {
-            base_model = current.model.clone();
-        }
-        base_rest = study.rest(&base_model, &check_runs)?;
+    let current_check = study.rest(&current.model, &study.check_runs)?;
+    if study.slow && !has_effects {
+        base_model = current.model.clone();
     }
+    let base_rest = study.rest(&base_model, &check_runs)?;
     let noise: Vec<Option<f64>> =
         (0..study.weights.len()).map(|c| locate::noise(&check_runs, &base_rest.simulated, c)).collect();
     let map = locate::map(&check_runs, &base_rest.simulated, &subject.interface, &roles, &noise);

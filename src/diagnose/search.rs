@@ -12,6 +12,7 @@ use super::roles::Roles;
 use super::study::{Fitted, Model, Rest, Study};
 use super::subject::Subject;
 use crate::Result;
+use crate::fit::Bench;
 
 /// Effects that are found one after the other.
 const MAX_EFFECTS: usize = 3;
@@ -58,9 +59,10 @@ fn is_noise(study: &Study<'_>, rest: &Rest) -> bool {
 }
 
 /// Searches, beginning with the refitted model and what it leaves of the check runs. Weights of channels
-/// change on the way.
-pub(super) fn search(
-    study: &mut Study<'_>,
+/// change on the way; in the end the slaves are the usual ones.
+pub(super) fn search<'a>(
+    study: &mut Study<'a>,
+    usual: &'a Bench,
     subject: &Subject,
     roles: &Roles,
     nominal: &Model,
@@ -85,9 +87,7 @@ pub(super) fn search(
             .into_iter()
             .filter_map(|begun| begun.finish(study, &fit, &found.check))
             .collect();
-        if !study.slow {
-            polish(study, &mut tried, &fit, &found.check);
-        }
+        polish(study, &mut tried, &fit, &found.check);
         let (check, base) = (&found.check, &found.base_check);
         match decide(study, subject, &tried, check, base, round, &mut found.candidates) {
             Decision::Nothing => break,
@@ -99,8 +99,9 @@ pub(super) fn search(
                 }
                 let t = tried.swap_remove(i);
                 // what is left of a channel is what counts from here on
+                let weights = study.weights.clone();
                 study.weigh(&fit_runs, &t.fit_rest);
-                found.current = study.fit(&t.fitted.model, FINAL)?;
+                found.current = study.fit_reweighed(&t.fitted, &weights, FINAL)?;
                 fit = study.rest(&found.current.model, &fit_runs)?;
                 found.check = study.rest(&found.current.model, &check_runs)?;
                 found.base_check = study.rest(&base_model, &check_runs)?;
@@ -120,12 +121,20 @@ pub(super) fn search(
         }
     }
     progress("locating what is left", 0.88);
+    if study.slow && !std::ptr::eq(study.bench, usual) {
+        // what long steps of the model's own leave is not what it leaves
+        study.bench = usual;
+        found.current = study.fit_on(&found.current, FINAL)?;
+        fit = study.rest(&found.current.model, &fit_runs)?;
+        found.check = study.rest(&found.current.model, &check_runs)?;
+        found.base_check = study.rest(&base_model, &check_runs)?;
+    }
     let left = Left::of(study, subject, roles, &found.current, (&fit, &found.check));
     let explained = found.base_check.total - found.check.total;
+    // what leaves much is less sure to be what it is called
+    let doubt = left.doubt(explained);
+    found.findings.iter_mut().for_each(|f| f.confidence *= doubt);
     if left.counts(explained) {
-        // what leaves much is less sure to be what it is called
-        let share = left.share_after(explained);
-        found.findings.iter_mut().for_each(|f| f.confidence *= share);
         found.unknown = Some(left.finding(subject, study));
     }
     Ok(found)
