@@ -244,20 +244,12 @@ impl Tried {
     }
 }
 
-/// Fits those that are nearly the best to the end, with derivatives of their own; of a model that takes long the name
-/// that fits best.
+/// Fits those that are nearly the best to the end, with derivatives of their own.
 pub(super) fn polish(study: &Study<'_>, tried: &mut [Tried], current_fit: &Rest, current_check: &Rest) {
     let both = |t: &Tried| t.fit_rest.total + t.check_rest.total;
     let best = tried.iter().map(both).fold(f64::INFINITY, f64::min);
     let explained = (current_fit.total + current_check.total - best).max(0.0);
-    let is_named = |t: &&mut Tried| !empirical::is(t.placement.effect);
-    let fit = |t: &&mut Tried| t.fit_rest.total;
-    let chosen: Vec<&mut Tried> = if study.slow {
-        tried.iter_mut().filter(is_named).min_by(|a, b| fit(a).total_cmp(&fit(b))).into_iter().collect()
-    } else {
-        tried.iter_mut().filter(|t| both(t) <= best + NEARLY * explained).collect()
-    };
-    for t in chosen {
+    for t in tried.iter_mut().filter(|t| both(t) <= best + NEARLY * explained) {
         let better = study.fit(&t.fitted.model, POLISH).ok();
         let better = better
             .and_then(|fitted| {

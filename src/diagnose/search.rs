@@ -87,7 +87,9 @@ pub(super) fn search<'a>(
             .into_iter()
             .filter_map(|begun| begun.finish(study, &fit, &found.check))
             .collect();
-        polish(study, &mut tried, &fit, &found.check);
+        if !study.slow {
+            polish(study, &mut tried, &fit, &found.check);
+        }
         let (check, base) = (&found.check, &found.base_check);
         match decide(study, subject, &tried, check, base, round, &mut found.candidates) {
             Decision::Nothing => break,
@@ -99,9 +101,8 @@ pub(super) fn search<'a>(
                 }
                 let t = tried.swap_remove(i);
                 // what is left of a channel is what counts from here on
-                let weights = study.weights.clone();
                 study.weigh(&fit_runs, &t.fit_rest);
-                found.current = study.fit_reweighed(&t.fitted, &weights, FINAL)?;
+                found.current = study.fit(&t.fitted.model, FINAL)?;
                 fit = study.rest(&found.current.model, &fit_runs)?;
                 found.check = study.rest(&found.current.model, &check_runs)?;
                 found.base_check = study.rest(&base_model, &check_runs)?;

@@ -211,24 +211,6 @@ impl Study<'_> {
         self.fit_near(&from.model, iterations, self.slow.then_some(&from.fit.jacobian))
     }
 
-    /// Goes on with a fit whose channels had these weights: with its derivatives, if the model takes long.
-    ///
-    /// # Errors
-    /// A model that cannot be run.
-    pub fn fit_reweighed(&self, from: &Fitted, weights: &[f64], iterations: usize) -> Result<Fitted> {
-        if !self.slow {
-            return self.fit(&from.model, iterations);
-        }
-        let mut jacobian = from.fit.jacobian.clone();
-        let mut row = 0;
-        for channel in self.fit_runs.iter().flat_map(|run| run.channels.iter().enumerate()) {
-            let (c, rows) = (channel.0, channel.1.values.len());
-            jacobian.rows_mut(row, rows).scale_mut(self.weights[c] / weights[c]);
-            row += rows;
-        }
-        self.fit_near(&from.model, iterations, Some(&jacobian))
-    }
-
     /// As [`Study::fit`], with the derivatives of a model that lacks the last effect: a sixth of the work.
     ///
     /// # Errors
