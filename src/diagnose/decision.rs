@@ -29,6 +29,9 @@ const TOO_FAR: f64 = 10.0;
 /// Probability of chance below which what can be foretold counts, and the share from which on.
 const FORETOLD_LEVEL: f64 = 0.01;
 const MIN_FORETOLD: f64 = 0.03;
+/// The share from which on it counts in a model that takes long: it is not exact, and its own error depends on its
+/// signals. The usual step of the ring-and-brush tire errs by half of 1.5 % noise, a fifth of the two together.
+const MIN_FORETOLD_SLOW: f64 = 0.2;
 /// The same for signals that are only said to be likely.
 const LIKELY_LEVEL: f64 = 0.2;
 const MUCH: f64 = 0.3;
@@ -274,8 +277,9 @@ impl Left {
         let mut most = 0.0;
         let wandering = wandering(study, current, (fit, check));
         let structures = locate::structure(before, then, &wandering, &subject.interface, roles);
+        let least = if study.slow { MIN_FORETOLD_SLOW } else { MIN_FORETOLD };
         for s in structures.iter().cloned() {
-            if s.p < FORETOLD_LEVEL && s.share > MIN_FORETOLD {
+            if s.p < FORETOLD_LEVEL && s.share > least {
                 let part = s.share * errors[s.channel];
                 foretold += part;
                 if part > most {

@@ -137,7 +137,24 @@ fn diagnosis() -> Diagnosis {
         after,
         noise: Some(noise),
     };
+    let part_channel = |channel: &str, replayed, made| PartChannel {
+        channel: channel.into(),
+        unit: "N".into(),
+        wired: 412.3,
+        replayed,
+        made_here: made,
+    };
+    let part = |name: &str, closed: Option<&str>, channels| Part {
+        part: name.into(),
+        closed: closed.map(Into::into),
+        channels,
+    };
     Diagnosis {
+        parts: vec![
+            part("tire", None, vec![part_channel("tire.force_y", 409.0, Some(true))]),
+            part("hub", None, vec![part_channel("hub.force", 23.0, Some(false))]),
+            part("brake", Some("no channel tells brake.pressure"), Vec::new()),
+        ],
         verdict: Verdict::Effect,
         summary: "The lateral force follows the slip angle over 0.46 m of travel, which the model leaves out: relaxation \
                   length of the tire, at the output force_y. With it the error of force_y on 4 check runs falls from 412 N \
@@ -239,6 +256,7 @@ fn the_answer_comes_first_and_everything_supports_it() {
         [
             "Error on the check runs",
             "Where it differs",
+            "In which part",
             "The clearest stretch",
             "Against operating conditions",
             "Check runs",
@@ -261,6 +279,8 @@ fn the_answer_comes_first_and_everything_supports_it() {
         "makes the check runs worse",
         "not fixed by these recordings",
         "Three samples are far away",
+        "no, in another part",
+        "brake could not be run by itself: no channel tells brake.pressure.",
     ] {
         assert!(html.contains(text), "{text}");
     }
