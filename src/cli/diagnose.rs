@@ -1,6 +1,5 @@
 //! `latsch diagnose`: what a model leaves out.
 
-use super::export::read_settings;
 use super::{Format, print};
 use indicatif::{ProgressBar, ProgressStyle};
 use latsch::cosimulate::write_corrected;
@@ -8,6 +7,7 @@ use latsch::diagnose::{Base, Map, Outcome, Request, diagnose};
 use latsch::effect::file::{Fitted, corrected_text};
 use latsch::fmi::archive::ModelLibrary;
 use latsch::fmi::corrected::{CorrectedBase, export_corrected};
+use latsch::recording::read_settings;
 use latsch::report::{CheckRun, diagnosis_report, write_html};
 use latsch::{Error, Result, write_file};
 use std::path::{Path, PathBuf};

@@ -7,7 +7,7 @@ use latsch::fmi::archive::{Binary, ModelLibrary};
 use latsch::fmi::corrected::{CorrectedBase, export_corrections};
 use latsch::fmi::import::ImportedFmu;
 use latsch::model::{Settings, Slave};
-use latsch::recording::profile_value;
+use latsch::recording::read_settings;
 use latsch::shipped::MODELS;
 use latsch::{Error, Result, write_file};
 use std::path::{Path, PathBuf};
@@ -124,17 +124,4 @@ fn try_out(args: &Args, settings: &Settings, fmu: &[u8]) -> Result<()> {
     };
     let place = args.parameters.as_ref().map(|path| format!("{}: ", path.display())).unwrap_or_default();
     tried.map_err(|e| Error::variable(format!("{place}the FMU would not start: {e}")))
-}
-
-/// The settings in a file; none without a file.
-pub fn read_settings(path: Option<&Path>) -> Result<Settings> {
-    let Some(path) = path else { return Ok(Settings::default()) };
-    let text = std::fs::read_to_string(path).map_err(|e| Error::file(format!("{}: {e}", path.display())))?;
-    let mut settings = Settings::parse(&text, &path.display().to_string())?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    for setting in &mut settings.values {
-        let value = profile_value(&setting.name, setting.value.clone(), folder);
-        setting.value = value.map_err(|e| e.at(&setting.place))?;
-    }
-    Ok(settings)
 }

@@ -1,11 +1,11 @@
 //! `latsch simulate`: a model or FMU along recorded inputs.
 
-use super::export::read_settings;
 use super::{check_outputs, print};
 use indicatif::{ProgressBar, ProgressStyle};
 use latsch::fmi::import::ImportedFmu;
 use latsch::fmi::{Entry, guid};
 use latsch::model::{Causality, Interface, Kind, Model, Native, Settings, Slave, Value};
+use latsch::recording::read_settings;
 use latsch::recording::{Recording, profile_value, read_csv, write_csv};
 use latsch::report::{PatchFrame, patch_caption, simulation_report, write_html};
 use latsch::rig::RingBrushFlatTrack;

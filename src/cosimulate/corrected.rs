@@ -1,12 +1,13 @@
 //! Writes a system whose parts are corrected: other parameters, and parts with effects as FMUs.
 
 use super::file::read_system;
-use super::plan::{Assignment, Plan, PlannedComponent, Source};
+use super::plan::{Assignment, PlannedComponent, Source};
 use super::slave::SystemSlave;
 use crate::effect::Attachment;
 use crate::fmi::archive::ModelLibrary;
 use crate::fmi::corrected::{CorrectedBase, export_corrected};
-use crate::model::{Settings, Slave, Value};
+use crate::model::{Slave, Value};
+use crate::recording::read_settings;
 use crate::{Error, Result, write_file};
 use std::path::{Path, PathBuf};
 
@@ -44,17 +45,14 @@ pub fn write_corrected(
     }
     std::fs::create_dir_all(folder)
         .map_err(|e| Error::file(format!("{} cannot be made: {e}", folder.display())))?;
-    for (component, effects) in plan.components.iter_mut().zip(&effects) {
-        component.source = gather(component, effects, folder, library)?;
-    }
+    let parts = std::mem::take(&mut plan.components).into_iter().zip(&effects);
+    plan.components =
+        parts.map(|(part, effects)| gather(part, effects, folder, library)).collect::<Result<_>>()?;
     for (i, inputs) in plan.inputs.iter_mut().enumerate() {
         inputs.file = copy(&inputs.file, folder, &format!("inputs-{}.csv", i + 1))?;
     }
-    write_file(&folder.join(DESCRIPTION), text(&plan).as_bytes())
-}
-
-fn text(plan: &Plan) -> String {
-    plan.to_toml(&|path| path.display().to_string())
+    let text = plan.to_toml(&|path| path.display().to_string());
+    write_file(&folder.join(DESCRIPTION), text.as_bytes())
 }
 
 /// The part that an effect belongs to, and the effect by the indices of that part.
@@ -77,34 +75,34 @@ fn of_one_part(slave: &SystemSlave, attachment: &Attachment) -> Result<(usize, A
     Ok((target.component, own))
 }
 
-/// Puts what a part is made from into the folder; the source by its name there.
+/// Puts what a part is made from into the folder; the part as it is to be described there.
 fn gather(
-    component: &PlannedComponent,
+    mut component: PlannedComponent,
     effects: &[Attachment],
     folder: &Path,
     library: &ModelLibrary,
-) -> Result<Source> {
+) -> Result<PlannedComponent> {
     let fmu = format!("{}.fmu", component.name);
+    let base = match component.source {
+        Source::Model(name, parameters) => CorrectedBase::Model(name, read_settings(parameters.as_deref())?),
+        Source::Fmu(path) => CorrectedBase::Fmu(path),
+    };
     if !effects.is_empty() {
-        let base = match &component.source {
-            Source::Model(name, None) => CorrectedBase::Model(name.clone(), Settings::default()),
-            Source::Model(name, Some(path)) => {
-                let place = path.display().to_string();
-                let text = std::fs::read_to_string(path).map_err(|e| Error::file(format!("{place}: {e}")))?;
-                CorrectedBase::Model(name.clone(), Settings::parse(&text, &place)?)
-            }
-            Source::Fmu(path) => CorrectedBase::Fmu(path.clone()),
-        };
         write_file(&folder.join(&fmu), &export_corrected(&base, &[], effects, library, &[])?)?;
-        return Ok(Source::Fmu(fmu.into()));
+        return Ok(PlannedComponent { source: Source::Fmu(fmu.into()), ..component });
     }
-    Ok(match &component.source {
-        Source::Model(name, Some(path)) => {
-            Source::Model(name.clone(), Some(copy(path, folder, &format!("{}.toml", component.name))?))
+    component.source = match base {
+        CorrectedBase::Model(name, settings) => {
+            let over = |name: &str| component.set.iter().any(|a| a.variable == name);
+            let more = settings.values.into_iter().filter(|s| !over(&s.name));
+            let more: Vec<Assignment> =
+                more.map(|s| Assignment { variable: s.name, value: s.value, place: s.place }).collect();
+            component.set.extend(more);
+            Source::Model(name, None)
         }
-        Source::Model(name, None) => Source::Model(name.clone(), None),
-        Source::Fmu(path) => Source::Fmu(copy(path, folder, &fmu)?),
-    })
+        CorrectedBase::Fmu(path) => Source::Fmu(copy(&path, folder, &fmu)?),
+    };
+    Ok(component)
 }
 
 fn copy(from: &Path, folder: &Path, name: &str) -> Result<PathBuf> {

@@ -7,8 +7,8 @@ use super::system::{Port, System, Transfer};
 use crate::fmi::Entry;
 use crate::fmi::import::ImportedFmu;
 use crate::model::unit::Unit;
-use crate::model::{Causality, Kind, Settings, Slave, Value, VariableInfo};
-use crate::recording::read_csv;
+use crate::model::{Causality, Kind, Slave, Value, VariableInfo};
+use crate::recording::{read_csv, read_settings};
 use crate::shipped::MODELS;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -315,15 +315,7 @@ fn add(system: &mut System, component: &PlannedComponent) -> Result<usize> {
         Source::Model(name, parameters) => {
             let entry = Entry::find(MODELS, name)
                 .map_err(|e| Error::variable(format!("{e}; an FMU is given as fmu = \"F.fmu\"")))?;
-            let settings = match parameters {
-                Some(path) => {
-                    let text = std::fs::read_to_string(path)
-                        .map_err(|e| Error::file(format!("{}: {e}", path.display())))?;
-                    Settings::parse(&text, &path.display().to_string())?
-                }
-                None => Settings::default(),
-            };
-            let slave: Box<dyn Slave> = entry.slave(&settings)?;
+            let slave: Box<dyn Slave> = entry.slave(&read_settings(parameters.as_deref())?)?;
             system.add(&component.name, slave)
         }
         Source::Fmu(path) => {

@@ -59,7 +59,7 @@ fn is_noise(study: &Study<'_>, rest: &Rest) -> bool {
 }
 
 /// Searches, beginning with the refitted model and what it leaves of the check runs. Weights of channels
-/// change on the way; in the end the slaves are the usual ones.
+/// change on the way, and so do the slaves: what is left in the end is that of the `usual` ones.
 pub(super) fn search<'a>(
     study: &mut Study<'a>,
     usual: &'a Bench,

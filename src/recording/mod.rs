@@ -6,7 +6,7 @@ mod smooth;
 
 pub(crate) use csv::{Defect, read_csv_with_defects};
 pub use csv::{parse_csv, read_csv, to_csv, write_csv};
-pub use profile::{profile_from_csv, profile_value};
+pub use profile::{profile_from_csv, profile_value, read_settings};
 pub use smooth::Smooth;
 
 use crate::model::unit::Unit;

@@ -1,7 +1,9 @@
 //! What the short form says, and how mistakes in it are reported.
 
 use crate::models::{channel, run, wire};
-use latsch::cosimulate::{BondKind, Plan, PlannedBond, Transfer, parse_toml};
+use latsch::cosimulate::{BondKind, Plan, PlannedBond, Transfer, parse_toml, read_system, write_corrected};
+use latsch::fmi::archive::ModelLibrary;
+use latsch::model::Value;
 use std::path::Path;
 
 const GOOD: &str = r#"
@@ -198,4 +200,34 @@ fn a_file_without_components_is_refused() {
     let plan = parse_toml("stop = 1\nstep = 1e-3", "s.toml", Path::new("")).unwrap();
     let message = plan.load().err().unwrap().to_string();
     assert!(message.contains("s.toml") && message.contains("no components"), "{message}");
+}
+
+#[test]
+fn files_that_parameters_name_go_with_a_corrected_system() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("road.csv"), "x [m],z [mm]\n0,0\n0.1,5\n0.2,0\n").unwrap();
+    std::fs::write(
+        at("rig.toml"),
+        "[parameters]\nroad_profile = \"@road.csv\"\nstripes = 3\nfriction_sliding_zero = 0.9\n",
+    )
+    .unwrap();
+    let text = "[component.rig]\nmodel = \"ring-brush-flat-track\"\nparameters = \"rig.toml\"\nset = { stripes = 4 }\n";
+    std::fs::write(at("system.toml"), text).unwrap();
+    let fitted = [("rig.friction_sliding_zero".to_owned(), 0.8)];
+    let library = ModelLibrary::shipped().unwrap();
+    write_corrected(&at("system.toml"), &at("corrected"), &fitted, &[], &library).unwrap();
+    // nothing outside is needed
+    for name in ["road.csv", "rig.toml", "system.toml"] {
+        std::fs::remove_file(at(name)).unwrap();
+    }
+    let plan = read_system(&at("corrected/system.toml")).unwrap().plan;
+    let get = |name: &str| {
+        let mut found = plan.components[0].set.iter().filter(|a| a.variable == name).map(|a| a.value.clone());
+        (found.next().unwrap(), found.count())
+    };
+    assert_eq!(get("road_profile"), (Value::Text("0 0; 0.1 0.005; 0.2 0".into()), 0));
+    assert_eq!(get("stripes"), (Value::Integer(4), 0));
+    assert_eq!(get("friction_sliding_zero"), (Value::Real(0.8), 0));
+    plan.load().unwrap();
 }

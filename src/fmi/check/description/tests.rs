@@ -2,7 +2,7 @@
 
 use super::super::finding::Level;
 use super::super::static_findings;
-use super::structured;
+use super::structured_names::structured;
 
 const GOOD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Hub" guid="{1}" generationDateAndTime="2026-01-31T12:00:00Z"
