@@ -244,13 +244,13 @@ impl Tried {
     }
 }
 
-/// Fits those that are nearly the best to the end, with derivatives of their own.
+/// Fits those that are nearly the best to the end.
 pub(super) fn polish(study: &Study<'_>, tried: &mut [Tried], current_fit: &Rest, current_check: &Rest) {
     let both = |t: &Tried| t.fit_rest.total + t.check_rest.total;
     let best = tried.iter().map(both).fold(f64::INFINITY, f64::min);
     let explained = (current_fit.total + current_check.total - best).max(0.0);
     for t in tried.iter_mut().filter(|t| both(t) <= best + NEARLY * explained) {
-        let better = study.fit(&t.fitted.model, POLISH).ok();
+        let better = study.fit_on(&t.fitted, POLISH).ok();
         let better = better
             .and_then(|fitted| {
                 assess(study, (t.placement.clone(), t.places), fitted, current_fit, current_check)

@@ -203,12 +203,17 @@ impl Study<'_> {
         self.fit_near(model, iterations, None)
     }
 
-    /// Goes on with a fit whose problem has hardly changed since: with its derivatives, if the model takes long.
+    /// Goes on with a fit whose problem has hardly changed since, with its derivatives. It does not end before new ones
+    /// lead nowhere, too, unless the model takes long.
     ///
     /// # Errors
     /// A model that cannot be run.
     pub fn fit_on(&self, from: &Fitted, iterations: usize) -> Result<Fitted> {
-        self.fit_near(&from.model, iterations, self.slow.then_some(&from.fit.jacobian))
+        let known = Some(&from.fit.jacobian);
+        self.fit_with(
+            &from.model,
+            Options { iterations, known, to_the_end: !self.slow, ..Options::default() },
+        )
     }
 
     /// As [`Study::fit`], with the derivatives of a model that lacks the last effect: a sixth of the work.
@@ -216,12 +221,17 @@ impl Study<'_> {
     /// # Errors
     /// A model that cannot be run.
     pub fn fit_near(&self, model: &Model, iterations: usize, known: Option<&DMatrix<f64>>) -> Result<Fitted> {
+        self.fit_with(model, Options { iterations, known, ..Options::default() })
+    }
+
+    fn fit_with(&self, model: &Model, options: Options<'_>) -> Result<Fitted> {
         let problem = self.problem(model, self.fit_runs.clone());
         let mut unknowns = self.unknowns(model);
         for (unknown, x) in unknowns.iter_mut().zip(Self::point(model)) {
             unknown.start = x;
         }
-        let mut options = Options { iterations, redundancy: self.redundancy, known, ..Options::default() };
+        let Options { iterations, known, .. } = options;
+        let mut options = Options { redundancy: self.redundancy, ..options };
         let first;
         if self.slow && iterations > 1 {
             // all derivatives once, and updates from there on

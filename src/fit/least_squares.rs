@@ -52,11 +52,20 @@ pub struct Options<'a> {
     /// Where the known derivatives lead nowhere the fit ends, instead of computing them. They may be wrong: the first
     /// step is tried shorter, too.
     pub only_known: bool,
+    /// Where known derivatives lead hardly any farther the fit does not end before computed ones do neither.
+    pub to_the_end: bool,
 }
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Self { iterations: 12, tolerance: 1e-4, redundancy: 1.0, known: None, only_known: false }
+        Self {
+            iterations: 12,
+            tolerance: 1e-4,
+            redundancy: 1.0,
+            known: None,
+            only_known: false,
+            to_the_end: false,
+        }
     }
 }
 
@@ -163,6 +172,7 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
             continue;
         };
         let step: Vec<f64> = point.iter().zip(&x).map(|(a, b)| a - b).collect();
+        let was_exact = exact;
         if updated > 0 {
             broyden(&mut jacobian, unknowns, &step, &residuals, &r);
             exact = false;
@@ -171,7 +181,10 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         residuals = r;
         damping = tried;
         if total - reached < options.tolerance * total {
-            break;
+            if was_exact || !options.to_the_end {
+                break;
+            }
+            exact = true;
         }
     }
     let cost = square(&residuals);
@@ -335,6 +348,27 @@ mod tests {
             let fit = least_squares(&problem, &free, options).unwrap();
             assert!((fit.x[0] - 3.0).abs() < 1e-6 && (fit.x[1] - 0.7).abs() < 1e-6, "{:?}", fit.x);
         }
+    }
+
+    #[test]
+    fn a_wrong_jacobian_does_not_end_a_fit_to_the_end() {
+        let problem = Decay { data: decay(&[3.0, 0.7]) };
+        let free = [unknown(2.5, 0.0, 10.0), unknown(0.9, -1.0, 5.0)];
+        let near = least_squares(&problem, &free, Options { iterations: 1, ..Options::default() }).unwrap();
+        // steps are a thousand times too short
+        let known = 1e3 * near.jacobian;
+        let fit = |to_the_end| {
+            let options = Options {
+                iterations: 40,
+                tolerance: 1e-2,
+                to_the_end,
+                known: Some(&known),
+                ..Options::default()
+            };
+            least_squares(&problem, &free, options).unwrap().cost
+        };
+        assert!(fit(false) > 0.9 * near.cost, "{} {}", fit(false), near.cost);
+        assert!(fit(true) < 1e-6 * near.cost, "{} {}", fit(true), near.cost);
     }
 
     #[test]
