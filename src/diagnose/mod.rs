@@ -7,6 +7,7 @@ mod decision;
 mod excerpt;
 mod experiment;
 pub mod hygiene;
+mod left;
 pub mod loads;
 pub mod locate;
 mod parts;

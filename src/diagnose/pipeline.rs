@@ -1,13 +1,14 @@
 //! The chain from recordings to a verdict.
 
 use super::blocks::{differences, sign_flip};
-use super::decision::{LEVEL, NOISE_MARGIN};
+use super::decision::LEVEL;
 use super::excerpt::finer;
+use super::left::NOISE_MARGIN;
 use super::parts::errors_of_parts;
 use super::reading::{fault, faults_against, read_folder, same_channels, shortest_interval};
 use super::result::{Diagnosis, Estimate, RunUse, Use, Verdict};
 use super::roles::Roles;
-use super::runs::{Map, prepare, some_like_all, uses};
+use super::runs::{Map, courses, prepare, some_like_all, uses};
 use super::search::{Found, search};
 use super::study::{Model, Study, first_weights};
 use super::subject::Subject;
@@ -93,11 +94,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
             .index(name)
             .is_some_and(|v| subject.interface.variables[v].causality == Causality::Input)
     };
-    let courses: Vec<Vec<&[f64]>> = recordings
-        .iter()
-        .map(|r| r.channels.iter().filter(|c| is_input(&c.name)).map(|c| &c.values[..]).collect())
-        .collect();
-    let uses = uses(&request.recordings, &names, &courses)?;
+    let uses = uses(&request.recordings, &names, &courses(&recordings))?;
     let roles = Roles::of(&subject.interface, &request.map.roles())?;
     let step = request.step.or(subject.own_step());
     let mut runs: Vec<(Run, Use)> = Vec::new();

@@ -86,12 +86,21 @@ struct RunsFile {
     runs: BTreeMap<String, Use>,
 }
 
+/// What the channels do that all recordings have, in the same order for each.
+pub fn courses(recordings: &[Recording]) -> Vec<Vec<&[f64]>> {
+    let names = recordings.first().map_or(&[][..], |r| &r.channels[..]).iter().map(|c| &c.name);
+    let common: Vec<&String> = names.filter(|name| recordings.iter().all(|r| r.has(name))).collect();
+    let values = |name: &&String, i: usize| recordings[i].channel(name).ok().map(|c| &c.values[..]);
+    (0..recordings.len()).map(|i| common.iter().filter_map(|name| values(name, i)).collect()).collect()
+}
+
 /// The uses of the runs with these names: as `runs.toml` in the folder says, else every third run is for
-/// checking, chosen so that what `inputs` do is alike in both.
+/// checking, chosen so that what `courses` do is alike in both: those of inputs, and of outputs, which may rest while
+/// inputs move.
 ///
 /// # Errors
 /// A file that is wrong, names no run that is there, or leaves nothing to fit or to check.
-pub fn uses(folder: &Path, names: &[String], inputs: &[Vec<&[f64]>]) -> Result<Vec<Use>> {
+pub fn uses(folder: &Path, names: &[String], courses: &[Vec<&[f64]>]) -> Result<Vec<Use>> {
     let path = folder.join(RUNS_FILE);
     let place = path.display();
     let uses: Vec<Use> = if path.is_file() {
@@ -108,7 +117,7 @@ pub fn uses(folder: &Path, names: &[String], inputs: &[Vec<&[f64]>]) -> Result<V
             |name: &String| file.runs.iter().find(|(given, _)| same(given, name)).map_or(Use::Fit, |r| *r.1);
         names.iter().map(of).collect()
     } else {
-        split(inputs)
+        split(courses)
     };
     for (needed, word) in [(Use::Fit, "to fit"), (Use::Check, "to check")] {
         if !uses.contains(&needed) {
@@ -123,27 +132,27 @@ pub fn uses(folder: &Path, names: &[String], inputs: &[Vec<&[f64]>]) -> Result<V
 
 /// A third of the runs for checking, the middle of every three changed for what is like the others: a programme
 /// often repeats itself, and a set that lacks one kind of run checks nothing there.
-fn split(inputs: &[Vec<&[f64]>]) -> Vec<Use> {
-    let checked = evened(inputs, (0..inputs.len()).map(|i| i % 3 == 1).collect());
+fn split(courses: &[Vec<&[f64]>]) -> Vec<Use> {
+    let checked = evened(courses, (0..courses.len()).map(|i| i % 3 == 1).collect());
     checked.into_iter().map(|c| if c { Use::Check } else { Use::Fit }).collect()
 }
 
-/// Numbers of `count` runs at most that are like the others in what `inputs` do.
-pub fn some_like_all(inputs: &[Vec<&[f64]>], count: usize) -> Vec<usize> {
-    let n = inputs.len();
+/// Numbers of `count` runs at most that are like the others in what `courses` do.
+pub fn some_like_all(courses: &[Vec<&[f64]>], count: usize) -> Vec<usize> {
+    let n = courses.len();
     if n <= count {
         return (0..n).collect();
     }
     let chosen: Vec<usize> = (0..count).map(|i| (2 * i + 1) * n / (2 * count)).collect();
-    let chosen = evened(inputs, (0..n).map(|i| chosen.contains(&i)).collect());
+    let chosen = evened(courses, (0..n).map(|i| chosen.contains(&i)).collect());
     (0..n).filter(|i| chosen[*i]).collect()
 }
 
 /// Runs are marked or not; marks are exchanged as long as that makes the two sets more alike: in how much and
-/// around what each input moves, and which of them move together. `inputs` has the courses of the same inputs
-/// for each run.
-fn evened(inputs: &[Vec<&[f64]>], mut marked: Vec<bool>) -> Vec<bool> {
-    let mut traits: Vec<Vec<f64>> = inputs.iter().map(|run| traits(run)).collect();
+/// around what each signal moves, and which of them move together. `courses` has those of the same signals for each
+/// run.
+fn evened(courses: &[Vec<&[f64]>], mut marked: Vec<bool>) -> Vec<bool> {
+    let mut traits: Vec<Vec<f64>> = courses.iter().map(|run| traits(run)).collect();
     let n = traits.len();
     let count = traits.iter().map(Vec::len).min().unwrap_or(0);
     for k in 0..count {
@@ -185,7 +194,7 @@ fn evened(inputs: &[Vec<&[f64]>], mut marked: Vec<bool>) -> Vec<bool> {
     marked
 }
 
-/// Mean and movement of each input of a run, and the common movement of each two.
+/// Mean and movement of each signal of a run, and the common movement of each two.
 fn traits(run: &[&[f64]]) -> Vec<f64> {
     let mut all = Vec::new();
     let mut moves = Vec::new();
@@ -266,6 +275,37 @@ pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: O
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn runs_that_rest_are_no_check_of_what_moves() {
+        // the angle moves in all runs, the force only in those under load
+        let wave: Vec<f64> = (0..200).map(|k| (0.1 * f64::from(k)).sin()).collect();
+        let channel = |name: &str, values: &[f64]| crate::recording::Channel {
+            name: name.into(),
+            unit: "1".into(),
+            values: values.to_vec(),
+        };
+        let recordings: Vec<Recording> = (0..6)
+            .map(|i| {
+                let force: Vec<f64> = wave.iter().map(|v| if i % 3 == 1 { 0.0 } else { 9.0 * v }).collect();
+                let mut channels = vec![channel("angle", &wave), channel("force", &force)];
+                if i == 4 {
+                    channels.insert(0, channel("only here", &wave));
+                    channels.swap(1, 2);
+                }
+                Recording { source: "a run".into(), time: (0..200).map(f64::from).collect(), channels }
+            })
+            .collect();
+        let courses = courses(&recordings);
+        assert!(courses.iter().all(|run| run.len() == 2 && run[0] == wave), "by name, not by column");
+        let uses = split(&courses);
+        let moves = |i: &usize| i % 3 != 1;
+        assert_eq!((0..6).filter(|i| uses[*i] == Use::Check).count(), 2);
+        assert!((0..6).any(|i| uses[i] == Use::Check && moves(&i)), "{uses:?}");
+        // by the inputs alone all runs are alike
+        let angles: Vec<Vec<&[f64]>> = courses.iter().map(|run| run[..1].to_vec()).collect();
+        assert!(!(0..6).any(|i| split(&angles)[i] == Use::Check && moves(&i)));
+    }
 
     #[test]
     fn every_kind_of_run_is_fitted_and_checked() {

@@ -3,8 +3,9 @@
 
 use super::begin::begin;
 use super::candidates::{Tried, polish, screen};
-use super::decision::{Decision, Left, decide};
+use super::decision::{Decision, Round};
 use super::experiment::Rival;
+use super::left::Left;
 use super::locate;
 use super::pipeline::FINAL;
 use super::result::{Candidate, Finding};
@@ -90,8 +91,8 @@ pub(super) fn search<'a>(
         if !study.slow {
             polish(study, &mut tried, &fit, &found.check);
         }
-        let (check, base) = (&found.check, &found.base_check);
-        match decide(study, subject, &tried, check, base, round, &mut found.candidates) {
+        let rests = (&found.check, &found.base_check);
+        match Round::new(study, &tried, rests, round == 0).decide(subject, &mut found.candidates) {
             Decision::Nothing => break,
             Decision::Named(i, finding, others) => {
                 found.findings.push(finding);

@@ -1,7 +1,7 @@
 //! A motion that rings.
 
-use super::operator::mode;
-use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
+use super::operator::share_through_mode;
+use crate::effect::{Effect, Family, Parameter, Port, Role, Scale};
 
 /// A share of the commanded motion passes a mode.
 pub const EFFECT: Effect = Effect {
@@ -35,12 +35,5 @@ pub const EFFECT: Effect = Effect {
         ),
         Parameter::shape("damping", "Damping ratio", Scale::plain("1"), (0.005, 0.7), (0.003, 0.9), &[0.05]),
     ],
-    apply,
+    apply: share_through_mode,
 };
-
-fn apply(p: &[f64], memory: &mut Memory, call: &Call<'_>) -> f64 {
-    if p[0] == 0.0 {
-        return call.target;
-    }
-    call.target + p[0] * (mode(memory, 0, call.target, p[1], p[2], call.dt) - call.target)
-}

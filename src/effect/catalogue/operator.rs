@@ -3,7 +3,7 @@
 //! Between calls their input runs straight from its last value, so that a step and its two halves give
 //! the same.
 
-use crate::effect::Memory;
+use crate::effect::{Call, Memory};
 use std::f64::consts::TAU;
 
 /// The sign of a velocity, smooth over `width`; tanh(v / width).
@@ -69,6 +69,14 @@ pub(super) fn mode(memory: &mut Memory, i: usize, goal: f64, hertz: f64, damping
     memory.states[i] = goal - behind + shrink * (e * cos + (de + decay * e) / free * sin);
     memory.states[i + 1] = slope + shrink * (de * cos - (w * w * e + decay * de) / free * sin);
     memory.states[i]
+}
+
+/// What an effect does to a number of which the share `p[0]` passes a mode of `p[1]` Hz with the damping ratio `p[2]`.
+pub(super) fn share_through_mode(p: &[f64], memory: &mut Memory, call: &Call<'_>) -> f64 {
+    if p[0] == 0.0 {
+        return call.target;
+    }
+    call.target + p[0] * (mode(memory, 0, call.target, p[1], p[2], call.dt) - call.target)
 }
 
 /// Bouc and Wen's hysteresis with exponent 1 and beta = gamma over a distance `length`, between -1 and 1:

@@ -333,26 +333,28 @@ fn orders_of_the_wheel() {
     let n = 3600;
     let turn = |i: usize| TAU * 4.0 * i as f64 / n as f64;
     let course = |id: &str, target: f64, driver: f64| {
-        let p = &[0.03, -0.04, 0.015, -0.02][..effect(id).parameters.len()];
+        let p = &[0.03, -0.04, 0.015, -0.02, 0.006, -0.008][..effect(id).parameters.len()];
         let y = along(id, p, 1.0, n, |t| (target, [turn(t as usize), driver, 0.0]));
-        (line(&y, turn), line(&y, |i| 2.0 * turn(i)))
+        [1.0, 2.0, 3.0].map(|order| line(&y, |i| order * turn(i)))
     };
     let is = |(cos, sin): (f64, f64), size: f64| {
         close(cos, 0.03 * size, 1e-9);
         close(sin, -0.04 * size, 1e-9);
     };
-    is(course("tone-ring", 50.0, 0.0).0, 50.0);
-    is(course("disc-thickness-variation", 30.0, 0.0).0, 30.0);
-    is(course("disc-thickness-variation", 30.0, 0.0).1, 15.0);
-    is(course("disc-thickness-variation", 0.0, 0.0).0, 0.0);
-    is(course("non-uniformity", 100.0, 4000.0).0, 4000.0);
-    is(course("non-uniformity", 100.0, 4000.0).1, 0.0);
-    is(course("non-uniformity-second", 100.0, 4000.0).0, 0.0);
-    is(course("non-uniformity-second", 100.0, 4000.0).1, 4000.0);
-    is(course("brake-torque-variation", 100.0, 20.0).0, 20.0);
+    for (order, size) in [50.0, 25.0, 10.0].into_iter().enumerate() {
+        is(course("tone-ring", 50.0, 0.0)[order], size);
+    }
+    is(course("disc-thickness-variation", 30.0, 0.0)[0], 30.0);
+    is(course("disc-thickness-variation", 30.0, 0.0)[1], 15.0);
+    is(course("disc-thickness-variation", 0.0, 0.0)[0], 0.0);
+    is(course("non-uniformity", 100.0, 4000.0)[0], 4000.0);
+    is(course("non-uniformity", 100.0, 4000.0)[1], 0.0);
+    is(course("non-uniformity-second", 100.0, 4000.0)[0], 0.0);
+    is(course("non-uniformity-second", 100.0, 4000.0)[1], 4000.0);
+    is(course("brake-torque-variation", 100.0, 20.0)[0], 20.0);
     // four times as much at twice the speed
-    is(course("imbalance", 100.0, 10.0).0, 100.0);
-    is(course("imbalance", 100.0, -20.0).0, 400.0);
+    is(course("imbalance", 100.0, 10.0)[0], 100.0);
+    is(course("imbalance", 100.0, -20.0)[0], 400.0);
 }
 
 #[test]
