@@ -17,7 +17,11 @@ const MIN_GAIN: f64 = 0.01;
 pub(super) const LEFT_OVER: f64 = 0.2;
 /// A rival is as good if chance makes such a difference with more than this probability.
 const TIE: f64 = 0.05;
-
+/// Or if it misses less than this share of what the best one takes away from the check runs: both are then the same to
+/// whoever uses them, however surely one is the better.
+const CLOSE: f64 = 0.03;
+/// The best by all blocks may win in few of the resampled ones; it is not less likely than this.
+const LEAST_SHARE: f64 = 0.05;
 /// How often a name without a rival was right in the blind study (PROOF.md).
 pub(super) const OFTEN_RIGHT: f64 = 0.94;
 
@@ -85,10 +89,7 @@ impl<'a> Round<'a> {
     /// Whether the check runs have gained from an effect what chance does not make, of so many that were tried.
     fn counts(&self, t: &Tried) -> bool {
         let level = LEVEL / self.tried.len().max(1) as f64;
-        t.p <= level.max(2.5e-4)
-            && t.check_gain > MIN_GAIN
-            && t.fit_gain > 0.0
-            && visible(self.study, t, self.before)
+        t.p <= level && t.check_gain > MIN_GAIN && t.fit_gain > 0.0 && visible(self.study, t, self.before)
     }
 
     /// Counts, and is not refuted as a name.
@@ -155,7 +156,7 @@ impl<'a> Round<'a> {
         let gain = self.total(self.before) - self.total(&best.check_rest);
         let is_as_good = |t: &Tried| {
             let behind = differences(&self.blocks(t), &self.blocks(best));
-            sign_flip(&behind) > TIE || both(t) - both(best) < 0.03 * gain
+            sign_flip(&behind) > TIE || both(t) - both(best) < CLOSE * gain
         };
         let fits = |t: &Tried| self.may_be_named(t) && is_as_good(t);
         (0..self.tried.len()).filter(|i| *i == chosen || fits(&self.tried[*i])).collect()
@@ -205,7 +206,7 @@ impl<'a> Round<'a> {
             place: t.placement.place(&subject.interface),
             channels: affected(self.study, subject, t, self.before),
             depends_on: t.placement.depends_on(&subject.interface),
-            confidence: OFTEN_RIGHT * if is_named { share.max(0.05) } else { 1.0 },
+            confidence: OFTEN_RIGHT * if is_named { share.max(LEAST_SHARE) } else { 1.0 },
             parameters: estimates(self.study, &t.fitted),
             alternatives: others.iter().map(alternative).collect(),
             evidence: format!(
@@ -264,15 +265,8 @@ fn visible(study: &Study<'_>, t: &Tried, before: &Rest) -> bool {
 
 /// The channels whose error an effect changes most: all with at least a tenth of the change.
 fn affected(study: &Study<'_>, subject: &Subject, t: &Tried, before: &Rest) -> Vec<String> {
-    let mut change = vec![0.0; study.weights.len()];
-    for ((run, a), b) in study.check_runs.iter().zip(&before.simulated).zip(&t.check_rest.simulated) {
-        for (c, channel) in run.channels.iter().enumerate() {
-            let sum = |traces: &Vec<f64>| -> f64 {
-                traces.iter().zip(&channel.values).map(|(s, m)| (s - m).powi(2)).sum()
-            };
-            change[c] += (sum(&a[c]) - sum(&b[c])) * study.weights[c].powi(2);
-        }
-    }
+    let pairs = before.by_channel().into_iter().zip(t.check_rest.by_channel());
+    let change: Vec<f64> = pairs.map(|(before, after)| before - after).collect();
     let most = change.iter().copied().fold(0.0, f64::max);
     let channels = study.check_runs.first().map_or(&[][..], |r| &r.channels[..]);
     let mut order: Vec<usize> = (0..channels.len()).filter(|c| change[*c] > 0.1 * most).collect();

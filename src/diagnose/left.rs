@@ -11,7 +11,7 @@ use super::wander::wandering;
 /// What is known of the noise is too little by up to this factor, if it is coloured.
 pub(super) const NOISE_MARGIN: f64 = 1.4;
 /// An error of so many times the noise is no noise, even if nothing can be said of it: of models that lack
-/// nothing the largest ratio of seeds 4 to 7 of the blind study was 1.37.
+/// nothing the largest ratio of seeds 4 to 8 of the blind study was 1.37.
 const FAR: f64 = 1.45;
 /// And of so many times it nothing is explained, whatever the names have taken away: what was named right left 2.5
 /// times at most in seed 6 of the study, 3.2 times in real recordings.
