@@ -1,7 +1,8 @@
 //! How the fits of screened effects begin: from where the fit without them ended, or from nominal parameters
 //! where that fit has bent them.
 
-use super::candidates::{Tried, assess, choose, implausible, screen};
+use super::candidates::{Tried, assess, choose, screen};
+use super::plausible::plausible;
 use super::roles::Roles;
 use super::screen::Screened;
 use super::study::{Fitted, Model, Rest, Study};
@@ -18,8 +19,6 @@ const BENT: f64 = 0.2;
 const ALSO: usize = 3;
 /// Of those that are promising there, the ones that promise this share of what the best does.
 const PROMISING: f64 = 0.5;
-/// What keeping to plausible parameters may cost of what an effect explains.
-const AT_LITTLE_COST: f64 = 0.1;
 /// An effect that misses more than this share of what the best one explains is given up.
 const HOPELESS: f64 = 0.6;
 
@@ -127,22 +126,6 @@ fn bent(model: &Model, nominal: &Model) -> bool {
     let parameters = model.parameters.iter().zip(&nominal.parameters);
     // the last one is the recorder's lag
     parameters.take(nominal.parameters.len().saturating_sub(1)).any(|(x, n)| (x - n).abs() > BENT * n.abs())
-}
-
-/// The fit with the last effect's parameters kept to what its name allows, where they are not and that costs
-/// little of what it explains: then chance has led them there, not need.
-fn plausible(study: &Study<'_>, fitted: &Fitted, current_fit: &Rest) -> Option<Fitted> {
-    implausible(&fitted.model)?;
-    let mut model = fitted.model.clone();
-    let (placement, values) = model.effects.last_mut()?;
-    placement.bounded = true;
-    for (value, parameter) in values.iter_mut().zip(placement.effect.parameters) {
-        let (low, high) = placement.limits(parameter);
-        *value = value.clamp(low, high);
-    }
-    let kept = study.fit_near(&model, 2 * TRY_OUT, Some(&fitted.fit.jacobian)).ok()?;
-    let explained = (current_fit.total - fitted.fit.cost).max(0.0);
-    (kept.fit.cost - fitted.fit.cost < AT_LITTLE_COST * explained).then_some(kept)
 }
 
 impl Begun {

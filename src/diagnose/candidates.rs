@@ -3,6 +3,7 @@
 use super::blocks::{differences, sign_flip};
 use super::excerpt::{beginning, coarser};
 use super::placement::{Placement, Site, is_tunable, sizes};
+use super::plausible::{implausible, plausible};
 use super::roles::Roles;
 use super::screen::{MAX_SHAPES, Screen, Screened};
 use super::study::{Fitted, Model, Rest, Study};
@@ -252,6 +253,7 @@ pub(super) fn polish(study: &Study<'_>, tried: &mut [Tried], current_fit: &Rest,
     for t in tried.iter_mut().filter(|t| both(t) <= best + NEARLY * explained) {
         let better = study.fit_on(&t.fitted, POLISH).ok();
         let better = better
+            .map(|fitted| plausible(study, &fitted, current_fit).unwrap_or(fitted))
             .and_then(|fitted| {
                 assess(study, (t.placement.clone(), t.places), fitted, current_fit, current_check)
             })
@@ -297,15 +299,4 @@ fn spoils(before: &[f64], after: &[f64], study: &Study<'_>) -> Option<String> {
     let variable = study.check_runs.first()?.channels.get(worst)?.variable;
     let name = &study.bench.interface().variables[variable].name;
     Some(format!("makes {name} worse by {:.0} %", 100.0 * ((after[worst] / before[worst]).sqrt() - 1.0)))
-}
-
-/// A coefficient of the last effect that its name does not allow.
-pub(super) fn implausible(model: &Model) -> Option<String> {
-    let (placement, values) = model.effects.last()?;
-    placement.effect.parameters.iter().zip(values).zip(&placement.scales).find_map(|((p, v), scale)| {
-        let (low, high) = p.plausible;
-        let slack = 1e-6 * (high - low).abs();
-        (*v < low - slack || *v > high + slack)
-            .then(|| format!("{} = {:.3e} is not plausible for this name", p.name, v * scale))
-    })
 }

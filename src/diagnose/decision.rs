@@ -2,6 +2,7 @@
 
 use super::blocks::{bootstrap_shares, differences, sign_flip};
 use super::candidates::Tried;
+use super::plausible::runs_out;
 use super::result::{Alternative, Candidate, Finding};
 use super::study::{Rest, Study};
 use super::subject::Subject;
@@ -123,7 +124,7 @@ impl<'a> Round<'a> {
 
     /// The number of the candidate that is right, if one is.
     fn chosen(&self) -> Option<usize> {
-        let named = self.best(|t| self.may_be_named(t));
+        let named = self.best(|t| self.may_be_named(t)).map(|n| self.within_its_ranges(n));
         let unnamed = self.best(|t| !is_named(t) && self.counts(t));
         let chosen = match (named, unnamed) {
             (Some(n), Some(e)) if self.is_clearly_better(&self.tried[e], &self.tried[n]) => e,
@@ -136,6 +137,21 @@ impl<'a> Round<'a> {
         let counts =
             is_named(&self.tried[chosen]) || self.is_first || explained_now > LEFT_OVER * explained_before;
         counts.then_some(chosen)
+    }
+
+    /// The candidate itself, or one as good whose parameters do not run to the ends of their ranges: a mode far above
+    /// what is sampled is a delay.
+    fn within_its_ranges(&self, named: usize) -> usize {
+        if !self.runs_out(named) {
+            return named;
+        }
+        let rivals = self.rivals(named).into_iter().filter(|i| !self.runs_out(*i));
+        let score = |i: &usize| self.score(&self.tried[*i]);
+        rivals.min_by(|a, b| score(a).total_cmp(&score(b))).unwrap_or(named)
+    }
+
+    fn runs_out(&self, i: usize) -> bool {
+        runs_out(self.study, &self.tried[i].fitted)
     }
 
     /// An empirical function wins where it explains clearly more than any name.
@@ -158,8 +174,11 @@ impl<'a> Round<'a> {
             let behind = differences(&self.blocks(t), &self.blocks(best));
             sign_flip(&behind) > TIE || both(t) - both(best) < CLOSE * gain
         };
-        let fits = |t: &Tried| self.may_be_named(t) && is_as_good(t);
-        (0..self.tried.len()).filter(|i| *i == chosen || fits(&self.tried[*i])).collect()
+        let fits = |i: usize| {
+            let t = &self.tried[i];
+            self.may_be_named(t) && is_as_good(t) && (self.runs_out(chosen) || !self.runs_out(i))
+        };
+        (0..self.tried.len()).filter(|i| *i == chosen || fits(*i)).collect()
     }
 
     fn reason(&self, i: usize, chosen: Option<usize>, rivals: &[usize]) -> String {
@@ -170,6 +189,9 @@ impl<'a> Round<'a> {
             None if !self.counts(t) => "no gain on the check runs that chance does not make".into(),
             None if rivals.contains(&i) => {
                 "as good as the one chosen: these recordings do not separate them".into()
+            }
+            None if chosen.is_some_and(|c| self.score(&self.tried[c]) > self.score(t)) => {
+                "its parameters run to the ends of their ranges, and the one chosen is as good".into()
             }
             None => "explains less than the one chosen".into(),
         }

@@ -1,4 +1,4 @@
-//! Runs made of a run: its beginning, or the same with longer or shorter communication steps.
+//! Runs made of a run: its beginning, its end, or the same with longer or shorter communication steps.
 
 use crate::fit::{Channel, Drive, Run};
 use std::sync::Arc;
@@ -21,6 +21,19 @@ pub(super) fn beginning(run: &Run, seconds: f64) -> Run {
         name: run.name.clone(),
         drive: Arc::new(drive),
         time: first(&run.time, samples),
+        channels: run.channels.iter().map(channel).collect(),
+    }
+}
+
+/// The samples of a run after a time \[s\]. It is driven from its start, so that what has a history has it.
+pub(super) fn end(run: &Run, after: f64) -> Run {
+    let first = run.time.partition_point(|t| *t <= after);
+    let channel =
+        |c: &Channel| Channel { values: c.values.get(first..).unwrap_or_default().to_vec(), ..c.clone() };
+    Run {
+        name: run.name.clone(),
+        drive: Arc::clone(&run.drive),
+        time: run.time[first..].to_vec(),
         channels: run.channels.iter().map(channel).collect(),
     }
 }

@@ -13,6 +13,7 @@ pub mod locate;
 mod parts;
 mod pipeline;
 mod placement;
+mod plausible;
 mod programmes;
 mod reading;
 mod result;
@@ -25,6 +26,7 @@ mod study;
 mod subject;
 mod tables;
 mod wander;
+mod witnesses;
 
 pub use pipeline::{CheckTraces, Outcome, Request, diagnose};
 pub use result::*;

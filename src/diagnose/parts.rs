@@ -15,8 +15,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// A system with the loop open at one part.
-struct Opened {
+struct Opened<'a> {
     name: String,
+    /// The runs with all their samples: of one that was cut in two, what was recorded before is replayed, too.
+    whole: &'a [&'a Run],
     bench: Bench,
     inputs: Vec<Replayed>,
 }
@@ -30,7 +32,7 @@ struct Replayed {
 
 /// What each part leaves of its own outputs if it is fitted by itself, with recorded inputs, beside what it leaves in the
 /// wired system; nothing for what is no wired system. `rest` is what the refitted model leaves of the check runs there,
-/// `noise` that of each channel. A part whose loop cannot be opened says why.
+/// `noise` that of each channel, `whole` are all runs as they were recorded. A part whose loop cannot be opened says why.
 ///
 /// # Errors
 /// The system's file cannot be read any more.
@@ -39,6 +41,7 @@ pub(super) fn errors_of_parts(
     subject: &Subject,
     rest: &Rest,
     noise: &[Option<f64>],
+    whole: &[&Run],
 ) -> Result<Vec<Part>> {
     let Base::System(file) = &subject.base else { return Ok(Vec::new()) };
     let plan = read_system(file)?.plan;
@@ -46,7 +49,7 @@ pub(super) fn errors_of_parts(
     let mut parts = Vec::new();
     for (component, planned) in plan.components.into_iter().enumerate() {
         let name = planned.name;
-        let channels = Opened::new(subject, file, component, &name, threads)
+        let channels = Opened::new(subject, (file, component), &name, whole, threads)
             .and_then(|opened| opened.map_or(Ok(None), |o| o.errors(study, subject, rest, noise)));
         match channels {
             Ok(None) => {}
@@ -77,27 +80,28 @@ fn replayed(interface: &Interface, mut system: System, component: usize) -> Resu
 impl Replayed {
     /// What the input had in a run, at the run's communication points: as it was recorded itself, or as the output that
     /// it is connected to was.
-    fn course(&self, run: &Run) -> Option<Vec<f64>> {
-        let recorded = |variable: usize| run.channels.iter().find(|c| c.variable == variable);
+    /// `whole` is the run with all its samples.
+    fn course(&self, run: &Run, whole: &Run) -> Option<Vec<f64>> {
+        let recorded = |variable: usize| whole.channels.iter().find(|c| c.variable == variable);
         let (channel, factor, offset) = match (recorded(self.input), recorded(self.output)) {
             (Some(own), _) => (own, 1.0, 0.0),
             (None, Some(source)) => (source, self.cut.factor, self.cut.offset),
             (None, None) => return None,
         };
-        let smooth = Smooth::new(&run.time, &channel.values);
-        let last = run.time.last().copied()?;
+        let smooth = Smooth::new(&whole.time, &channel.values);
+        let last = whole.time.last().copied()?;
         let at = |k: usize| factor * smooth.at(run.drive.time(k).min(last)) + offset;
         Some((0..run.drive.points).map(at).collect())
     }
 }
 
-impl Opened {
+impl<'a> Opened<'a> {
     /// The system opened at a part; nothing if no input of it is connected.
     fn new(
         subject: &Subject,
-        file: &Path,
-        component: usize,
+        (file, component): (&Path, usize),
         name: &str,
+        whole: &'a [&'a Run],
         threads: usize,
     ) -> Result<Option<Self>> {
         let inputs = replayed(&subject.interface, wired(file)?.0, component)?;
@@ -105,7 +109,7 @@ impl Opened {
             return Ok(None);
         }
         let bench = Bench::new(&factory(file, component), &subject.fixed, threads)?;
-        Ok(Some(Self { name: name.into(), bench, inputs }))
+        Ok(Some(Self { name: name.into(), whole, bench, inputs }))
     }
 
     /// Nothing if none of the part's outputs was measured.
@@ -131,7 +135,7 @@ impl Opened {
         if measured.is_empty() {
             return Ok(None);
         }
-        let unknown = self.inputs.iter().filter(|i| i.course(first).is_none());
+        let unknown = self.inputs.iter().filter(|i| i.course(first, self.whole(first)).is_none());
         let missing: Vec<&str> = unknown.map(|i| info(i.input).name.as_str()).collect();
         if !missing.is_empty() {
             return Err(Error::file(format!("no channel tells {}", missing.join(", "))));
@@ -165,9 +169,13 @@ impl Opened {
         Ok(Some(measured.iter().enumerate().map(of).collect()))
     }
 
+    fn whole<'b>(&'b self, run: &'b Run) -> &'b Run {
+        self.whole.iter().find(|whole| whole.name == run.name).copied().unwrap_or(run)
+    }
+
     /// The run with what the connected inputs had, and with some of its channels.
     fn replay(&self, run: &Run, channels: &[usize]) -> Run {
-        let courses = self.inputs.iter().filter_map(|i| Some((i.input, i.course(run)?)));
+        let courses = self.inputs.iter().filter_map(|i| Some((i.input, i.course(run, self.whole(run))?)));
         let inputs = run.drive.inputs.iter().cloned().chain(courses).collect();
         Run {
             drive: Arc::new(Drive { inputs, ..Drive::clone(&run.drive) }),

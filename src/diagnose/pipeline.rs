@@ -8,11 +8,12 @@ use super::parts::errors_of_parts;
 use super::reading::{fault, faults_against, read_folder, same_channels, shortest_interval};
 use super::result::{Diagnosis, Estimate, RunUse, Use, Verdict};
 use super::roles::Roles;
-use super::runs::{Map, courses, prepare, some_like_all, uses};
+use super::runs::{Map, are_given, courses, prepare, some_like_all, uses};
 use super::search::{Found, search};
-use super::study::{Model, Study, first_weights};
+use super::study::{Fitted, Model, Rest, Study, first_weights};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
+use super::witnesses::{Shared, share_out};
 use super::{experiment, hygiene, locate};
 use crate::Result;
 use crate::effect::Role;
@@ -131,7 +132,6 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         redundancy: 1.0,
         slow: false,
     };
-    let check_runs = study.check_runs.clone();
     study.weights = first_weights(&study.fit_runs);
     study.lag = RECORDER_LAG * shortest_interval(&study.fit_runs);
 
@@ -145,33 +145,12 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
             .collect();
         study.fit_runs = some_like_all(&courses, SLOW_RUNS).into_iter().map(|i| study.fit_runs[i]).collect();
     }
-    let fit_runs = study.fit_runs.clone();
     study.choose_free(&subject.free)?;
     let nominal = study.nominal();
-    let mut base = study.fit(&nominal, FIRST)?;
-    // a model that takes long is fitted once more only
-    let more = if study.slow { &[FINAL][..] } else { &[FIRST, FINAL] };
-    for iterations in more.iter().copied() {
-        let rest = study.rest(&base.model, &fit_runs)?;
-        study.weigh(&fit_runs, &rest);
-        base = study.fit(&base.model, iterations)?;
-    }
-    let mut base_rest = study.rest(&base.model, &check_runs)?;
-    if let Some(longest) = coarse.last() {
-        // the longest steps of the model's own that leave as much as its usual ones
-        study.bench = &bench;
-        let usual = study.rest(&base.model, &check_runs)?;
-        for steps in coarse.iter().rev().chain([&bench]) {
-            study.bench = steps;
-            base_rest = study.rest(&base.model, &check_runs)?;
-            if study.is_as_good(&base_rest, &usual) {
-                break;
-            }
-        }
-        if !std::ptr::eq(study.bench, longest) {
-            base = study.fit_on(&base, FINAL)?;
-            base_rest = study.rest(&base.model, &check_runs)?;
-        }
+    let mut base = refit(&mut study, &nominal)?;
+    let mut base_rest = study.rest(&base.model, &study.check_runs)?;
+    if !coarse.is_empty() {
+        (base, base_rest) = with_longest_steps(&mut study, base, &bench, &coarse)?;
     }
 
     // a command may rest as long as it likes, at the end of its range too
@@ -189,6 +168,21 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let new = gross.filter(|g| !faults.iter().any(|f| f.kind.is_gross() && f.channel == g.channel));
     let new: Vec<hygiene::Fault> = new.collect();
     faults.extend(new);
+    let shared = if faults.iter().any(is_fatal) || are_given(&request.recordings) {
+        None
+    } else {
+        shared_out(&study, &base.model, &runs)?
+    };
+    if let Some(shared) = &shared {
+        let of = |wanted: Use| shared.iter().filter(|(_, u)| *u == wanted).map(|(run, _)| run).collect();
+        (study.fit_runs, study.check_runs) = (of(Use::Fit), of(Use::Check));
+        study.weights = first_weights(&study.fit_runs);
+        // what was fitted to other runs is no place to begin, unless the model takes long
+        let from = if study.slow { base.model } else { nominal.clone() };
+        base = refit(&mut study, &from)?;
+        base_rest = study.rest(&base.model, &study.check_runs)?;
+    }
+    let check_runs = study.check_runs.clone();
     let mut base_model = base.model.clone();
     let found = if faults.iter().any(|f| is_fatal(f) && !f.kind.is_of_some_runs()) {
         Found::nothing(base, base_rest)
@@ -241,7 +235,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let improved = sign_flip(&differences(&nominal_rest.in_units(&units), &base_rest.in_units(&units)));
     let check = channel_checks(&study, &subject, &base_rest, &current_check);
     let left: Vec<Option<f64>> = check.iter().map(|c| c.noise).collect();
-    let parts = errors_of_parts(&study, &subject, &base_rest, &left)?;
+    let parts = errors_of_parts(&study, &subject, &base_rest, &left, &all_runs)?;
     let mended = faults.iter().any(hygiene::Fault::counts);
     let is_noise = check.iter().all(|c| c.noise.is_none_or(|noise| c.after < NOISE_MARGIN * noise));
     let verdict = match (&findings[..], &unknown) {
@@ -268,11 +262,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         map,
         parts,
         faults: faults.iter().filter(|f| f.counts()).map(fault).collect(),
-        runs: names
-            .iter()
-            .zip(&uses)
-            .map(|(name, use_)| RunUse { name: name.clone(), use_: *use_ })
-            .collect(),
+        runs: names.iter().zip(&uses).map(|(name, use_)| use_of(name, *use_, shared.as_ref())).collect(),
         ..Diagnosis::default()
     };
     let total = (nominal_rest.total, base_rest.total, current_check.total);
@@ -291,4 +281,67 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         intervals.extend(placement.targets.iter().map(|_| own.clone()));
     }
     Ok(Outcome { diagnosis, parameters, attachments, intervals, check, subject })
+}
+
+/// Fits the model's own parameters, and weighs the channels by what is left of them.
+fn refit(study: &mut Study<'_>, from: &Model) -> Result<Fitted> {
+    let mut base = study.fit(from, FIRST)?;
+    // a model that takes long is fitted once more only
+    let more = if study.slow { &[FINAL][..] } else { &[FIRST, FINAL] };
+    let fit_runs = study.fit_runs.clone();
+    for iterations in more.iter().copied() {
+        let rest = study.rest(&base.model, &fit_runs)?;
+        study.weigh(&fit_runs, &rest);
+        base = study.fit(&base.model, iterations)?;
+    }
+    Ok(base)
+}
+
+/// Has the study go on with the longest steps of the model's own that leave as much as its usual ones. The model was
+/// fitted with the last of the `coarse` ones.
+fn with_longest_steps<'a>(
+    study: &mut Study<'a>,
+    base: Fitted,
+    usual: &'a Bench,
+    coarse: &'a [Bench],
+) -> Result<(Fitted, Rest)> {
+    study.bench = usual;
+    let as_usual = study.rest(&base.model, &study.check_runs)?;
+    for (i, steps) in coarse.iter().enumerate().rev() {
+        study.bench = steps;
+        let rest = study.rest(&base.model, &study.check_runs)?;
+        if study.is_as_good(&rest, &as_usual) {
+            if i + 1 == coarse.len() {
+                return Ok((base, rest));
+            }
+            break;
+        }
+        study.bench = usual;
+    }
+    let base = study.fit_on(&base, FINAL)?;
+    let rest = study.rest(&base.model, &study.check_runs)?;
+    Ok((base, rest))
+}
+
+/// The runs shared out anew, if what the refitted model leaves asks for it; those that a model that takes long is not
+/// fitted to are spare.
+fn shared_out(study: &Study<'_>, base: &Model, runs: &[(Run, Use)]) -> Result<Option<Shared>> {
+    let is_used =
+        |run: &Run| study.fit_runs.iter().chain(&study.check_runs).any(|used| std::ptr::eq(*used, run));
+    let use_of = |(run, use_): &(Run, Use)| if is_used(run) { *use_ } else { Use::Leave };
+    let uses: Vec<Use> = runs.iter().map(use_of).collect();
+    let all: Vec<&Run> = runs.iter().map(|(run, _)| run).collect();
+    let rest = study.rest(base, &all)?;
+    Ok(share_out(&all, &uses, &rest))
+}
+
+/// What a recording was used for in the end.
+fn use_of(name: &str, first: Use, shared: Option<&Shared>) -> RunUse {
+    let parts: Vec<&(Run, Use)> = shared.into_iter().flatten().filter(|(run, _)| run.name == name).collect();
+    let (use_, check_from) = match parts[..] {
+        [_, (end, _)] => (Use::Fit, end.time.first().copied()),
+        [(_, use_)] if *use_ != Use::Leave || first == Use::Check => (*use_, None),
+        _ => (first, None),
+    };
+    RunUse { name: name.into(), use_, check_from }
 }

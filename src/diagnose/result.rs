@@ -263,13 +263,15 @@ pub struct Separation {
 }
 
 /// A recording and its use.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RunUse {
     /// Name of the run: that of its file.
     pub name: String,
     /// What it was used for.
     #[serde(rename = "use")]
     pub use_: Use,
+    /// The time \[s\] from which on it is for checking, if what comes before is to fit.
+    pub check_from: Option<f64>,
 }
 
 /// What a recording is used for.

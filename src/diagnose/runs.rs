@@ -86,6 +86,11 @@ struct RunsFile {
     runs: BTreeMap<String, Use>,
 }
 
+/// Whether the user said what the recordings in a folder are for.
+pub fn are_given(folder: &Path) -> bool {
+    folder.join(RUNS_FILE).is_file()
+}
+
 /// What the channels do that all recordings have, in the same order for each.
 pub fn courses(recordings: &[Recording]) -> Vec<Vec<&[f64]>> {
     let names = recordings.first().map_or(&[][..], |r| &r.channels[..]).iter().map(|c| &c.name);

@@ -119,6 +119,12 @@ pub(super) fn traces(
         };
         let unit = |v: usize| subject.interface.variables[v].unit.clone().unwrap_or_else(|| "1".into());
         let name = |v: usize| subject.interface.variables[v].name.clone();
+        // of a run that was cut the end is for checking
+        let first = original.time.len().saturating_sub(run.time.len());
+        let source = match run.time.first() {
+            Some(time) if first > 0 => format!("{} from {time:.2} s on", run.name),
+            _ => run.name.clone(),
+        };
         let record = |traces: &[Vec<f64>]| Recording {
             time: run.time.clone(),
             channels: run
@@ -131,12 +137,13 @@ pub(super) fn traces(
                     values: values.clone(),
                 })
                 .collect(),
-            source: run.name.clone(),
+            source: source.clone(),
         };
         let mut measured = record(&run.channels.iter().map(|c| c.values.clone()).collect::<Vec<_>>());
         for channel in &original.channels {
             if !measured.has(&channel.name) {
-                measured.channels.push(channel.clone());
+                let values = channel.values[first..].to_vec();
+                measured.channels.push(crate::recording::Channel { values, ..channel.clone() });
             }
         }
         check.push(CheckTraces {

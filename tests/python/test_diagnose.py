@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 import subprocess
 import sys
 
@@ -22,14 +23,17 @@ CASES = {
 }
 
 
-@pytest.fixture(scope="module")
-def study():
-    folder = TARGET / "prove-test"
-    only = ",".join(f"case-{number:03}" for number in CASES)
-    command = [sys.executable, ROOT / "scripts" / "prove", "--only", only, "--output", folder]
+def prove(folder, numbers, seed=1):
+    only = ",".join(f"case-{number:03}" for number in numbers)
+    command = [sys.executable, ROOT / "scripts" / "prove", "--only", only, "--seed", str(seed), "--output", folder]
     done = subprocess.run(command, capture_output=True, text=True, timeout=900)
     assert done.returncode == 0, done.stderr
     return folder
+
+
+@pytest.fixture(scope="module")
+def study():
+    return prove(TARGET / "prove-test", CASES)
 
 
 def diagnosis(study, number):
@@ -50,6 +54,40 @@ def test_a_concealed_effect_is_found_and_nothing_else(study, number):
     # never the same samples for both
     uses = {run["name"]: run["use"] for run in found["runs"]}
     assert set(uses.values()) >= {"fit", "check"}
+
+
+def test_what_a_single_run_shows_is_fitted_and_checked_in_two_parts_of_it(tmp_path):
+    """A valve whose rate is limited, in seven runs of which one has steps that are fast enough."""
+    number = 138
+    study = prove(TARGET / "prove-test-8", [number], seed=8)
+    found = diagnosis(study, number)
+    assert found["verdict"] == "effect", found["summary"]
+    assert [f["effect"] for f in found["findings"]] == ["valve-rate-limit"]
+    assert max(c["after"] / c["noise"] for c in found["check"]) < 1.15
+    [cut] = [run for run in found["runs"] if run["check_from"] is not None]
+    recordings = study / "cases" / f"case-{number:03}" / "recordings"
+    with open(recordings / cut["name"], newline="") as file:
+        times = [float(row[0]) for row in list(csv.reader(file))[1:]]
+    assert cut["use"] == "fit" and times[0] < cut["check_from"] < times[-1]
+    page = (study / "results" / f"case-{number:03}" / "report.html").read_text()
+    assert f"{cut['name']} from {cut['check_from']:.2f} s on" in page
+
+    # what the user says of runs is left as it is, and what can then not be checked is said
+    marked = tmp_path / "recordings"
+    shutil.copytree(recordings, marked)
+    names = sorted(file.name for file in marked.glob("*.csv"))
+    others = [name for name in names if name != cut["name"]]
+    uses = {name: "check" if name in others[::3] else "fit" for name in names}
+    (marked / "runs.toml").write_text("[runs]\n" + "".join(f'"{name}" = "{use}"\n' for name, use in uses.items()))
+    model = study / "models" / "brake-corner.fmu"
+    done = latsch("diagnose", model, "--recordings", marked, "--output", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
+    assert {run["name"]: run["use"] for run in found["runs"]} == uses
+    assert all(run["check_from"] is None for run in found["runs"])
+    assert found["verdict"] == "unknown", found["summary"]
+    [finding] = found["findings"]
+    assert finding["name"] == "Something that only runs to fit show" and cut["name"] in finding["evidence"]
 
 
 def test_the_answers_were_written_after_the_diagnoses(study):

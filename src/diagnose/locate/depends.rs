@@ -177,8 +177,9 @@ pub(super) fn candidates(
         let rate = |r: usize| rate(&runs[r].time, &signal.values[r]);
         all.push((format!("rate of {}", name(interface, signal.variable)), joined(&rate)));
     }
-    let since = |r: usize| runs[r].time.iter().map(|t| t - runs[r].time[0]).collect::<Vec<f64>>();
+    let since = |r: usize| runs[r].time.iter().map(|t| t - runs[r].drive.start).collect::<Vec<f64>>();
     all.push((TIME.to_owned(), joined(&since)));
+    // of a run that was cut in two, only since then
     let slid = |r: usize| {
         let power = sliding_power(&signals, roles, r);
         let mut energy = 0.0;

@@ -2,7 +2,7 @@
 
 use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
 
-/// F + C camber.
+/// F + C camber, at one load.
 pub const EFFECT: Effect = Effect {
     id: "camber-thrust",
     name: "Camber thrust",
@@ -24,6 +24,24 @@ pub const EFFECT: Effect = Effect {
         &[0.02],
     )],
     apply,
+};
+
+/// A stiffness in proportion to the load.
+pub const BY_LOAD: Effect = Effect {
+    equation: "F = F_0 + c |Fz| camber",
+    drivers: &[Role::Camber, Role::Load],
+    parameters: &[Parameter::amplitude(
+        "stiffness_per_load",
+        "Force per camber and load",
+        Scale::of("1", 1, [-1, -1, 0]),
+        (-2.0, 2.0),
+        (-2.0, 2.0),
+        &[0.02],
+    )],
+    apply: |p, _: &mut Memory, call: &Call<'_>| {
+        if p[0] == 0.0 { call.target } else { call.target + p[0] * call.drivers[0] * call.drivers[1].abs() }
+    },
+    ..EFFECT
 };
 
 fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {

@@ -22,9 +22,10 @@ pub const EFFECT: Effect = Effect {
         "share",
         "How much of the other channel is added",
         Scale::of("1", 1, [-1, 0, 0]),
-        // as much as the channel itself: a moment about another point is that, too
-        (-1.0, 1.0),
-        (-2.0, 2.0),
+        // a channel that should be at rest has nothing else, and a moment about another point may have more of a force
+        // than of itself
+        (-5.0, 5.0),
+        (-6.0, 6.0),
         &[0.02],
     )],
     apply,

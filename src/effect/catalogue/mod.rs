@@ -41,7 +41,6 @@ mod loss_of_contact;
 mod mains_hum;
 mod maxwell_element;
 mod non_uniformity;
-mod non_uniformity_second;
 mod operator;
 mod pad_fade;
 mod pad_onset;
@@ -99,11 +98,12 @@ pub const EFFECTS: &[Effect] = &[
     rolling_resistance::EFFECT,
     drum_curvature::EFFECT,
     camber_thrust::EFFECT,
+    camber_thrust::BY_LOAD,
     conicity::EFFECT,
     plysteer::EFFECT,
     plysteer::AS_ANGLE,
     non_uniformity::EFFECT,
-    non_uniformity_second::EFFECT,
+    non_uniformity::WITH_SECOND,
     loss_of_contact::EFFECT,
     lift_off::EFFECT,
     hydraulic_lag::EFFECT,

@@ -21,30 +21,38 @@ pub const EFFECT: Effect = Effect {
     ],
     targets: &[Role::Force, Role::Load],
     drivers: &[Role::WheelAngle, Role::Load],
-    parameters: &[
-        Parameter::amplitude(
-            "cosine",
-            "Cosine part per load",
-            Scale::of("1", 1, [0, -1, 0]),
-            (-0.3, 0.3),
-            (-1.0, 1.0),
-            &[0.005],
-        ),
-        Parameter::amplitude(
-            "sine",
-            "Sine part per load",
-            Scale::of("1", 1, [0, -1, 0]),
-            (-0.3, 0.3),
-            (-1.0, 1.0),
-            &[0.005],
-        ),
-    ],
-    apply,
+    parameters: &[part("cosine", "Cosine part per load"), part("sine", "Sine part per load")],
+    apply: |p, _: &mut Memory, call| add(&p[..2], &[], call),
 };
 
-fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
-    if p[0] == 0.0 && p[1] == 0.0 {
-        return call.target;
+/// With twice per revolution, too.
+pub const WITH_SECOND: Effect = Effect {
+    equation: "F = F_0 + |Fz| sum_n (a_n cos(n theta) + b_n sin(n theta)), n = 1, 2",
+    signature: "lines at the first two orders of the wheel that go with the load and hardly with the speed",
+    parameters: &[
+        part("cosine", "Cosine part per load"),
+        part("sine", "Sine part per load"),
+        part("cosine_twice", "Cosine part per load at twice the angle"),
+        part("sine_twice", "Sine part per load at twice the angle"),
+    ],
+    apply: |p, _: &mut Memory, call| add(&p[..2], &p[2..4], call),
+    ..EFFECT
+};
+
+const fn part(name: &'static str, description: &'static str) -> Parameter {
+    Parameter::amplitude(name, description, Scale::of("1", 1, [0, -1, 0]), (-0.3, 0.3), (-1.0, 1.0), &[0.005])
+}
+
+/// Adds what is there once per revolution, and twice.
+fn add(once: &[f64], twice: &[f64], call: &Call<'_>) -> f64 {
+    let mut sum = 0.0;
+    for (order, parts) in [(1.0, once), (2.0, twice)] {
+        // what is off has no angle
+        if let [a, b] = *parts
+            && (a != 0.0 || b != 0.0)
+        {
+            sum += harmonic(a, b, order * call.drivers[0]);
+        }
     }
-    call.target + call.drivers[1].abs() * harmonic(p[0], p[1], call.drivers[0])
+    if sum == 0.0 { call.target } else { call.target + call.drivers[1].abs() * sum }
 }

@@ -349,8 +349,12 @@ fn orders_of_the_wheel() {
     is(course("disc-thickness-variation", 0.0, 0.0)[0], 0.0);
     is(course("non-uniformity", 100.0, 4000.0)[0], 4000.0);
     is(course("non-uniformity", 100.0, 4000.0)[1], 0.0);
-    is(course("non-uniformity-second", 100.0, 4000.0)[0], 0.0);
-    is(course("non-uniformity-second", 100.0, 4000.0)[1], 4000.0);
+    // with the second order at half of the first
+    let both = forms("non-uniformity").find(|e| e.parameters.len() == 4).unwrap();
+    let points: Vec<_> = (0..=n).map(|i| (1.0, 100.0, [turn(i), 4000.0, 0.0])).collect();
+    let y = run(both, &[0.03, -0.04, 0.015, -0.02], &points);
+    is(line(&y, turn), 4000.0);
+    is(line(&y, |i| 2.0 * turn(i)), 2000.0);
     is(course("brake-torque-variation", 100.0, 20.0)[0], 20.0);
     // four times as much at twice the speed
     is(course("imbalance", 100.0, 10.0)[0], 100.0);
@@ -449,6 +453,11 @@ fn friction_of_tires() {
     close(at("pressure-dependent-friction", &[-0.3, 2e5], 100.0, [3e5, 0.0, 0.0]), 85.0, 1e-9);
     close(at("drum-curvature", &[0.21], 100.0, [0.0; 3]), 110.0, 1e-9);
     close(at("camber-thrust", &[50.0], 1.0, [-0.1, 0.0, 0.0]), -4.0, 1e-12);
+    let loaded = forms("camber-thrust").find(|e| e.drivers.len() == 2).unwrap();
+    // a tire pushes to the side to which it leans, under either sign of the load
+    let lean = |load: f64| run(loaded, &[1.2], &[(0.0, 1.0, [-0.1, load, 0.0])])[0];
+    close(lean(50.0), -5.0, 1e-12);
+    close(lean(-50.0), -5.0, 1e-12);
 }
 
 #[test]

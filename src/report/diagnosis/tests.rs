@@ -223,10 +223,10 @@ fn diagnosis() -> Diagnosis {
             .into(),
         experiment: None,
         runs: vec![
-            RunUse { name: "sweep-11.csv".into(), use_: Use::Fit },
-            RunUse { name: "sweep-17.csv".into(), use_: Use::Fit },
-            RunUse { name: "sweep-8.csv".into(), use_: Use::Check },
-            RunUse { name: "sweep-14.csv".into(), use_: Use::Check },
+            RunUse { name: "sweep-11.csv".into(), use_: Use::Fit, ..RunUse::default() },
+            RunUse { name: "sweep-17.csv".into(), use_: Use::Fit, ..RunUse::default() },
+            RunUse { name: "sweep-8.csv".into(), use_: Use::Check, ..RunUse::default() },
+            RunUse { name: "sweep-14.csv".into(), use_: Use::Check, ..RunUse::default() },
         ],
         faults: vec![Fault {
             kind: "spikes".into(),

@@ -1,0 +1,48 @@
+//! What the name of an effect allows its parameters to be.
+
+use super::study::{Fitted, Model, Rest, Study};
+use super::tables::estimates;
+
+/// Iterations of a fit within what is plausible.
+const KEEP: usize = 10;
+/// What keeping to plausible parameters may cost of what an effect explains.
+const AT_LITTLE_COST: f64 = 0.1;
+
+/// A coefficient of the last effect that its name does not allow.
+pub(super) fn implausible(model: &Model) -> Option<String> {
+    let (placement, values) = model.effects.last()?;
+    placement.effect.parameters.iter().zip(values).zip(&placement.scales).find_map(|((p, v), scale)| {
+        let (low, high) = p.plausible;
+        let slack = 1e-6 * (high - low).abs();
+        (*v < low - slack || *v > high + slack)
+            .then(|| format!("{} = {:.3e} is not plausible for this name", p.name, v * scale))
+    })
+}
+
+/// The fit with the last effect's parameters kept to what its name allows, where they are not and that costs
+/// little of what it explains: then chance has led them there, not need.
+pub(super) fn plausible(study: &Study<'_>, fitted: &Fitted, current_fit: &Rest) -> Option<Fitted> {
+    implausible(&fitted.model)?;
+    let mut model = fitted.model.clone();
+    let (placement, values) = model.effects.last_mut()?;
+    placement.bounded = true;
+    for (value, parameter) in values.iter_mut().zip(placement.effect.parameters) {
+        let (low, high) = placement.limits(parameter);
+        *value = value.clamp(low, high);
+    }
+    let kept = study.fit_near(&model, KEEP, Some(&fitted.fit.jacobian)).ok()?;
+    let explained = (current_fit.total - fitted.fit.cost).max(0.0);
+    (kept.fit.cost - fitted.fit.cost < AT_LITTLE_COST * explained).then_some(kept)
+}
+
+/// Whether a parameter of the last effect is not known, or may be at an end of where it is looked for, other than that
+/// where the effect is off.
+pub(super) fn runs_out(study: &Study<'_>, fitted: &Fitted) -> bool {
+    let Some((placement, _)) = fitted.model.effects.last() else { return false };
+    let parameters = placement.effect.parameters.iter().zip(&placement.scales);
+    estimates(study, fitted).iter().zip(parameters).any(|(estimate, (p, scale))| {
+        let (low, high) = p.search;
+        let ends = [(estimate.low, low), (estimate.high, high)];
+        ends.iter().any(|(estimate, end)| p.off != Some(*end) && estimate.is_none_or(|e| e == end * scale))
+    })
+}
