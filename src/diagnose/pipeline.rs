@@ -5,20 +5,19 @@ use super::decision::LEVEL;
 use super::excerpt::finer;
 use super::left::NOISE_MARGIN;
 use super::parts::errors_of_parts;
-use super::reading::{fault, faults_against, read_folder, same_channels, shortest_interval};
-use super::result::{Diagnosis, Estimate, RunUse, Use, Verdict};
+use super::placement::Placement;
+use super::reading::{Recorded, fault, shortest_interval, with};
+use super::result::{Diagnosis, Estimate, Finding, Use, Verdict};
 use super::roles::Roles;
-use super::runs::{Map, are_given, courses, prepare, some_like_all, uses};
+use super::runs::{Map, some_like_all};
 use super::search::{Found, search};
 use super::study::{Fitted, Model, Rest, Study, first_weights};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
-use super::witnesses::{Shared, share_out};
 use super::{experiment, hygiene, locate};
 use crate::Result;
-use crate::effect::Role;
 use crate::fit::{Bench, Run};
-use crate::model::{Causality, Settings};
+use crate::model::Settings;
 use crate::recording::Recording;
 use std::path::PathBuf;
 
@@ -86,31 +85,8 @@ fn is_fatal(fault: &hygiene::Fault) -> bool {
 pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Result<Outcome> {
     progress("reading", 0.0);
     let subject = Subject::load(&request.model, &request.settings)?;
-    let (names, raw) = read_folder(&request.recordings, &request.map)?;
-    let mut faults = hygiene::faults_of_runs(&raw);
-    let recordings: Vec<Recording> = raw.into_iter().map(|r| r.recording).collect();
-    let is_input = |name: &str| {
-        subject
-            .interface
-            .index(name)
-            .is_some_and(|v| subject.interface.variables[v].causality == Causality::Input)
-    };
-    let uses = uses(&request.recordings, &names, &courses(&recordings))?;
     let roles = Roles::of(&subject.interface, &request.map.roles())?;
-    let step = request.step.or(subject.own_step());
-    let mut runs: Vec<(Run, Use)> = Vec::new();
-    for ((name, recording), use_) in names.iter().zip(&recordings).zip(&uses) {
-        if *use_ != Use::Leave {
-            let mut run = prepare(&subject.interface, recording, name, step)?;
-            for channel in &mut run.channels {
-                channel.counts = [Role::WheelAngle, Role::TravelDistance]
-                    .iter()
-                    .any(|role| roles.is(channel.variable, *role));
-            }
-            runs.push((run, *use_));
-        }
-    }
-    same_channels(&subject, &runs)?;
+    let (recorded, mut faults) = Recorded::read(request, &subject, &roles)?;
     let threads = if request.threads > 0 {
         request.threads
     } else {
@@ -121,11 +97,10 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let coarse: Vec<Bench> = (subject.coarse().iter())
         .map(|fixed| Bench::new(&subject.factory, fixed, threads))
         .collect::<Result<_>>()?;
-    let with = |wanted: Use| runs.iter().filter(|(_, u)| *u == wanted).map(|(r, _)| r).collect::<Vec<&Run>>();
     let mut study = Study {
         bench: coarse.last().unwrap_or(&bench),
-        fit_runs: with(Use::Fit),
-        check_runs: with(Use::Check),
+        fit_runs: recorded.with(Use::Fit),
+        check_runs: recorded.with(Use::Check),
         free: Vec::new(),
         lag: 0.0,
         weights: Vec::new(),
@@ -138,12 +113,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     progress("fitting the model's own parameters", 0.05);
     study.time_it()?;
     if study.slow {
-        let courses: Vec<Vec<&[f64]>> = study
-            .fit_runs
-            .iter()
-            .map(|run| run.drive.inputs.iter().map(|(_, values)| &values[..]).collect())
-            .collect();
-        study.fit_runs = some_like_all(&courses, SLOW_RUNS).into_iter().map(|i| study.fit_runs[i]).collect();
+        study.fit_runs = some_of(&study.fit_runs);
     }
     study.choose_free(&subject.free)?;
     let nominal = study.nominal();
@@ -153,29 +123,17 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         (base, base_rest) = with_longest_steps(&mut study, base, &bench, &coarse)?;
     }
 
-    // a command may rest as long as it likes, at the end of its range too
-    faults.retain(|f| {
-        !(matches!(f.kind, hygiene::FaultKind::Stuck | hygiene::FaultKind::Saturated)
-            && f.channel.as_deref().is_some_and(is_input))
-    });
-    let all_runs: Vec<&Run> = runs.iter().map(|(run, _)| run).collect();
-    let against = |study: &Study<'_>, model: &Model| {
-        faults_against(study, &subject, model, &all_runs, &recordings, &names)
-    };
+    let against = |study: &Study<'_>, model: &Model| recorded.faults_against(study, &subject, model);
     faults.extend(against(&study, &base.model)?);
     // a refit bends the model towards channels that are exchanged or in other units, as far as it can
     let gross = against(&study, &nominal)?.into_iter().filter(|f| f.kind.is_gross());
     let new = gross.filter(|g| !faults.iter().any(|f| f.kind.is_gross() && f.channel == g.channel));
     let new: Vec<hygiene::Fault> = new.collect();
     faults.extend(new);
-    let shared = if faults.iter().any(is_fatal) || are_given(&request.recordings) {
-        None
-    } else {
-        shared_out(&study, &base.model, &runs)?
-    };
+    let is_at_fault = faults.iter().any(is_fatal);
+    let shared = if is_at_fault { None } else { recorded.shared_out(&study, &base.model)? };
     if let Some(shared) = &shared {
-        let of = |wanted: Use| shared.iter().filter(|(_, u)| *u == wanted).map(|(run, _)| run).collect();
-        (study.fit_runs, study.check_runs) = (of(Use::Fit), of(Use::Check));
+        (study.fit_runs, study.check_runs) = (with(shared, Use::Fit), with(shared, Use::Check));
         study.weights = first_weights(&study.fit_runs);
         // what was fitted to other runs is no place to begin, unless the model takes long
         let from = if study.slow { base.model } else { nominal.clone() };
@@ -235,21 +193,14 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let improved = sign_flip(&differences(&nominal_rest.in_units(&units), &base_rest.in_units(&units)));
     let check = channel_checks(&study, &subject, &base_rest, &current_check);
     let left: Vec<Option<f64>> = check.iter().map(|c| c.noise).collect();
-    let parts = errors_of_parts(&study, &subject, &base_rest, &left, &all_runs)?;
-    let mended = faults.iter().any(hygiene::Fault::counts);
-    let is_noise = check.iter().all(|c| c.noise.is_none_or(|noise| c.after < NOISE_MARGIN * noise));
-    let verdict = match (&findings[..], &unknown) {
-        _ if fatal => Verdict::Recording,
-        // what was mended explains what is seen if nothing else does
-        ([], None) if mended => Verdict::Recording,
-        // and so it does the little that samples which were mended leave
-        ([], Some(left)) if mended && is_noise && left.parameters.is_empty() => Verdict::Recording,
-        (_, Some(_)) => Verdict::Unknown,
-        ([], None) if improved < LEVEL && base_rest.total < 0.98 * nominal_rest.total => Verdict::Parameters,
-        ([], None) => Verdict::Nothing,
-        ([first, ..], None) if first.alternatives.iter().any(|a| a.confidence > 0.25) => Verdict::Family,
-        _ => Verdict::Effect,
+    let parts = errors_of_parts(&study, &subject, &base_rest, &left, &recorded.all())?;
+    let facts = Facts {
+        is_at_fault: fatal,
+        is_mended: faults.iter().any(hygiene::Fault::counts),
+        is_noise: check.iter().all(|c| c.noise.is_none_or(|noise| c.after < NOISE_MARGIN * noise)),
+        is_refitted: improved < LEVEL && base_rest.total < 0.98 * nominal_rest.total,
     };
+    let verdict = facts.verdict(&findings, unknown.as_ref());
     if let Some(finding) = unknown {
         findings.insert(0, finding);
     }
@@ -262,25 +213,26 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         map,
         parts,
         faults: faults.iter().filter(|f| f.counts()).map(fault).collect(),
-        runs: names.iter().zip(&uses).map(|(name, use_)| use_of(name, *use_, shared.as_ref())).collect(),
+        runs: recorded.used(shared.as_ref()),
         ..Diagnosis::default()
     };
     let total = (nominal_rest.total, base_rest.total, current_check.total);
     diagnosis.summary = summary(&diagnosis, total);
     diagnosis.next_experiment = experiment::sentence(experiment.as_ref(), &next_experiment(&diagnosis));
     diagnosis.experiment = experiment;
-    let check = traces(&study, &subject, &base_model, &current.model, &recordings, &names)?;
+    let check = traces(&study, &subject, &base_model, &current.model, &recorded)?;
     let parameters =
         study.free.iter().zip(&current.model.parameters).map(|(p, x)| (p.variable, p.scale * x)).collect();
     let attachments = current.model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect();
-    let ends = |e: &Estimate| Some((e.low?, e.high?));
-    let mut intervals = Vec::new();
-    for ((placement, _), estimates) in current.model.effects.iter().zip(all_estimates(&study, &current)) {
-        let own: Vec<_> = estimates.iter().map(ends).collect();
-        // one attachment for each place
-        intervals.extend(placement.targets.iter().map(|_| own.clone()));
-    }
+    let intervals = intervals(&study, &current);
     Ok(Outcome { diagnosis, parameters, attachments, intervals, check, subject })
+}
+
+/// The runs that a model that takes long is fitted to: some that are like all in what drives them.
+fn some_of<'a>(runs: &[&'a Run]) -> Vec<&'a Run> {
+    let courses = |run: &&'a Run| run.drive.inputs.iter().map(|(_, values)| &values[..]).collect();
+    let courses: Vec<Vec<&[f64]>> = runs.iter().map(courses).collect();
+    some_like_all(&courses, SLOW_RUNS).into_iter().map(|i| runs[i]).collect()
 }
 
 /// Fits the model's own parameters, and weighs the channels by what is left of them.
@@ -323,25 +275,45 @@ fn with_longest_steps<'a>(
     Ok((base, rest))
 }
 
-/// The runs shared out anew, if what the refitted model leaves asks for it; those that a model that takes long is not
-/// fitted to are spare.
-fn shared_out(study: &Study<'_>, base: &Model, runs: &[(Run, Use)]) -> Result<Option<Shared>> {
-    let is_used =
-        |run: &Run| study.fit_runs.iter().chain(&study.check_runs).any(|used| std::ptr::eq(*used, run));
-    let use_of = |(run, use_): &(Run, Use)| if is_used(run) { *use_ } else { Use::Leave };
-    let uses: Vec<Use> = runs.iter().map(use_of).collect();
-    let all: Vec<&Run> = runs.iter().map(|(run, _)| run).collect();
-    let rest = study.rest(base, &all)?;
-    Ok(share_out(&all, &uses, &rest))
+/// 95 % intervals of the parameters of every attachment.
+fn intervals(study: &Study<'_>, current: &Fitted) -> Vec<Vec<Option<(f64, f64)>>> {
+    let ends = |e: &Estimate| Some((e.low?, e.high?));
+    let effects = current.model.effects.iter().zip(all_estimates(study, current));
+    // one attachment for each place
+    let of = |((placement, _), estimates): (&(Placement, Vec<f64>), Vec<Estimate>)| {
+        let own: Vec<_> = estimates.iter().map(ends).collect();
+        placement.targets.iter().map(|_| own.clone()).collect::<Vec<_>>()
+    };
+    effects.flat_map(of).collect()
 }
 
-/// What a recording was used for in the end.
-fn use_of(name: &str, first: Use, shared: Option<&Shared>) -> RunUse {
-    let parts: Vec<&(Run, Use)> = shared.into_iter().flatten().filter(|(run, _)| run.name == name).collect();
-    let (use_, check_from) = match parts[..] {
-        [_, (end, _)] => (Use::Fit, end.time.first().copied()),
-        [(_, use_)] if *use_ != Use::Leave || first == Use::Check => (*use_, None),
-        _ => (first, None),
-    };
-    RunUse { name: name.into(), use_, check_from }
+/// What a verdict needs to know beside what was found.
+struct Facts {
+    /// A recording has a fault that no name explains.
+    is_at_fault: bool,
+    /// Samples or channels of a recording were mended.
+    is_mended: bool,
+    /// Hardly more than noise is left of every channel of the check runs.
+    is_noise: bool,
+    /// The refit of the model's own parameters makes a difference.
+    is_refitted: bool,
+}
+
+impl Facts {
+    fn verdict(&self, findings: &[Finding], unknown: Option<&Finding>) -> Verdict {
+        match (findings, unknown) {
+            _ if self.is_at_fault => Verdict::Recording,
+            // what was mended explains what is seen if nothing else does
+            ([], None) if self.is_mended => Verdict::Recording,
+            // and so it does the little that samples which were mended leave
+            ([], Some(left)) if self.is_mended && self.is_noise && left.parameters.is_empty() => {
+                Verdict::Recording
+            }
+            (_, Some(_)) => Verdict::Unknown,
+            ([], None) if self.is_refitted => Verdict::Parameters,
+            ([], None) => Verdict::Nothing,
+            ([first, ..], None) if first.alternatives.iter().any(|a| a.confidence > 0.25) => Verdict::Family,
+            _ => Verdict::Effect,
+        }
+    }
 }

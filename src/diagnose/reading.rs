@@ -1,16 +1,166 @@
 //! From a folder of recordings to runs: reading, what they have in common, faults that show beside a simulation.
 
 use super::hygiene;
-use super::result::Use;
-use super::runs::Map;
+use super::pipeline::Request;
+use super::result::{RunUse, Use};
+use super::roles::Roles;
+use super::runs::{Map, are_given, courses, prepare, uses};
 use super::study::{Model, Study};
 use super::subject::Subject;
+use super::witnesses::{Shared, share_out};
+use crate::effect::Role;
 use crate::fit::Run;
+use crate::model::Causality;
 use crate::recording::Recording;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
-pub(super) fn read_folder(folder: &Path, map: &Map) -> Result<(Vec<String>, Vec<hygiene::RawRecording>)> {
+/// The recordings of a diagnosis.
+pub(super) struct Recorded {
+    /// Names of the files.
+    names: Vec<String>,
+    /// What is in them.
+    recordings: Vec<Recording>,
+    /// What they are used for as long as nothing is known of a model.
+    uses: Vec<Use>,
+    /// Whether the user said so.
+    are_given: bool,
+    /// Those that are used, ready to be simulated.
+    pub runs: Vec<(Run, Use)>,
+}
+
+impl Recorded {
+    /// Reads a folder, with the faults that show in recordings by themselves.
+    ///
+    /// # Errors
+    /// Files that cannot be read, or do not fit each other or the model.
+    pub fn read(request: &Request, subject: &Subject, roles: &Roles) -> Result<(Self, Vec<hygiene::Fault>)> {
+        let (names, raw) = read_folder(&request.recordings, &request.map)?;
+        let mut faults = hygiene::faults_of_runs(&raw);
+        // a command may rest as long as it likes, at the end of its range too
+        let is_input = |name: &str| {
+            let variable = subject.interface.index(name).map(|v| &subject.interface.variables[v]);
+            variable.is_some_and(|v| v.causality == Causality::Input)
+        };
+        let may_rest = |f: &hygiene::Fault| {
+            matches!(f.kind, hygiene::FaultKind::Stuck | hygiene::FaultKind::Saturated)
+                && f.channel.as_deref().is_some_and(is_input)
+        };
+        faults.retain(|f| !may_rest(f));
+        let recordings: Vec<Recording> = raw.into_iter().map(|r| r.recording).collect();
+        let uses = uses(&request.recordings, &names, &courses(&recordings))?;
+        let step = request.step.or(subject.own_step());
+        let counts =
+            |variable: usize| [Role::WheelAngle, Role::TravelDistance].iter().any(|r| roles.is(variable, *r));
+        let mut runs: Vec<(Run, Use)> = Vec::new();
+        for ((name, recording), use_) in names.iter().zip(&recordings).zip(&uses) {
+            if *use_ != Use::Leave {
+                let mut run = prepare(&subject.interface, recording, name, step)?;
+                run.channels.iter_mut().for_each(|c| c.counts = counts(c.variable));
+                runs.push((run, *use_));
+            }
+        }
+        same_channels(subject, &runs)?;
+        let are_given = are_given(&request.recordings);
+        Ok((Self { names, recordings, uses, are_given, runs }, faults))
+    }
+
+    /// All runs that are used.
+    pub fn all(&self) -> Vec<&Run> {
+        self.runs.iter().map(|(run, _)| run).collect()
+    }
+
+    /// Those for one use.
+    pub fn with(&self, wanted: Use) -> Vec<&Run> {
+        with(&self.runs, wanted)
+    }
+
+    /// The recording of a run.
+    pub fn of(&self, run: &Run) -> Option<&Recording> {
+        self.recordings.get(self.names.iter().position(|n| *n == run.name)?)
+    }
+
+    /// The runs shared out anew, if what the refitted model leaves asks for it and the user did not say what they are
+    /// for. Those that a model that takes long is not fitted to are spare.
+    ///
+    /// # Errors
+    /// The model cannot be run.
+    pub fn shared_out(&self, study: &Study<'_>, base: &Model) -> Result<Option<Shared>> {
+        if self.are_given {
+            return Ok(None);
+        }
+        let used = || study.fit_runs.iter().chain(&study.check_runs);
+        let is_used = |run: &Run| used().any(|used| std::ptr::eq(*used, run));
+        let use_of = |(run, use_): &(Run, Use)| if is_used(run) { *use_ } else { Use::Leave };
+        let uses: Vec<Use> = self.runs.iter().map(use_of).collect();
+        let all = self.all();
+        let rest = study.rest(base, &all)?;
+        Ok(share_out(&all, &uses, &rest))
+    }
+
+    /// What each recording was used for in the end.
+    pub fn used(&self, shared: Option<&Shared>) -> Vec<RunUse> {
+        let of = |(name, first): (&String, &Use)| {
+            let parts: Vec<&(Run, Use)> =
+                shared.into_iter().flatten().filter(|(run, _)| run.name == *name).collect();
+            let (use_, check_from) = match parts[..] {
+                [_, (end, _)] => (Use::Fit, end.time.first().copied()),
+                [(_, use_)] if *use_ != Use::Leave || *first == Use::Check => (*use_, None),
+                _ => (*first, None),
+            };
+            RunUse { name: name.clone(), use_, check_from }
+        };
+        self.names.iter().zip(&self.uses).map(of).collect()
+    }
+
+    /// Faults that show against a fitted model.
+    ///
+    /// # Errors
+    /// It cannot be run.
+    pub fn faults_against(
+        &self,
+        study: &Study<'_>,
+        subject: &Subject,
+        model: &Model,
+    ) -> Result<Vec<hygiene::Fault>> {
+        let runs = self.all();
+        let rest = study.rest(model, &runs)?;
+        let (mut measured, mut simulated) = (Vec::new(), Vec::new());
+        let Some(first) = runs.first() else { return Ok(Vec::new()) };
+        let name = |v: usize| subject.interface.variables[v].name.clone();
+        let unit = |v: usize| subject.interface.variables[v].unit.clone().unwrap_or_else(|| "1".into());
+        for (run, traces) in runs.iter().zip(&rest.simulated) {
+            let Some(original) = self.of(run) else { continue };
+            let channel = |(c, values): (&crate::fit::Channel, &Vec<f64>)| crate::recording::Channel {
+                name: name(c.variable),
+                unit: unit(c.variable),
+                values: values.clone(),
+            };
+            let mut own = original.clone();
+            for c in &run.channels {
+                if let Some(channel) = own.channels.iter_mut().find(|o| o.name == name(c.variable)) {
+                    channel.values.clone_from(&c.values);
+                    channel.unit = unit(c.variable);
+                }
+            }
+            measured.push(own);
+            simulated.push(Recording {
+                time: run.time.clone(),
+                channels: run.channels.iter().zip(traces).map(channel).collect(),
+                source: original.source.clone(),
+            });
+        }
+        let channels: Vec<String> = first.channels.iter().map(|c| name(c.variable)).collect();
+        Ok(hygiene::faults_against(&measured, &simulated, &channels))
+    }
+}
+
+/// Runs for one use.
+pub(super) fn with(runs: &[(Run, Use)], wanted: Use) -> Vec<&Run> {
+    runs.iter().filter(|(_, use_)| *use_ == wanted).map(|(run, _)| run).collect()
+}
+
+fn read_folder(folder: &Path, map: &Map) -> Result<(Vec<String>, Vec<hygiene::RawRecording>)> {
     let place = folder.display();
     let entries =
         std::fs::read_dir(folder).map_err(|e| Error::file(format!("{place} cannot be read: {e}")))?;
@@ -32,7 +182,7 @@ pub(super) fn read_folder(folder: &Path, map: &Map) -> Result<(Vec<String>, Vec<
     Ok((files.iter().map(name).collect(), recordings))
 }
 
-pub(super) fn same_channels(subject: &Subject, runs: &[(Run, Use)]) -> Result<()> {
+fn same_channels(subject: &Subject, runs: &[(Run, Use)]) -> Result<()> {
     let Some((first, _)) = runs.first() else { return Ok(()) };
     let list = |run: &Run| run.channels.iter().map(|c| c.variable).collect::<Vec<_>>();
     for (run, _) in runs {
@@ -60,47 +210,6 @@ pub(super) fn shortest_interval(runs: &[&Run]) -> f64 {
     };
     let least = runs.iter().map(median).fold(f64::INFINITY, f64::min);
     if least.is_finite() { least } else { 0.0 }
-}
-
-/// Faults that show against the refitted model.
-pub(super) fn faults_against(
-    study: &Study<'_>,
-    subject: &Subject,
-    model: &Model,
-    runs: &[&Run],
-    recordings: &[Recording],
-    names: &[String],
-) -> Result<Vec<hygiene::Fault>> {
-    let rest = study.rest(model, runs)?;
-    let (mut measured, mut simulated) = (Vec::new(), Vec::new());
-    let Some(first) = runs.first() else { return Ok(Vec::new()) };
-    let name = |v: usize| subject.interface.variables[v].name.clone();
-    let unit = |v: usize| subject.interface.variables[v].unit.clone().unwrap_or_else(|| "1".into());
-    for (run, traces) in runs.iter().zip(&rest.simulated) {
-        let Some(original) = names.iter().position(|n| *n == run.name).and_then(|i| recordings.get(i)) else {
-            continue;
-        };
-        let channel = |(c, values): (&crate::fit::Channel, &Vec<f64>)| crate::recording::Channel {
-            name: name(c.variable),
-            unit: unit(c.variable),
-            values: values.clone(),
-        };
-        let mut own = original.clone();
-        for c in &run.channels {
-            if let Some(channel) = own.channels.iter_mut().find(|o| o.name == name(c.variable)) {
-                channel.values.clone_from(&c.values);
-                channel.unit = unit(c.variable);
-            }
-        }
-        measured.push(own);
-        simulated.push(Recording {
-            time: run.time.clone(),
-            channels: run.channels.iter().zip(traces).map(channel).collect(),
-            source: original.source.clone(),
-        });
-    }
-    let channels: Vec<String> = first.channels.iter().map(|c| name(c.variable)).collect();
-    Ok(hygiene::faults_against(&measured, &simulated, &channels))
 }
 
 pub(super) fn fault(fault: &hygiene::Fault) -> super::result::Fault {

@@ -3,6 +3,7 @@
 use super::locate;
 use super::pipeline::CheckTraces;
 use super::placement::Placement;
+use super::reading::Recorded;
 use super::result::{ChannelCheck, Diagnosis, Estimate, Finding, Fitted as FittedParameter, Verdict};
 use super::study::{Fitted, Model, Rest, Study};
 use super::subject::Subject;
@@ -107,16 +108,13 @@ pub(super) fn traces(
     subject: &Subject,
     base: &Model,
     corrected: &Model,
-    recordings: &[Recording],
-    names: &[String],
+    recorded: &Recorded,
 ) -> Result<Vec<CheckTraces>> {
     let before = study.rest(base, &study.check_runs)?;
     let after = study.rest(corrected, &study.check_runs)?;
     let mut check = Vec::new();
     for (k, run) in study.check_runs.iter().enumerate() {
-        let Some(original) = names.iter().position(|n| *n == run.name).and_then(|i| recordings.get(i)) else {
-            continue;
-        };
+        let Some(original) = recorded.of(run) else { continue };
         let unit = |v: usize| subject.interface.variables[v].unit.clone().unwrap_or_else(|| "1".into());
         let name = |v: usize| subject.interface.variables[v].name.clone();
         // of a run that was cut the end is for checking
