@@ -131,7 +131,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let new: Vec<hygiene::Fault> = new.collect();
     faults.extend(new);
     let is_at_fault = faults.iter().any(is_fatal);
-    let shared = if is_at_fault { None } else { recorded.shared_out(&study, &base.model)? };
+    let shared = if is_at_fault { None } else { recorded.shared_out(&study, &base.model, &faults)? };
     if let Some(shared) = &shared {
         (study.fit_runs, study.check_runs) = (with(shared, Use::Fit), with(shared, Use::Check));
         study.weights = first_weights(&study.fit_runs);

@@ -15,6 +15,10 @@ use crate::recording::Recording;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
+/// A gap of more intervals is long, and the share of a run that is most of it.
+const LONG_GAP: f64 = 20.0;
+const MOST: f64 = 0.5;
+
 /// The recordings of a diagnosis.
 pub(super) struct Recorded {
     /// Names of the files.
@@ -47,7 +51,12 @@ impl Recorded {
                 && f.channel.as_deref().is_some_and(is_input)
         };
         faults.retain(|f| !may_rest(f));
-        let recordings: Vec<Recording> = raw.into_iter().map(|r| r.recording).collect();
+        let mut recordings: Vec<Recording> = raw.into_iter().map(|r| r.recording).collect();
+        for (name, recording) in names.iter().zip(&mut recordings) {
+            let gaps =
+                faults.iter_mut().filter(|f| f.kind == hygiene::FaultKind::Gap && f.runs.contains(name));
+            gaps.for_each(|gap| leave_out_after(recording, gap));
+        }
         let uses = uses(&request.recordings, &names, &courses(&recordings))?;
         let step = request.step.or(subject.own_step());
         let counts =
@@ -85,7 +94,12 @@ impl Recorded {
     ///
     /// # Errors
     /// The model cannot be run.
-    pub fn shared_out(&self, study: &Study<'_>, base: &Model) -> Result<Option<Shared>> {
+    pub fn shared_out(
+        &self,
+        study: &Study<'_>,
+        base: &Model,
+        faults: &[hygiene::Fault],
+    ) -> Result<Option<Shared>> {
         if self.are_given {
             return Ok(None);
         }
@@ -95,7 +109,9 @@ impl Recorded {
         let uses: Vec<Use> = self.runs.iter().map(use_of).collect();
         let all = self.all();
         let rest = study.rest(base, &all)?;
-        Ok(share_out(&all, &uses, &rest))
+        let has_fault = |run: &&Run| faults.iter().any(|f| f.counts() && f.runs.contains(&run.name));
+        let faulty: Vec<bool> = all.iter().map(has_fault).collect();
+        Ok(share_out(&all, &uses, &faulty, &rest))
     }
 
     /// What each recording was used for in the end.
@@ -152,6 +168,26 @@ impl Recorded {
         }
         let channels: Vec<String> = first.channels.iter().map(|c| name(c.variable)).collect();
         Ok(hygiene::faults_against(&measured, &simulated, &channels))
+    }
+}
+
+/// Leaves out what comes after a long gap, if most of the run was before it: no model knows what happened in the gap, so that
+/// the state after it is unknown.
+fn leave_out_after(recording: &mut Recording, gap: &mut hygiene::Fault) {
+    let (Some(first), Some(last), Some((begin, _))) =
+        (recording.time.first(), recording.time.last(), gap.span)
+    else {
+        return;
+    };
+    let interval = (last - first - gap.value) / recording.time.len().max(1) as f64;
+    if gap.severity == hygiene::Severity::Repaired
+        && gap.value > LONG_GAP * interval
+        && begin - first > MOST * (last - first)
+    {
+        let samples = recording.time.partition_point(|t| *t <= begin);
+        recording.time.truncate(samples);
+        recording.channels.iter_mut().for_each(|c| c.values.truncate(samples));
+        gap.advice = "What happened in it is unknown: only what was recorded before it is used.".into();
     }
 }
 
@@ -221,5 +257,40 @@ pub(super) fn fault(fault: &hygiene::Fault) -> super::result::Fault {
         runs: fault.runs.clone(),
         channel: fault.channel.clone(),
         text: format!("{} {}", fault.evidence, fault.advice),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::Channel;
+
+    #[test]
+    fn what_comes_after_a_long_gap_is_left_out_if_most_was_before_it() {
+        // 10 s at 100 Hz, without some of them
+        let with_gap = |from: f64, to: f64| {
+            let time: Vec<f64> =
+                (0..1000).map(|k| 0.01 * f64::from(k)).filter(|t| *t <= from || *t >= to).collect();
+            let channels = vec![Channel { name: "force".into(), unit: "N".into(), values: time.clone() }];
+            let mut recording = Recording { source: "a.csv".into(), time, channels };
+            let mut gap = hygiene::Fault {
+                kind: hygiene::FaultKind::Gap,
+                severity: hygiene::Severity::Repaired,
+                runs: vec!["a.csv".into()],
+                channel: None,
+                span: Some((from, to)),
+                value: to - from,
+                unit: "s".into(),
+                evidence: "A gap.".into(),
+                advice: "Expect a transient.".into(),
+            };
+            leave_out_after(&mut recording, &mut gap);
+            assert_eq!(recording.channels[0].values, recording.time);
+            (recording.time.len(), gap.advice.contains("before it is used"))
+        };
+        assert_eq!(with_gap(7.0, 7.8), (701, true));
+        // short, and early
+        assert_eq!(with_gap(7.0, 7.1), (991, false));
+        assert_eq!(with_gap(2.0, 2.8), (921, false));
     }
 }

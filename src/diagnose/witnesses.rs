@@ -24,6 +24,8 @@ pub(super) type Shared = Vec<(Run, Use)>;
 struct Sharing<'a> {
     runs: &'a [&'a Run],
     uses: Vec<Use>,
+    /// Runs with faults of their own: they are no witnesses, and stay where they are.
+    faulty: &'a [bool],
     excess: Vec<Vec<f64>>,
     /// Mean squared error of each channel that a quarter of the runs stay below.
     usual: Vec<f64>,
@@ -33,12 +35,16 @@ struct Sharing<'a> {
 
 /// Shares runs out anew where what is left of a channel shows in one set only: a run of the other set comes in, or the only
 /// one that shows it is cut in two, so that no sample is for both. `rest` is what the model leaves of all `runs`; those
-/// with [`Use::Leave`] are spare. `None` if nothing has to be changed.
+/// with [`Use::Leave`] are spare, those that are `faulty` (a gap, after which the state is unknown) are left alone. `None` if nothing has to be changed.
 ///
 /// Only the fitted model without effects is asked, so that no effect chooses the runs that check it.
-pub(super) fn share_out(runs: &[&Run], uses: &[Use], rest: &Rest) -> Option<Shared> {
-    let (excess, usual) = excess(runs, rest);
-    let mut sharing = Sharing { runs, uses: uses.to_vec(), excess, usual, cut: vec![None; runs.len()] };
+pub(super) fn share_out(runs: &[&Run], uses: &[Use], faulty: &[bool], rest: &Rest) -> Option<Shared> {
+    let (mut excess, usual) = excess(runs, rest);
+    for (own, _) in excess.iter_mut().zip(faulty).filter(|(_, faulty)| **faulty) {
+        own.fill(0.0);
+    }
+    let mut sharing =
+        Sharing { runs, uses: uses.to_vec(), faulty, excess, usual, cut: vec![None; runs.len()] };
     let channels = sharing.excess.first().map_or(0, Vec::len);
     let worst = |c: &usize| sharing.excess.iter().map(|e| e[*c]).fold(0.0, f64::max);
     let mut order: Vec<(usize, f64)> =
@@ -128,8 +134,9 @@ impl Sharing<'_> {
     /// Takes a run into a set, in exchange for the one that shows least and is not needed there.
     fn exchange(&mut self, run: usize, wanted: Use) {
         let total = |i: &usize| self.excess[*i].iter().sum::<f64>();
-        let free = (0..self.runs.len())
-            .filter(|i| self.uses[*i] == wanted && self.cut[*i].is_none() && !self.is_sole(*i));
+        let free = (0..self.runs.len()).filter(|i| {
+            self.uses[*i] == wanted && self.cut[*i].is_none() && !self.faulty[*i] && !self.is_sole(*i)
+        });
         if let Some(partner) = free.min_by(|a, b| total(a).total_cmp(&total(b))) {
             self.uses[partner] = self.uses[run];
         }
@@ -205,7 +212,7 @@ mod tests {
 
     fn shared(more: &[(f64, std::ops::Range<usize>)], uses: &[Use]) -> Option<Shared> {
         let (runs, rest) = runs(more);
-        share_out(&runs.iter().collect::<Vec<_>>(), uses, &rest)
+        share_out(&runs.iter().collect::<Vec<_>>(), uses, &vec![false; runs.len()], &rest)
     }
 
     fn names(shared: &Shared, wanted: Use) -> String {
@@ -238,6 +245,18 @@ mod tests {
             (&names(&all, Fit)[..], &names(&all, Check)[..], &names(&all, Leave)[..]),
             ("023", "45", "1")
         );
+    }
+
+    #[test]
+    fn runs_with_faults_are_left_alone() {
+        let (runs, rest) = runs(&[1.0, 1.0, 3.0, 1.0, 1.0, 2.0].map(|e| (e, 0..1000)));
+        let runs: Vec<&Run> = runs.iter().collect();
+        let uses = [Fit, Check, Fit, Fit, Check, Fit];
+        // the only witness that is left is cut
+        let faulty = [false, true, false, false, false, true];
+        let all = share_out(&runs, &uses, &faulty, &rest).unwrap();
+        assert_eq!((&names(&all, Fit)[..], &names(&all, Check)[..]), ("0235", "124"));
+        assert!(share_out(&runs, &uses, &[false, false, true, false, false, true], &rest).is_none());
     }
 
     #[test]

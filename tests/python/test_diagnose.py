@@ -72,7 +72,7 @@ def test_what_a_single_run_shows_is_fitted_and_checked_in_two_parts_of_it(tmp_pa
     page = (study / "results" / f"case-{number:03}" / "report.html").read_text()
     assert f"{cut['name']} from {cut['check_from']:.2f} s on" in page
 
-    # what the user says of runs is left as it is, and what can then not be checked is said
+    # what the user says of runs is left as it is
     marked = tmp_path / "recordings"
     shutil.copytree(recordings, marked)
     names = sorted(file.name for file in marked.glob("*.csv"))
@@ -85,9 +85,18 @@ def test_what_a_single_run_shows_is_fitted_and_checked_in_two_parts_of_it(tmp_pa
     found = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
     assert {run["name"]: run["use"] for run in found["runs"]} == uses
     assert all(run["check_from"] is None for run in found["runs"])
+    # the one run cannot be checked: nothing may be named for it, and the model is not whole either
+    assert found["verdict"] == "unknown", found["summary"]
+    assert [f["effect"] for f in found["findings"]] == ["unknown"]
+
+
+def test_what_only_a_run_to_fit_shows_is_no_matter_of_parameters():
+    number = 248
+    found = diagnosis(prove(TARGET / "prove-test-9", [number], seed=9), number)
     assert found["verdict"] == "unknown", found["summary"]
     [finding] = found["findings"]
-    assert finding["name"] == "Something that only runs to fit show" and cut["name"] in finding["evidence"]
+    assert finding["name"] == "Something that only runs to fit show"
+    assert "run-05.csv" in finding["evidence"] and finding["channels"] == ["slip"]
 
 
 def test_the_answers_were_written_after_the_diagnoses(study):
