@@ -131,13 +131,14 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let new: Vec<hygiene::Fault> = new.collect();
     faults.extend(new);
     let is_at_fault = faults.iter().any(is_fatal);
-    let shared = if is_at_fault { None } else { recorded.shared_out(&study, &base.model, &faults)? };
+    // what a model that takes long leaves is not only what it lacks: its fits end early, and its steps err
+    let shared =
+        if is_at_fault || study.slow { None } else { recorded.shared_out(&study, &base.model, &faults)? };
     if let Some(shared) = &shared {
         (study.fit_runs, study.check_runs) = (with(shared, Use::Fit), with(shared, Use::Check));
         study.weights = first_weights(&study.fit_runs);
-        // what was fitted to other runs is no place to begin, unless the model takes long
-        let from = if study.slow { base.model } else { nominal.clone() };
-        base = refit(&mut study, &from)?;
+        // what was fitted to other runs is no place to begin
+        base = refit(&mut study, &nominal)?;
         base_rest = study.rest(&base.model, &study.check_runs)?;
     }
     let check_runs = study.check_runs.clone();

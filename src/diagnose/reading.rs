@@ -90,7 +90,7 @@ impl Recorded {
     }
 
     /// The runs shared out anew, if what the refitted model leaves asks for it and the user did not say what they are
-    /// for. Those that a model that takes long is not fitted to are spare.
+    /// for.
     ///
     /// # Errors
     /// The model cannot be run.
@@ -103,10 +103,7 @@ impl Recorded {
         if self.are_given {
             return Ok(None);
         }
-        let used = || study.fit_runs.iter().chain(&study.check_runs);
-        let is_used = |run: &Run| used().any(|used| std::ptr::eq(*used, run));
-        let use_of = |(run, use_): &(Run, Use)| if is_used(run) { *use_ } else { Use::Leave };
-        let uses: Vec<Use> = self.runs.iter().map(use_of).collect();
+        let uses: Vec<Use> = self.runs.iter().map(|(_, use_)| *use_).collect();
         let all = self.all();
         let rest = study.rest(base, &all)?;
         let has_fault = |run: &&Run| faults.iter().any(|f| f.counts() && f.runs.contains(&run.name));
@@ -121,7 +118,7 @@ impl Recorded {
                 shared.into_iter().flatten().filter(|(run, _)| run.name == *name).collect();
             let (use_, check_from) = match parts[..] {
                 [_, (end, _)] => (Use::Fit, end.time.first().copied()),
-                [(_, use_)] if *use_ != Use::Leave || *first == Use::Check => (*use_, None),
+                [(_, use_)] => (*use_, None),
                 _ => (*first, None),
             };
             RunUse { name: name.clone(), use_, check_from }

@@ -35,7 +35,7 @@ struct Sharing<'a> {
 
 /// Shares runs out anew where what is left of a channel shows in one set only: a run of the other set comes in, or the only
 /// one that shows it is cut in two, so that no sample is for both. `rest` is what the model leaves of all `runs`; those
-/// with [`Use::Leave`] are spare, those that are `faulty` (a gap, after which the state is unknown) are left alone. `None` if nothing has to be changed.
+/// that are `faulty` (a gap, after which the state is unknown) are left alone. `None` if nothing has to be changed.
 ///
 /// Only the fitted model without effects is asked, so that no effect chooses the runs that check it.
 pub(super) fn share_out(runs: &[&Run], uses: &[Use], faulty: &[bool], rest: &Rest) -> Option<Shared> {
@@ -116,9 +116,7 @@ impl Sharing<'_> {
         if witnesses.is_empty() || witnesses.iter().any(|w| self.has(wanted, *w)) {
             return;
         }
-        if let Some(spare) = witnesses.iter().find(|w| self.uses[**w] == Use::Leave) {
-            self.exchange(*spare, wanted);
-        } else if let [first, second, ..] = witnesses[..] {
+        if let [first, second, ..] = witnesses[..] {
             // what is fitted should show it best
             self.exchange(if other == Use::Fit { second } else { first }, wanted);
         } else if let [only] = witnesses[..] {
@@ -219,7 +217,7 @@ mod tests {
         shared.iter().filter(|(_, u)| *u == wanted).map(|(run, _)| &run.name[..]).collect()
     }
 
-    use Use::{Check, Fit, Leave};
+    use Use::{Check, Fit};
 
     #[test]
     fn what_both_sets_show_is_left_as_it_is() {
@@ -238,13 +236,6 @@ mod tests {
         let checked = [1.0, 2.0, 1.0, 1.0, 3.0, 1.0].map(|e| (e, 0..1000));
         let all = shared(&checked, &[Fit, Check, Fit, Fit, Check, Fit]).unwrap();
         assert_eq!((&names(&all, Fit)[..], &names(&all, Check)[..]), ("2345", "01"));
-        // a spare run is taken before one that is in use
-        let spare = [1.0, 1.0, 3.0, 1.0, 1.0, 2.0].map(|e| (e, 0..1000));
-        let all = shared(&spare, &[Fit, Check, Fit, Fit, Check, Leave]).unwrap();
-        assert_eq!(
-            (&names(&all, Fit)[..], &names(&all, Check)[..], &names(&all, Leave)[..]),
-            ("023", "45", "1")
-        );
     }
 
     #[test]
