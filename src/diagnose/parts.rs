@@ -79,8 +79,7 @@ fn replayed(interface: &Interface, mut system: System, component: usize) -> Resu
 
 impl Replayed {
     /// What the input had in a run, at the run's communication points: as it was recorded itself, or as the output that
-    /// it is connected to was.
-    /// `whole` is the run with all its samples.
+    /// it is connected to was. `whole` is the run with all its samples.
     fn course(&self, run: &Run, whole: &Run) -> Option<Vec<f64>> {
         let recorded = |variable: usize| whole.channels.iter().find(|c| c.variable == variable);
         let (channel, factor, offset) = match (recorded(self.input), recorded(self.output)) {
@@ -169,6 +168,7 @@ impl<'a> Opened<'a> {
         Ok(Some(measured.iter().enumerate().map(of).collect()))
     }
 
+    /// The run as it was recorded, of which this may be a part.
     fn whole<'b>(&'b self, run: &'b Run) -> &'b Run {
         self.whole.iter().find(|whole| whole.name == run.name).copied().unwrap_or(run)
     }

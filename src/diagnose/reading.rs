@@ -15,8 +15,9 @@ use crate::recording::Recording;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// A gap of more intervals is long, and the share of a run that is most of it.
+/// A gap of more intervals is long: hygiene takes five for a gap, which inputs that are bridged survive.
 const LONG_GAP: f64 = 20.0;
+/// The share of a run that is most of it.
 const MOST: f64 = 0.5;
 
 /// The recordings of a diagnosis.
@@ -171,19 +172,15 @@ impl Recorded {
 /// Leaves out what comes after a long gap, if most of the run was before it: no model knows what happened in the gap, so that
 /// the state after it is unknown.
 fn leave_out_after(recording: &mut Recording, gap: &mut hygiene::Fault) {
-    let (Some(first), Some(last), Some((begin, _))) =
-        (recording.time.first(), recording.time.last(), gap.span)
-    else {
-        return;
-    };
-    let interval = (last - first - gap.value) / recording.time.len().max(1) as f64;
-    if gap.severity == hygiene::Severity::Repaired
-        && gap.value > LONG_GAP * interval
-        && begin - first > MOST * (last - first)
-    {
-        let samples = recording.time.partition_point(|t| *t <= begin);
-        recording.time.truncate(samples);
-        recording.channels.iter_mut().for_each(|c| c.values.truncate(samples));
+    let time = &recording.time;
+    let (Some(first), Some(last)) = (time.first(), time.last()) else { return };
+    let mut intervals: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
+    intervals.sort_by(f64::total_cmp);
+    let usual = intervals.get(intervals.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let Some(k) = time.windows(2).position(|w| w[1] - w[0] > LONG_GAP * usual) else { return };
+    if gap.severity == hygiene::Severity::Repaired && time[k] - first > MOST * (last - first) {
+        recording.time.truncate(k + 1);
+        recording.channels.iter_mut().for_each(|c| c.values.truncate(k + 1));
         gap.advice = "What happened in it is unknown: only what was recorded before it is used.".into();
     }
 }
@@ -265,9 +262,9 @@ mod tests {
     #[test]
     fn what_comes_after_a_long_gap_is_left_out_if_most_was_before_it() {
         // 10 s at 100 Hz, without some of them
-        let with_gap = |from: f64, to: f64| {
-            let time: Vec<f64> =
-                (0..1000).map(|k| 0.01 * f64::from(k)).filter(|t| *t <= from || *t >= to).collect();
+        let with_gaps = |gaps: &[(f64, f64)]| {
+            let is_there = |t: &f64| gaps.iter().all(|(from, to)| t <= from || t >= to);
+            let time: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).filter(is_there).collect();
             let channels = vec![Channel { name: "force".into(), unit: "N".into(), values: time.clone() }];
             let mut recording = Recording { source: "a.csv".into(), time, channels };
             let mut gap = hygiene::Fault {
@@ -275,8 +272,8 @@ mod tests {
                 severity: hygiene::Severity::Repaired,
                 runs: vec!["a.csv".into()],
                 channel: None,
-                span: Some((from, to)),
-                value: to - from,
+                span: None,
+                value: 1.0,
                 unit: "s".into(),
                 evidence: "A gap.".into(),
                 advice: "Expect a transient.".into(),
@@ -285,9 +282,11 @@ mod tests {
             assert_eq!(recording.channels[0].values, recording.time);
             (recording.time.len(), gap.advice.contains("before it is used"))
         };
-        assert_eq!(with_gap(7.0, 7.8), (701, true));
+        assert_eq!(with_gaps(&[(7.0, 7.8)]), (701, true));
         // short, and early
-        assert_eq!(with_gap(7.0, 7.1), (991, false));
-        assert_eq!(with_gap(2.0, 2.8), (921, false));
+        assert_eq!(with_gaps(&[(7.0, 7.1)]), (991, false));
+        assert_eq!(with_gaps(&[(2.0, 2.8)]), (921, false));
+        // a short one costs nothing of what comes before a long one
+        assert_eq!(with_gaps(&[(6.0, 6.1), (7.0, 7.8)]), (692, true));
     }
 }
