@@ -11,7 +11,7 @@ use crate::effect::{Effect, empirical};
 
 /// Probability of chance below which a gain on the check runs counts, for all that were fitted together.
 pub(super) const LEVEL: f64 = 0.05;
-/// A gain on the check runs below this share of the squared error is not worth a name.
+/// A gain on the check runs or on the fit runs below this share of the squared error is not worth a name.
 const MIN_GAIN: f64 = 0.01;
 /// A rest that an empirical function explains, as a share of what the named effects explain, above which
 /// the names are not enough.
@@ -91,7 +91,7 @@ impl<'a> Round<'a> {
     /// Whether the check runs have gained from an effect what chance does not make, of so many that were tried.
     fn counts(&self, t: &Tried) -> bool {
         let level = LEVEL / self.tried.len().max(1) as f64;
-        t.p <= level && t.check_gain > MIN_GAIN && t.fit_gain > 0.0 && visible(self.study, t, self.before)
+        t.p <= level && t.check_gain.min(t.fit_gain) > MIN_GAIN && visible(self.study, t, self.before)
     }
 
     /// Counts, and is not refuted as a name.

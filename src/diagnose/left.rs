@@ -37,6 +37,8 @@ pub(super) struct Left {
     structure: Option<locate::Structure>,
     /// The channel whose error is the most times its noise, and how many, if they are too many.
     far: Option<(usize, f64)>,
+    /// What repeats of a run do not share in that channel over its error, if any run is repeated.
+    scatter: Option<f64>,
     /// The channel and the run to fit whose error is the most times its noise, and how many, if nothing else is left.
     unchecked: Option<(usize, usize, f64)>,
     /// The signals that it depends on.
@@ -87,8 +89,8 @@ impl Left {
         let samples: usize = runs.iter().map(|r| r.time.len()).sum();
         let squared_noise: Vec<f64> = (0..study.weights.len())
             .map(|c| {
-                let noise = locate::noise(runs, &check.simulated, c).unwrap_or(f64::INFINITY);
-                samples as f64 * (noise * study.weights[c]).powi(2)
+                let noise = study.noise(fit, check, c).unwrap_or(f64::INFINITY);
+                samples as f64 * (noise.max(negligible(runs, c)) * study.weights[c]).powi(2)
             })
             .collect();
         // recordings without noise are met to what steps and rounding allow
@@ -99,6 +101,7 @@ impl Left {
             .map(|c| (c, (errors[c] / squared_noise[c]).sqrt()))
             .filter(|(_, ratio)| *ratio > FAR)
             .max_by(|a, b| a.1.total_cmp(&b.1));
+        let scatter = far.and_then(|(c, _)| Some(study.scatter(fit, check, c)? / study.error(check, c)));
         let beyond: f64 = if common.is_some() || structure.is_some() || far.is_some() {
             let beyond = |(e, n): (&f64, &f64)| (e - NOISE_MARGIN.powi(2) * n).max(0.0);
             errors.iter().zip(&squared_noise).map(beyond).sum()
@@ -127,7 +130,15 @@ impl Left {
                 None => locate::depends_on(runs, &check.simulated, &subject.interface, roles),
             },
         };
-        Self { common, structure, far, unchecked, depends_on, error: foretold.max(shared).max(beyond) }
+        Self {
+            common,
+            structure,
+            far,
+            scatter,
+            unchecked,
+            depends_on,
+            error: foretold.max(shared).max(beyond),
+        }
     }
 
     /// Whether it is worth a word beside effects that have taken away `explained`.
@@ -155,6 +166,17 @@ impl Left {
     /// The signals that an empirical function should have had, if that is known.
     pub(super) fn depends_on(&self) -> Option<Vec<String>> {
         self.structure.as_ref().map(|s| s.depends_on.clone())
+    }
+
+    /// What repeats of a run say of the error that is too large.
+    fn repeats(&self) -> &'static str {
+        match self.scatter {
+            None => "",
+            Some(scatter) if scatter * NOISE_MARGIN > 1.0 => {
+                " Repeats of a run differ as much: it is made by what was not recorded, or goes on from run to run."
+            }
+            Some(_) => " It comes again in repeats of a run: the inputs make it.",
+        }
     }
 
     /// Something that is missing and that nothing explains.
@@ -200,7 +222,7 @@ impl Left {
                 (
                     "Something that no signal foretells",
                     channel.iter().map(|c| name_of(c.variable)).collect(),
-                    format!("The error of the check runs is {ratio:.1} times the noise."),
+                    format!("The error of the check runs is {ratio:.1} times the noise.{}", self.repeats()),
                 )
             }
         };

@@ -192,7 +192,8 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let nominal_rest = study.rest(&nominal, &study.check_runs)?;
     let units = base_rest.by_channel();
     let improved = sign_flip(&differences(&nominal_rest.in_units(&units), &base_rest.in_units(&units)));
-    let check = channel_checks(&study, &subject, &base_rest, &current_check);
+    let current_fit = study.rest(&current.model, &study.fit_runs)?;
+    let check = channel_checks(&study, &subject, &base_rest, &current_check, &current_fit);
     let left: Vec<Option<f64>> = check.iter().map(|c| c.noise).collect();
     let parts = errors_of_parts(&study, &subject, &base_rest, &left, &recorded.all())?;
     let facts = Facts {

@@ -205,19 +205,31 @@ impl<'a> Screen<'a> {
             placement.attach(&values)
         };
         let mut columns: Vec<Option<DVector<f64>>> = vec![None; jobs.len()];
-        let mut setups = Vec::new();
-        let mut of_setup = Vec::new();
-        for (k, job) in jobs.iter().enumerate() {
-            let placement = &placements[probes[job.0].0];
-            if self.is_replayed(placement) {
-                columns[k] = Some(self.replayed(interface, &attach(job)) / step_of(job));
-            } else {
-                let mut setup = self.setup.clone();
-                setup.attachments.extend(attach(job));
-                setups.push(Arc::new(setup));
-                of_setup.push(k);
+        let (replayed, of_setup): (Vec<usize>, Vec<usize>) =
+            (0..jobs.len()).partition(|k| self.is_replayed(&placements[probes[jobs[*k].0].0]));
+        let share = replayed.len().div_ceil(self.bench.threads()).max(1);
+        let replay_one = |k: &usize| {
+            let job = &jobs[*k];
+            self.replayed(interface, &attach(job)) / step_of(job)
+        };
+        std::thread::scope(|scope| {
+            let shares: Vec<_> = replayed
+                .chunks(share)
+                .map(|own| scope.spawn(move || own.iter().map(replay_one).collect::<Vec<_>>()))
+                .collect();
+            for (own, thread) in replayed.chunks(share).zip(shares) {
+                // a thread that fails has its columns missing, as runs that fail have
+                for (k, column) in own.iter().zip(thread.join().unwrap_or_default()) {
+                    columns[*k] = Some(column);
+                }
             }
-        }
+        });
+        let with = |k: &usize| {
+            let mut setup = self.setup.clone();
+            setup.attachments.extend(attach(&jobs[*k]));
+            Arc::new(setup)
+        };
+        let setups: Vec<Arc<Setup>> = of_setup.iter().map(with).collect();
         let drives: Vec<Arc<Drive>> = self.runs.iter().map(|r| Arc::clone(&r.drive)).collect();
         let measured: Arc<[usize]> =
             self.runs.first().map_or(Arc::from([]), |r| r.channels.iter().map(|c| c.variable).collect());

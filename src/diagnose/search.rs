@@ -19,6 +19,8 @@ use crate::fit::Bench;
 const MAX_EFFECTS: usize = 3;
 /// What leaves less than so many times the noise leaves nothing for another effect that takes long to look for.
 const HARDLY_MORE: f64 = 1.2;
+/// The same of two effects for a third one.
+const NO_MORE: f64 = 1.1;
 
 /// What was found.
 pub(super) struct Found {
@@ -53,10 +55,10 @@ impl Found {
     }
 }
 
-/// Whether hardly more than noise is left of every channel of the check runs.
-fn is_noise(study: &Study<'_>, rest: &Rest) -> bool {
+/// Whether less than so many times the noise is left of every channel of the check runs.
+fn is_noise(study: &Study<'_>, rest: &Rest, times: f64) -> bool {
     let noise = |channel: usize| locate::noise(&study.check_runs, &rest.simulated, channel);
-    (0..study.weights.len()).all(|c| noise(c).is_some_and(|n| study.error(rest, c) < HARDLY_MORE * n))
+    (0..study.weights.len()).all(|c| noise(c).is_some_and(|n| study.error(rest, c) < times * n))
 }
 
 /// Searches, beginning with the refitted model and what it leaves of the check runs. Weights of channels
@@ -75,7 +77,13 @@ pub(super) fn search<'a>(
     let mut fit = study.rest(&base.model, &fit_runs)?;
     let mut found = Found::nothing(base, base_check);
     for round in 0..MAX_EFFECTS {
-        if study.slow && round > 0 && is_noise(study, &found.check) {
+        let enough = match round {
+            0 => None,
+            _ if study.slow => Some(HARDLY_MORE),
+            1 => None,
+            _ => Some(NO_MORE),
+        };
+        if enough.is_some_and(|times| is_noise(study, &found.check, times)) {
             break;
         }
         let progressed = 0.15 + 0.7 * round as f64 / MAX_EFFECTS as f64;

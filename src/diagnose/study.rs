@@ -2,6 +2,7 @@
 
 use super::blocks::redundancy;
 use super::excerpt::beginning;
+use super::locate;
 use super::placement::Placement;
 use super::subject::FreeParameter;
 use crate::effect::Parameter;
@@ -299,6 +300,22 @@ impl Study<'_> {
             n += run.time.len() as f64;
         }
         (sum / f64::max(n, 1.0)).sqrt()
+    }
+
+    /// The noise of a channel of the check runs, in the unit of the model's output, with what a model leaves of the fit
+    /// runs and of them: what follows no other signal or, if that is less, what repeats of a run do not share.
+    pub fn noise(&self, fit: &Rest, check: &Rest, channel: usize) -> Option<f64> {
+        let alone = locate::noise(&self.check_runs, &check.simulated, channel);
+        match (alone, self.scatter(fit, check, channel)) {
+            (Some(alone), Some(scatter)) => Some(alone.min(scatter)),
+            (alone, scatter) => alone.or(scatter),
+        }
+    }
+
+    /// What repeats of a run do not share in a channel, in the unit of the model's output, if any run is repeated.
+    pub fn scatter(&self, fit: &Rest, check: &Rest, channel: usize) -> Option<f64> {
+        let runs: Vec<&Run> = self.fit_runs.iter().chain(&self.check_runs).copied().collect();
+        locate::scatter(&runs, &[&fit.simulated[..], &check.simulated[..]].concat(), channel)
     }
 
     /// True if one model leaves hardly more of any channel of the check runs than another does.

@@ -1,6 +1,5 @@
 //! What a diagnosis tells in numbers and sentences: estimates, errors, traces, the summary.
 
-use super::locate;
 use super::pipeline::CheckTraces;
 use super::placement::Placement;
 use super::reading::Recorded;
@@ -88,6 +87,7 @@ pub(super) fn channel_checks(
     subject: &Subject,
     before: &Rest,
     after: &Rest,
+    after_fit: &Rest,
 ) -> Vec<ChannelCheck> {
     let channels = study.check_runs.first().map_or(&[][..], |r| &r.channels[..]);
     let of = |(c, channel): (usize, &crate::fit::Channel)| {
@@ -97,7 +97,7 @@ pub(super) fn channel_checks(
             unit: info.unit.clone().unwrap_or_else(|| "1".into()),
             before: study.error(before, c),
             after: study.error(after, c),
-            noise: locate::noise(&study.check_runs, &after.simulated, c),
+            noise: study.noise(after_fit, after, c),
         }
     };
     channels.iter().enumerate().map(of).collect()

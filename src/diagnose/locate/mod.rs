@@ -10,6 +10,7 @@ mod common;
 mod depends;
 mod map;
 mod noise;
+mod repeats;
 mod signals;
 mod structure;
 mod welch;
@@ -18,6 +19,7 @@ pub use common::{Common, common_cause};
 pub use depends::{TIME, depends_on};
 pub use map::map;
 pub use noise::noise;
+pub use repeats::scatter;
 pub use structure::{Seen, Sensitivity, Structure, structure};
 
 #[cfg(test)]
