@@ -13,6 +13,8 @@ use crate::effect::{Effect, empirical};
 pub(super) const LEVEL: f64 = 0.05;
 /// A gain on the check runs or on the fit runs below this share of the squared error is not worth a name.
 const MIN_GAIN: f64 = 0.01;
+/// The same for a model that takes long: what fits that end early leave is explained by some effect too.
+const MIN_GAIN_SLOW: f64 = 0.05;
 /// A rest that an empirical function explains, as a share of what the named effects explain, above which
 /// the names are not enough.
 pub(super) const LEFT_OVER: f64 = 0.2;
@@ -91,7 +93,8 @@ impl<'a> Round<'a> {
     /// Whether the check runs have gained from an effect what chance does not make, of so many that were tried.
     fn counts(&self, t: &Tried) -> bool {
         let level = LEVEL / self.tried.len().max(1) as f64;
-        t.p <= level && t.check_gain.min(t.fit_gain) > MIN_GAIN && visible(self.study, t, self.before)
+        let least = if self.study.slow { MIN_GAIN_SLOW } else { MIN_GAIN };
+        t.p <= level && t.check_gain.min(t.fit_gain) > least && visible(self.study, t, self.before)
     }
 
     /// Counts, and is not refuted as a name.

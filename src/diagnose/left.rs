@@ -19,6 +19,9 @@ const FAR_ALONE: f64 = 1.7;
 /// And of so many times it nothing is explained, whatever the names have taken away: what was named right left 2.5
 /// times at most in seed 6 of the study, 3.2 times in real recordings.
 const TOO_FAR: f64 = 10.0;
+/// As [`LEFT_OVER`], where a channel errs by more than its noise allows: names that explain most of it are then mostly
+/// those of other physics that looks alike.
+const LEFT_OVER_FAR: f64 = 0.05;
 /// Probability of chance below which what can be foretold counts, and the share from which on.
 const FORETOLD_LEVEL: f64 = 0.01;
 const MIN_FORETOLD: f64 = 0.03;
@@ -146,7 +149,8 @@ impl Left {
         if self.far.is_some_and(|(_, ratio)| ratio > TOO_FAR) {
             true
         } else if explained > 0.0 {
-            self.error > LEFT_OVER * (explained + self.error)
+            let least = if self.far.is_some() { LEFT_OVER_FAR } else { LEFT_OVER };
+            self.error > least * (explained + self.error)
         } else {
             self.common.is_some()
                 || self.structure.is_some()

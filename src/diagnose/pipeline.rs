@@ -149,9 +149,11 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         let fallback = base.clone();
         let found = search(&mut study, &bench, &subject, &roles, &nominal, (base, base_rest), progress)?;
         if faults.iter().any(is_fatal) {
-            // what single runs have may be physics: of a fault that is there no name makes runs like the others
+            // what single runs have may be physics: of a fault that is there no name makes runs like the others, while a
+            // function without one may
             let there = against(&study, &found.current.model)?;
-            let explained = |f: &hygiene::Fault| found.unknown.is_none() && !there.iter().any(|t| t.is_of(f));
+            let is_named = found.unknown.as_ref().is_none_or(|left| left.parameters.is_empty());
+            let explained = |f: &hygiene::Fault| is_named && !there.iter().any(|t| t.is_of(f));
             faults.retain(|f| !is_fatal(f) || !explained(f));
         }
         if faults.iter().any(is_fatal) { Found::nothing(fallback, found.base_check) } else { found }

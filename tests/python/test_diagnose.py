@@ -84,6 +84,18 @@ def test_what_was_once_missed_is_found_and_leaves_noise(other_study, number):
     assert max(c["after"] / c["noise"] for c in found["check"]) < 1.15
 
 
+def test_a_name_that_leaves_more_than_noise_is_not_the_answer():
+    """Friction that goes with the product of slip and speed: cross-talk explains most of it, and not all."""
+    study = prove(TARGET / "prove-test-10", [66, 114], seed=10)
+    for number in (66, 114):
+        found = diagnosis(study, number)
+        assert found["verdict"] == "unknown", found["summary"]
+        unknown, *names = found["findings"]
+        assert unknown["effect"] == "unknown" and unknown["depends_on"]
+        assert all(f["confidence"] < 0.6 for f in names)
+        assert found["faults"] == []
+
+
 def test_a_gap_is_a_fault_and_no_physics():
     number = 122
     found = diagnosis(prove(TARGET / "prove-test-9", [number], seed=9), number)
