@@ -157,6 +157,7 @@ pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, 
     let root = |a: f64, b: f64| 100.0 * (1.0 - (a / b.max(f64::MIN_POSITIVE)).sqrt());
     let gain = root(after, base);
     let name = |f: &Finding| format!("{} ({})", f.name, f.place);
+    let all = |findings: &[Finding]| findings.iter().map(name).collect::<Vec<_>>().join("; then ");
     match (diagnosis.verdict, &diagnosis.findings[..]) {
         (Verdict::Recording, _) => {
             let words: Vec<&str> = diagnosis.faults.iter().take(2).map(|f| f.text.as_str()).collect();
@@ -168,7 +169,7 @@ pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, 
         ),
         (Verdict::Effect, findings) => format!(
             "The model lacks: {}. With it the error of the check runs is {gain:.0} % lower than after refitting the parameters alone.",
-            findings.iter().map(name).collect::<Vec<_>>().join("; then "),
+            all(findings)
         ),
         (Verdict::Family, [first, ..]) => {
             let others: Vec<String> =
@@ -179,16 +180,25 @@ pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, 
                 others.join("; ")
             )
         }
-        (Verdict::Unknown, [first, ..]) if first.parameters.is_empty() => format!(
-            "Something is missing that has no name here: {} {} on {}. Nothing that was tried explains that on other runs, so the model is only refitted.",
-            first.channels.join(" and "),
-            if first.channels.len() > 1 { "have errors in common that depend" } else { "has an error that is no noise and depends" },
-            if first.depends_on.is_empty() { "nothing that was recorded".to_owned() } else { first.depends_on.join(", ") }
-        ),
-        (Verdict::Unknown, [first, ..]) => format!(
-            "Something is missing that has no name here; it acts at {} and depends on {}. An empirical function of that lowers the error of the check runs by {gain:.0} %.",
+        (Verdict::Unknown, [first, names @ ..]) if first.parameters.is_empty() => {
+            let what = first.channels.join(" and ");
+            let errs = if first.channels.len() > 1 { "have errors in common that depend" } else { "has an error that is no noise and depends" };
+            let on = if first.depends_on.is_empty() { "nothing that was recorded".to_owned() } else { first.depends_on.join(", ") };
+            let explained = if names.is_empty() {
+                "Nothing that was tried explains that on other runs, so the model is only refitted.".to_owned()
+            } else {
+                format!(
+                    "With {} the error of the check runs is {gain:.0} % lower than after refitting the parameters alone; that is not all, and may be something else that looks alike.",
+                    all(names)
+                )
+            };
+            format!("Something is missing that has no name here: {what} {errs} on {on}. {explained}")
+        }
+        (Verdict::Unknown, [first, names @ ..]) => format!(
+            "Something is missing that has no name here; it acts at {} and depends on {}. An empirical function of that lowers{} the error of the check runs by {gain:.0} %.",
             first.place,
-            if first.depends_on.is_empty() { "time".to_owned() } else { first.depends_on.join(", ") }
+            if first.depends_on.is_empty() { "time".to_owned() } else { first.depends_on.join(", ") },
+            if names.is_empty() { String::new() } else { format!(", together with {},", all(names)) }
         ),
         _ => "Nothing is missing: the model explains the check runs as well as anything that was tried. Its parameters need no change.".into(),
     }
