@@ -10,8 +10,11 @@ use super::wander::wandering;
 
 /// What is known of the noise is too little by up to this factor, if it is coloured.
 pub(super) const NOISE_MARGIN: f64 = 1.4;
+/// What repeats of a run do not share is less than what noise leaves by so much: filters of a recorder and lines between
+/// samples err alike in all of them.
+const REPEATED: f64 = 1.4;
 /// An error of so many times the noise is no noise, even if nothing can be said of it: of models that lack
-/// nothing the largest ratio of seeds 4 to 9 of the blind study was 1.37.
+/// nothing the largest ratio of seeds 4 to 10 of the blind study was 1.37.
 const FAR: f64 = 1.45;
 /// The same for one channel of one run, whose noise is known less well: of models that lack nothing the largest ratio was
 /// 1.40 in 36 cases of the blind study.
@@ -92,7 +95,8 @@ impl Left {
         let samples: usize = runs.iter().map(|r| r.time.len()).sum();
         let squared_noise: Vec<f64> = (0..study.weights.len())
             .map(|c| {
-                let noise = study.noise(fit, check, c).unwrap_or(f64::INFINITY);
+                let alone = locate::noise(runs, &check.simulated, c).unwrap_or(f64::INFINITY);
+                let noise = alone.min(study.scatter(fit, check, c).map_or(f64::INFINITY, |s| REPEATED * s));
                 samples as f64 * (noise.max(negligible(runs, c)) * study.weights[c]).powi(2)
             })
             .collect();
@@ -179,7 +183,9 @@ impl Left {
             Some(scatter) if scatter * NOISE_MARGIN > 1.0 => {
                 " Repeats of a run differ as much: it is made by what was not recorded, or goes on from run to run."
             }
-            Some(_) => " It comes again in repeats of a run: the inputs make it.",
+            Some(_) => {
+                " It comes again in repeats of a run: the inputs make it, or the time since the start."
+            }
         }
     }
 

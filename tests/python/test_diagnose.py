@@ -10,7 +10,7 @@ import fmpy
 import numpy as np
 import pytest
 
-from conftest import ROOT, TARGET, latsch
+from conftest import ROOT, TARGET, latsch, read_results
 
 # number, verdict, what is to be found first and where
 CASES = {
@@ -94,6 +94,43 @@ def test_a_name_that_leaves_more_than_noise_is_not_the_answer():
         assert unknown["effect"] == "unknown" and unknown["depends_on"]
         assert names and all(f["confidence"] < 0.6 and f["name"] in found["summary"] for f in names)
         assert found["faults"] == []
+
+
+def write(path, header, *columns):
+    np.savetxt(path, np.transpose(columns), delimiter=",", header=header, comments="")
+
+
+@pytest.mark.parametrize("repeats, verdict", [(True, "unknown"), (False, "parameters")])
+def test_repeats_of_a_run_tell_what_is_no_noise(study, tmp_path, repeats, verdict):
+    """An error that follows no signal comes again if a run is repeated: without repeats it looks like noise."""
+    model, recordings, number = study / "models" / "oscillator.fmu", tmp_path / "recordings", 2000
+    time = 0.005 * np.arange(number)
+    recordings.mkdir()
+    for run, programme in enumerate([0, 1, 2, 0, 1, 2, 3, 4] if repeats else range(8)):
+        dice = np.random.default_rng(programme)
+        sines = zip(dice.uniform(100, 400, 8), dice.uniform(0.3, 6, 8), dice.uniform(0, 6, 8))
+        force = sum(a * np.sin(2 * np.pi * f * time + phase) for a, f, phase in sines)
+        path = recordings / f"run-{run}.csv"
+        write(path, "time [s],force [N]", time, force)
+        results = tmp_path / "results.csv"
+        done = latsch("simulate", model, "--inputs", path, "--set", "stiffness=4400", "--output", results)
+        assert done.returncode == 0, done.stderr
+        simulated = read_results(results)
+        position = np.interp(time, simulated["time"], simulated["position"])
+        again = 0.025 * dice.standard_normal(number)
+        noise = 0.01 * np.random.default_rng(100 + run).standard_normal(number)
+        measured = position + position.std() * (again + noise)
+        write(path, "time [s],force [N],position [m]", time, force, measured)
+    output = tmp_path / "output"
+    done = latsch("diagnose", model, "--recordings", recordings, "--output", output)
+    assert done.returncode == 0, done.stderr
+    found = json.loads((output / "diagnosis.json").read_text())
+    assert found["verdict"] == verdict, found["summary"]
+    [position] = found["check"]
+    ratio = position["after"] / position["noise"]
+    assert ratio == pytest.approx(np.hypot(0.025, 0.01) / 0.01 if repeats else 1.0, rel=0.1)
+    if repeats:
+        assert "comes again in repeats" in found["findings"][0]["evidence"]
 
 
 def test_a_gap_is_a_fault_and_no_physics():
