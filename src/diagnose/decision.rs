@@ -13,7 +13,8 @@ use crate::effect::{Effect, empirical};
 pub(super) const LEVEL: f64 = 0.05;
 /// A gain on the check runs or on the fit runs below this share of the squared error is not worth a name.
 const MIN_GAIN: f64 = 0.01;
-/// The same for a model that takes long: what fits that end early leave is explained by some effect too.
+/// The same for a model that takes long: what fits that end early leave is explained by some effect too. On the flat track of
+/// seed 10 of the blind study a wrong name gained 0.02, right ones 0.08 and more.
 const MIN_GAIN_SLOW: f64 = 0.05;
 /// A rest that an empirical function explains, as a share of what the named effects explain, above which
 /// the names are not enough.
@@ -25,7 +26,7 @@ const TIE: f64 = 0.05;
 const CLOSE: f64 = 0.03;
 /// The best by all blocks may win in few of the resampled ones; it is not less likely than this.
 const LEAST_SHARE: f64 = 0.05;
-/// About how often a name without a rival was right in the blind study: 0.96 in seeds 6 to 9 (PROOF.md), and other machines
+/// About how often a name without a rival was right in the blind study: 0.97 in seeds 6 to 10 (PROOF.md), and other machines
 /// are not easier.
 pub(super) const OFTEN_RIGHT: f64 = 0.94;
 

@@ -19,7 +19,7 @@ use crate::fit::Bench;
 const MAX_EFFECTS: usize = 3;
 /// What leaves less than so many times the noise leaves nothing for another effect that takes long to look for.
 const HARDLY_MORE: f64 = 1.2;
-/// The same of two effects for a third one.
+/// The same of two effects for a third one: of what is less than half the noise nothing is left to find.
 const NO_MORE: f64 = 1.1;
 
 /// What was found.

@@ -106,6 +106,22 @@ impl Rest {
     }
 }
 
+/// What is known of the noise of a channel, in the unit of the model's output.
+#[derive(Debug, Clone, Copy)]
+pub struct Noise {
+    /// What follows no other signal.
+    pub alone: Option<f64>,
+    /// What repeats of a run do not share, if any run is repeated.
+    pub scatter: Option<f64>,
+}
+
+impl Noise {
+    /// Both are upper bounds: the lower one.
+    pub fn least(&self) -> Option<f64> {
+        self.alone.into_iter().chain(self.scatter).reduce(f64::min)
+    }
+}
+
 impl Study<'_> {
     pub(super) fn problem<'b>(&'b self, model: &Model, runs: Vec<&'b Run>) -> OutputError<'b> {
         let knob = |p: &FreeParameter| Knob::Parameter(p.variable, p.scale);
@@ -302,20 +318,15 @@ impl Study<'_> {
         (sum / f64::max(n, 1.0)).sqrt()
     }
 
-    /// The noise of a channel of the check runs, in the unit of the model's output, with what a model leaves of the fit
-    /// runs and of them: what follows no other signal or, if that is less, what repeats of a run do not share.
-    pub fn noise(&self, fit: &Rest, check: &Rest, channel: usize) -> Option<f64> {
-        let alone = locate::noise(&self.check_runs, &check.simulated, channel);
-        match (alone, self.scatter(fit, check, channel)) {
-            (Some(alone), Some(scatter)) => Some(alone.min(scatter)),
-            (alone, scatter) => alone.or(scatter),
-        }
-    }
-
-    /// What repeats of a run do not share in a channel, in the unit of the model's output, if any run is repeated.
-    pub fn scatter(&self, fit: &Rest, check: &Rest, channel: usize) -> Option<f64> {
+    /// The noise of every channel of the check runs, with what a model leaves of the fit runs and of them.
+    pub fn noise(&self, fit: &Rest, check: &Rest) -> Vec<Noise> {
         let runs: Vec<&Run> = self.fit_runs.iter().chain(&self.check_runs).copied().collect();
-        locate::scatter(&runs, &[&fit.simulated[..], &check.simulated[..]].concat(), channel)
+        let scatter = locate::scatter(&runs, &[&fit.simulated[..], &check.simulated[..]].concat());
+        let of = |c: usize| Noise {
+            alone: locate::noise(&self.check_runs, &check.simulated, c),
+            scatter: scatter.as_ref().and_then(|s| s.get(c).copied()),
+        };
+        (0..self.weights.len()).map(of).collect()
     }
 
     /// True if one model leaves hardly more of any channel of the check runs than another does.

@@ -4,7 +4,7 @@ use super::pipeline::CheckTraces;
 use super::placement::Placement;
 use super::reading::Recorded;
 use super::result::{ChannelCheck, Diagnosis, Estimate, Finding, Fitted as FittedParameter, Verdict};
-use super::study::{Fitted, Model, Rest, Study};
+use super::study::{Fitted, Model, Noise, Rest, Study};
 use super::subject::Subject;
 use crate::Result;
 use crate::recording::Recording;
@@ -90,6 +90,7 @@ pub(super) fn channel_checks(
     after_fit: &Rest,
 ) -> Vec<ChannelCheck> {
     let channels = study.check_runs.first().map_or(&[][..], |r| &r.channels[..]);
+    let noise = study.noise(after_fit, after);
     let of = |(c, channel): (usize, &crate::fit::Channel)| {
         let info = &subject.interface.variables[channel.variable];
         ChannelCheck {
@@ -97,7 +98,7 @@ pub(super) fn channel_checks(
             unit: info.unit.clone().unwrap_or_else(|| "1".into()),
             before: study.error(before, c),
             after: study.error(after, c),
-            noise: study.noise(after_fit, after, c),
+            noise: noise.get(c).and_then(Noise::least),
         }
     };
     channels.iter().enumerate().map(of).collect()
@@ -180,28 +181,41 @@ pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, 
                 others.join("; ")
             )
         }
-        (Verdict::Unknown, [first, names @ ..]) if first.parameters.is_empty() => {
-            let what = first.channels.join(" and ");
-            let errs = if first.channels.len() > 1 { "have errors in common that depend" } else { "has an error that is no noise and depends" };
-            let on = if first.depends_on.is_empty() { "nothing that was recorded".to_owned() } else { first.depends_on.join(", ") };
-            let explained = if names.is_empty() {
-                "Nothing that was tried explains that on other runs, so the model is only refitted.".to_owned()
-            } else {
-                format!(
-                    "With {} the error of the check runs is {gain:.0} % lower than after refitting the parameters alone; that is not all, and may be something else that looks alike.",
-                    all(names)
-                )
-            };
-            format!("Something is missing that has no name here: {what} {errs} on {on}. {explained}")
-        }
-        (Verdict::Unknown, [first, names @ ..]) => format!(
-            "Something is missing that has no name here; it acts at {} and depends on {}. An empirical function of that lowers{} the error of the check runs by {gain:.0} %.",
-            first.place,
-            if first.depends_on.is_empty() { "time".to_owned() } else { first.depends_on.join(", ") },
-            if names.is_empty() { String::new() } else { format!(", together with {},", all(names)) }
-        ),
+        (Verdict::Unknown, [first, names @ ..]) => unknown(first, &all(names), gain),
         _ => "Nothing is missing: the model explains the check runs as well as anything that was tried. Its parameters need no change.".into(),
     }
+}
+
+/// The sentences of what has no name, with the names that stand beside it.
+fn unknown(finding: &Finding, names: &str, gain: f64) -> String {
+    let on = |nothing: &str| match &finding.depends_on[..] {
+        [] => nothing.to_owned(),
+        signals => signals.join(", "),
+    };
+    if !finding.parameters.is_empty() {
+        let beside = if names.is_empty() { String::new() } else { format!(", together with {names},") };
+        return format!(
+            "Something is missing that has no name here; it acts at {} and depends on {}. An empirical function of that lowers{beside} the error of the check runs by {gain:.0} %.",
+            finding.place,
+            on("time")
+        );
+    }
+    let errs = match finding.channels.len() {
+        0 | 1 => "has an error that is no noise and depends",
+        _ => "have errors in common that depend",
+    };
+    let explained = if names.is_empty() {
+        "Nothing that was tried explains that on other runs, so the model is only refitted.".to_owned()
+    } else {
+        format!(
+            "With {names} the error of the check runs is {gain:.0} % lower than after refitting the parameters alone; that is not all, and may be something else that looks alike."
+        )
+    };
+    format!(
+        "Something is missing that has no name here: {} {errs} on {}. {explained}",
+        finding.channels.join(" and "),
+        on("nothing that was recorded")
+    )
 }
 
 pub(super) fn next_experiment(diagnosis: &Diagnosis) -> String {

@@ -10,32 +10,27 @@ const NEGLIGIBLE: f64 = 0.02;
 /// The shorter of two repeats has this share of the longer one at least.
 const AS_LONG: f64 = 0.8;
 
-/// The noise of a measured channel, in its unit, by runs that repeat each other: root mean square of what their
+/// The noise of every measured channel, in its unit, by runs that repeat each other: root mean square of what their
 /// residuals do not share, over the square root of two.
 ///
 /// It has everything that does not come again: noise of sensors, disturbances, other beginnings, and what goes on from
 /// run to run, such as warming. It has nothing that a model could tell from the inputs. `None` if no two runs are driven
-/// alike, or the channel is not there.
-pub fn scatter(runs: &[&Run], simulated: &[Traces], channel: usize) -> Option<f64> {
-    if channel >= channels(runs) {
-        return None;
-    }
+/// alike.
+pub fn scatter(runs: &[&Run], simulated: &[Traces]) -> Option<Vec<f64>> {
     let step = interval(runs)?;
     let evened = |values: &[Vec<f64>]| -> Vec<Vec<f64>> {
         runs.iter().zip(values).map(|(run, v)| even(&run.time, v, step)).collect()
     };
     let driven: Vec<Vec<Vec<f64>>> = inputs(runs).iter().map(|s| evened(&s.values)).collect();
-    let rests = evened(&residual(runs, simulated, channel));
-    let (mut sum, mut n) = (0.0, 0.0);
-    for (i, j) in (0..runs.len()).flat_map(|j| (0..j).map(move |i| (i, j))) {
-        if are_repeats(&driven, i, j) {
-            let differences = rests[i].iter().zip(&rests[j]).map(|(a, b)| a - b);
-            n += rests[i].len().min(rests[j].len()) as f64;
-            sum += differences.map(|d| d * d).sum::<f64>();
-        }
-    }
-    let scatter = (0.5 * sum / n).sqrt();
-    scatter.is_finite().then_some(scatter)
+    let pairs = (0..runs.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
+    let repeats: Vec<(usize, usize)> = pairs.filter(|(i, j)| are_repeats(&driven, *i, *j)).collect();
+    let of = |channel: usize| {
+        let rests = evened(&residual(runs, simulated, channel));
+        let differences =
+            repeats.iter().flat_map(|(i, j)| rests[*i].iter().zip(&rests[*j])).map(|(a, b)| a - b);
+        root_mean_square(differences) / 2.0_f64.sqrt()
+    };
+    (!repeats.is_empty()).then(|| (0..channels(runs)).map(of).collect())
 }
 
 /// Whether all inputs do the same in two runs, and one of them moves.
@@ -90,9 +85,10 @@ mod tests {
         let simulated = vec![vec![vec![0.0; N]]; 4];
         let scatter = |some: &[usize]| {
             let runs: Vec<&Run> = some.iter().map(|i| runs[*i]).collect();
-            scatter(&runs, &simulated[..some.len()], 0)
+            scatter(&runs, &simulated[..some.len()])
         };
-        assert!((scatter(&[0, 1, 2, 3]).unwrap() - 0.1).abs() < 0.005);
+        let [scattered] = scatter(&[0, 1, 2, 3]).unwrap()[..] else { panic!("one channel") };
+        assert!((scattered - 0.1).abs() < 0.005);
         assert!(noise(&runs, &simulated, 0).unwrap() > 0.5);
         assert_eq!(scatter(&[0, 1]), None);
     }
@@ -102,13 +98,12 @@ mod tests {
         let mut dice = Dice::new(3);
         let rest = run("a", 0.01, &[vec![1.0; N]], &[coloured(&mut dice, 0.5, N)]);
         let simulated = vec![vec![vec![0.0; N]]; 2];
-        assert_eq!(scatter(&[&rest, &rest], &simulated, 0), None);
+        assert_eq!(scatter(&[&rest, &rest], &simulated), None);
         let moves = coloured(&mut dice, 0.9, N);
         let long = run("a", 0.01, std::slice::from_ref(&moves), &[vec![0.0; N]]);
         let short = run("b", 0.01, &[moves[..N / 2].to_vec()], &[vec![0.0; N / 2]]);
-        assert_eq!(scatter(&[&long, &short], &[vec![vec![0.0; N]], vec![vec![0.0; N / 2]]], 0), None);
-        assert_eq!(scatter(&[&long, &long], &simulated, 0), Some(0.0));
-        assert_eq!(scatter(&[&long, &long], &simulated, 1), None);
-        assert_eq!(scatter(&[], &[], 0), None);
+        assert_eq!(scatter(&[&long, &short], &[vec![vec![0.0; N]], vec![vec![0.0; N / 2]]]), None);
+        assert_eq!(scatter(&[&long, &long], &simulated), Some(vec![0.0]));
+        assert_eq!(scatter(&[], &[]), None);
     }
 }
