@@ -448,7 +448,7 @@ mod check_28_to_44 {
         let tire = example_tire();
         let load = |tire: &Tire, deflection: f64| {
             let standing = Motion::default();
-            stationary_refined(tire, &standing, Vertical::Height(0.338 - deflection), 20)
+            stationary_refined(tire, &standing, Vertical::Height(0.338 - deflection), 1.0, 20)
                 .unwrap()
                 .on_rim
                 .force

@@ -508,7 +508,7 @@ fn load_and_deflection() {
     let tire = example_tire();
     for deflection in [0.005, 0.02, 0.03] {
         let rim = Point { alpha: 0.01, slip: 0.005, ..FREE }.rim(&tire);
-        let s = stationary_refined(&tire, &rim, Vertical::Height(0.338 - deflection), 400).unwrap();
+        let s = stationary_refined(&tire, &rim, Vertical::Height(0.338 - deflection), 1.0, 400).unwrap();
         let mut rig = flat_track(&[("deflection", deflection), ("slip_angle", -0.01), ("slip", 0.005)]);
         run(&mut rig, 0.2, |_| {});
         let late = means(&mut rig, 0.34);

@@ -57,7 +57,7 @@ impl Model for BrakeHydraulics {
         parameter("friction", "1", real!(parameters.friction), 0.4, "Friction coefficient of pads in full contact (mu_0; placeholder)").range(0.0, 2.0).tunable(),
         parameter("onset_friction_share", "1", real!(parameters.onset_share), 0.25, "Friction at first contact over that of full contact (c_0; placeholder); 1 makes it constant").range(0.0, 1.0).tunable(),
         parameter("onset_time", "s", real!(parameters.onset_time), 0.22, "Time from first to full contact (T_on; placeholder); 0 makes the friction constant").range(0.0, 10.0).tunable(),
-        parameter("contact_pressure", "Pa", real!(parameters.contact_pressure), 5e4, "Caliper pressure above which the pads touch the disc: the onset starts here, and anew after a fall below it (placeholder)").range(0.0, 1e7).tunable(),
+        parameter("contact_pressure", "Pa", real!(parameters.contact_pressure), 5e4, "Caliper pressure that it takes to bring the pads to the disc, and that does not press them on it: without torque below it, and the onset starts here, anew after each fall below it (placeholder)").range(0.0, 1e7).tunable(),
         parameter("caliper_lag", "s", real!(parameters.caliper_lag), 6e-3, "First-order lag of the caliper pressure behind the line (placeholder); 0 makes them equal").range(0.0, 1.0).tunable(),
         parameter("build_rate", "Pa/s", real!(parameters.build_rate), 1.2e8, "Rise of the line pressure through the open inlet valve (placeholder)").range(1e5, 1e11).tunable(),
         parameter("dump_rate", "Pa/s", real!(parameters.dump_rate), 9e7, "Fall of the line pressure through the open outlet valve (placeholder)").range(0.0, 1e11).tunable(),
@@ -132,10 +132,12 @@ impl Parameters {
 }
 
 impl BrakeHydraulics {
-    /// Torque of the pads (6.33).
+    /// Torque of the pads: (6.33) with the pressure beyond the one that it takes to bring them to the disc,
+    /// which the source does not have.
     fn torque(&self) -> f64 {
         let p = &self.parameters;
-        p.friction_after(self.contact_time) * self.caliper * p.piston_area * p.friction_radius
+        let clamping = (self.caliper - p.contact_pressure).max(0.0);
+        p.friction_after(self.contact_time) * clamping * p.piston_area * p.friction_radius
     }
 
     fn source(&self) -> f64 {
@@ -259,7 +261,7 @@ mod tests {
             close(get(&mut brake, "pressure"), top);
             close(get(&mut brake, "caliper_pressure"), caliper);
             close(get(&mut brake, "pad_friction"), friction);
-            close(get(&mut brake, "brake_torque"), friction * caliper * 43e-4 * 0.14);
+            close(get(&mut brake, "brake_torque"), friction * (caliper - 5e4) * 43e-4 * 0.14);
         }
     }
 
@@ -313,6 +315,19 @@ mod tests {
         set(&mut brake, &[("driver_pressure", 3e6), ("caliper_lag", 0.0)]);
         brake.step(1.0, 0.11 + 1e4 / 1.2e8).unwrap();
         close(get(&mut brake, "pad_friction"), 0.4 * (0.25 + 0.75 * 0.5));
+    }
+
+    #[test]
+    fn pads_that_do_not_touch_do_not_brake_and_the_torque_begins_at_contact_from_zero() {
+        let torque_at = |pressure: f64| {
+            let mut brake = brake(&[("contact_pressure", 1e6), ("driver_pressure", pressure)]);
+            get(&mut brake, "brake_torque")
+        };
+        for below in [0.0, 9e5, 1e6] {
+            assert_eq!(torque_at(below), 0.0, "{below} Pa");
+        }
+        let [a, b] = [1e6 + 1.0, 1e6 + 2.0].map(torque_at);
+        assert!(a > 0.0 && a < 1e-3 && (b / a - 2.0).abs() < 1e-6, "{a} {b}");
     }
 
     #[test]

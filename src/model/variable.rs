@@ -52,7 +52,7 @@ pub struct Variable<M: 'static> {
     nominal: Option<f64>,
     items: &'static [(&'static str, &'static str)],
     tunable: bool,
-    natural_rate: Option<fn(&M) -> f64>,
+    runs_on: Option<&'static str>,
 }
 
 /// Access to a real field: `real!(tire.belt.mass)`, inside `impl Model`.
@@ -99,7 +99,7 @@ const fn row<M>(
         nominal: None,
         items: &[],
         tunable: false,
-        natural_rate: None,
+        runs_on: None,
     }
 }
 
@@ -205,12 +205,12 @@ impl<M: 'static> Variable<M> {
         self
     }
 
-    /// Lets a real input that comes without a derivative run on between communication points, with a
-    /// rate that follows from the other inputs there: a position with the velocity that comes beside
-    /// it.
+    /// Lets a real input that comes without a derivative run on between communication points with the
+    /// real input called `rate`: a position with the velocity that comes beside it, x + v t, or, where
+    /// the velocity has a derivative a, x + v t + a t²/2.
     #[must_use]
-    pub const fn runs_on(mut self, rate: fn(&M) -> f64) -> Self {
-        self.natural_rate = Some(rate);
+    pub const fn runs_on(mut self, rate: &'static str) -> Self {
+        self.runs_on = Some(rate);
         self
     }
 
@@ -226,9 +226,9 @@ impl<M: 'static> Variable<M> {
         self.name
     }
 
-    /// Its rate between communication points where the master gives none.
-    pub const fn natural_rate(&self) -> Option<fn(&M) -> f64> {
-        self.natural_rate
+    /// The input that is its rate between communication points where the master gives none.
+    pub const fn natural_rate(&self) -> Option<&'static str> {
+        self.runs_on
     }
 
     /// How to reach it.

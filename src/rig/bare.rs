@@ -2,7 +2,7 @@
 //! moment on the rim out; the road is a plane that the master gives.
 
 use super::table::tire_table;
-use super::{Command, MountedTire};
+use super::MountedTire;
 use crate::model::{Model, Variable, input};
 use crate::tire::{Ground, Motion, Plane};
 use crate::{Result, clone_in_place};
@@ -18,28 +18,18 @@ pub struct RingBrushTire {
     /// Pose and velocity of the rim in frame 0, x and y included.
     rim: Motion<f64>,
     plane: RoadPlane,
-    /// Where the rim was over the road at the end of the last step.
-    place: [f64; 2],
+    /// Where the rim was over the road, and the plane, at the end of the last step.
+    last: ([f64; 2], RoadPlane),
 }
 
-clone_in_place!(RingBrushTire { tire, step_size, rim, plane, place });
+clone_in_place!(RingBrushTire { tire, step_size, rim, plane, last });
 
 /// A plane through a point.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 struct RoadPlane {
-    point: [Command; 3],
-    slope: [Command; 2],
+    point: [f64; 3],
+    slope: [f64; 2],
     friction: f64,
-}
-
-/// Access to a command and its rate.
-macro_rules! command {
-    ($($path:tt)+) => {
-        Access::Rated(
-            |m: &Self| m.$($path)+.value,
-            |m: &mut Self, value, rate| m.$($path)+ = Command { value, rate },
-        )
-    };
 }
 
 impl Model for RingBrushTire {
@@ -49,23 +39,23 @@ impl Model for RingBrushTire {
         concat!(include_str!("bare.html"), include_str!("../tire/ring_brush/documentation.html"));
     const VARIABLES: &'static [Variable<Self>] = tire_table! {
         inputs: [
-            input("rim_x", "m", real!(rim.position.x), 0.0, "Wheel centre, frame 0; between communication points it runs on with rim_velocity_x").runs_on(|m| m.rim.velocity.x),
-            input("rim_y", "m", real!(rim.position.y), 0.0, "Wheel centre, frame 0; runs on with rim_velocity_y").runs_on(|m| m.rim.velocity.y),
-            input("rim_z", "m", real!(rim.position.z), 0.319, "Wheel centre, frame 0; runs on with rim_velocity_z").runs_on(|m| m.rim.velocity.z),
-            input("rim_camber", "rad", real!(rim.angles.x), 0.0, "Inclination angle; positive leans the top of the wheel to -y; runs on with rim_camber_rate").range(-0.6, 0.6).runs_on(|m| m.rim.rates.x),
-            input("rim_spin", "rad", real!(rim.angles.y), 0.0, "Spin angle, unbounded; runs on with rim_spin_rate").runs_on(|m| m.rim.rates.y),
-            input("rim_steer", "rad", real!(rim.angles.z), 0.0, "Steer angle about z; runs on with rim_steer_rate").range(-TAU, TAU).runs_on(|m| m.rim.rates.z),
+            input("rim_x", "m", real!(rim.position.x), 0.0, "Wheel centre, frame 0; between communication points it runs on with rim_velocity_x").runs_on("rim_velocity_x"),
+            input("rim_y", "m", real!(rim.position.y), 0.0, "Wheel centre, frame 0; runs on with rim_velocity_y").runs_on("rim_velocity_y"),
+            input("rim_z", "m", real!(rim.position.z), 0.319, "Wheel centre, frame 0; runs on with rim_velocity_z").runs_on("rim_velocity_z"),
+            input("rim_camber", "rad", real!(rim.angles.x), 0.0, "Inclination angle; positive leans the top of the wheel to -y; runs on with rim_camber_rate").range(-0.6, 0.6).runs_on("rim_camber_rate"),
+            input("rim_spin", "rad", real!(rim.angles.y), 0.0, "Spin angle, unbounded; runs on with rim_spin_rate").runs_on("rim_spin_rate"),
+            input("rim_steer", "rad", real!(rim.angles.z), 0.0, "Steer angle about z; runs on with rim_steer_rate").range(-TAU, TAU).runs_on("rim_steer_rate"),
             input("rim_velocity_x", "m/s", real!(rim.velocity.x), 10.0, "Velocity of the wheel centre, frame 0").range(-200.0, 200.0),
             input("rim_velocity_y", "m/s", real!(rim.velocity.y), 0.0, "Velocity of the wheel centre, frame 0").range(-200.0, 200.0),
             input("rim_velocity_z", "m/s", real!(rim.velocity.z), 0.0, "Velocity of the wheel centre, frame 0").range(-200.0, 200.0),
             input("rim_camber_rate", "rad/s", real!(rim.rates.x), 0.0, "Rate of the inclination angle").range(-200.0, 200.0),
             input("rim_spin_rate", "rad/s", real!(rim.rates.y), 10.0 / 0.328, "Rate of the spin angle, positive rolling forward").range(-2000.0, 2000.0),
             input("rim_steer_rate", "rad/s", real!(rim.rates.z), 0.0, "Rate of the steer angle").range(-200.0, 200.0),
-            input("road_x", "m", command!(plane.point[0]), 0.0, "Point of the road plane, frame 0: where road_height holds; on a level road it does not matter"),
-            input("road_y", "m", command!(plane.point[1]), 0.0, "Point of the road plane, frame 0"),
-            input("road_height", "m", command!(plane.point[2]), 0.0, "Height of the road plane at road_x, road_y").range(-1e4, 1e4),
-            input("road_slope_x", "1", command!(plane.slope[0]), 0.0, "Slope dz/dx of the road plane").range(-1.0, 1.0),
-            input("road_slope_y", "1", command!(plane.slope[1]), 0.0, "Slope dz/dy of the road plane").range(-1.0, 1.0),
+            input("road_x", "m", real!(plane.point[0]), 0.0, "Point of the road plane, frame 0: where road_height holds; on a level road it does not matter"),
+            input("road_y", "m", real!(plane.point[1]), 0.0, "Point of the road plane, frame 0"),
+            input("road_height", "m", real!(plane.point[2]), 0.0, "Height of the road plane at road_x, road_y").range(-1e4, 1e4),
+            input("road_slope_x", "1", real!(plane.slope[0]), 0.0, "Slope dz/dx of the road plane").range(-1.0, 1.0),
+            input("road_slope_y", "1", real!(plane.slope[1]), 0.0, "Slope dz/dy of the road plane").range(-1.0, 1.0),
             input("friction_factor", "1", real!(plane.friction), 1.0, "Factor on the friction between tire and road").range(0.0, 10.0),
         ],
         outputs: [
@@ -81,6 +71,7 @@ impl Model for RingBrushTire {
         parameters: [
             parameter("step_size", "s", real!(step_size), 1e-4, "Step of the model's own time grid").range(1e-7, 5e-4),
         ],
+        appended: [],
         road: [],
     };
 
@@ -90,7 +81,7 @@ impl Model for RingBrushTire {
 
     fn initialize(&mut self) -> Result<()> {
         self.tire.mount()?;
-        self.place = [self.rim.position.x, self.rim.position.y];
+        self.last = (self.place(), self.plane);
         let rim = self.above_ground();
         self.tire.start(&rim, &self.ground(0.0))
     }
@@ -114,11 +105,12 @@ impl Model for RingBrushTire {
         let before = &self.tire.rim.velocity;
         let way = [before.x + rim.velocity.x, before.y + rim.velocity.y].map(|v| 0.5 * length * v);
         let ground = self.ground(length);
+        let (from, to) = (self.last.0, self.place());
         let belt = &mut self.tire.state.belt.position;
-        belt.x -= self.rim.position.x - self.place[0] - way[0];
-        belt.y -= self.rim.position.y - self.place[1] - way[1];
+        belt.x -= to[0] - from[0] - way[0];
+        belt.y -= to[1] - from[1] - way[1];
         self.tire.step(&rim, &ground, length)?;
-        self.place = [self.rim.position.x, self.rim.position.y];
+        self.last = (to, self.plane);
         Ok(())
     }
 }
@@ -131,33 +123,39 @@ impl RingBrushTire {
         rim
     }
 
+    /// Where the rim is over the road.
+    fn place(&self) -> [f64; 2] {
+        [self.rim.position.x, self.rim.position.y]
+    }
+
     fn ground(&self, length: f64) -> UnderRim {
-        let to = [self.rim.position.x, self.rim.position.y];
-        UnderRim { plane: self.plane, from: self.place, to, length }
+        UnderRim { from: self.last, to: (self.place(), self.plane), length }
     }
 }
 
-/// The plane for the length of a step, in which the rim travels.
+/// Rim and plane for the length of a step, in which both move straight. A plane that the master holds
+/// jumps when it is set anew; the tire then rolls from the old one to the new one within a step of its
+/// own, as it does over many where the plane comes with derivatives.
 struct UnderRim {
-    plane: RoadPlane,
-    from: [f64; 2],
-    to: [f64; 2],
+    from: ([f64; 2], RoadPlane),
+    to: ([f64; 2], RoadPlane),
     length: f64,
 }
 
 impl Ground for UnderRim {
     fn under(&self, belt: &Motion<f64>, share: f64) -> Plane {
-        // commands hold their values at the end of the step
-        let left = (1.0 - share) * self.length;
-        let at = |c: &Command| c.value - c.rate.unwrap_or(0.0) * left;
-        let rate = |c: &Command| c.rate.unwrap_or(0.0);
-        let RoadPlane { point, slope, friction } = &self.plane;
-        let place = |axis: usize| self.from[axis] + share * (self.to[axis] - self.from[axis]);
-        let centre = Vector3::new(place(0), place(1), 0.0) + belt.position;
-        let from_point = centre - Vector3::new(at(&point[0]), at(&point[1]), at(&point[2]));
-        let velocity = belt.velocity - Vector3::new(rate(&point[0]), rate(&point[1]), rate(&point[2]));
-        let normal = Vector3::new(-at(&slope[0]), -at(&slope[1]), 1.0);
-        let normal_rate = Vector3::new(-rate(&slope[0]), -rate(&slope[1]), 0.0);
+        let ((from_place, from), (to_place, to)) = (&self.from, &self.to);
+        let at = |from: f64, to: f64| from + share * (to - from);
+        let rate = |from: f64, to: f64| if self.length > 0.0 { (to - from) / self.length } else { 0.0 };
+        let place: [f64; 2] = std::array::from_fn(|i| at(from_place[i], to_place[i]));
+        let point = Vector3::from_fn(|i, _| at(from.point[i], to.point[i]));
+        let point_rate = Vector3::from_fn(|i, _| rate(from.point[i], to.point[i]));
+        let slope: [f64; 2] = std::array::from_fn(|i| at(from.slope[i], to.slope[i]));
+        let slope_rate: [f64; 2] = std::array::from_fn(|i| rate(from.slope[i], to.slope[i]));
+        let from_point = Vector3::new(place[0], place[1], 0.0) + belt.position - point;
+        let velocity = belt.velocity - point_rate;
+        let normal = Vector3::new(-slope[0], -slope[1], 1.0);
+        let normal_rate = Vector3::new(-slope_rate[0], -slope_rate[1], 0.0);
         let length = normal.norm();
         let clearance = normal.dot(&from_point) / length;
         let stretching = normal.dot(&normal_rate) / (length * length);
@@ -165,9 +163,9 @@ impl Ground for UnderRim {
             clearance,
             clearance_rate: (normal.dot(&velocity) + normal_rate.dot(&from_point)) / length
                 - clearance * stretching,
-            slope: [at(&slope[0]), at(&slope[1])],
-            slope_rate: [rate(&slope[0]), rate(&slope[1])],
-            friction: *friction,
+            slope,
+            slope_rate,
+            friction: to.friction,
         }
     }
 }

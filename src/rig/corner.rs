@@ -70,8 +70,6 @@ struct Body {
     wheel_height: f64,
     /// Heat in the suspension's dampers since the start \[J\].
     damper_energy: f64,
-    /// Heat in the sliding contact since the start \[J\].
-    friction_energy: f64,
 }
 
 impl Model for RingBrushCorner {
@@ -97,7 +95,7 @@ impl Model for RingBrushCorner {
             output("vehicle_speed", "m/s", real!(body.velocity[0]), "Speed of the vehicle"),
             output("vehicle_distance", "m", real!(body.position[0]), "Distance that the vehicle has travelled"),
             output("vehicle_acceleration", "m/s2", real!(body.acceleration[0]), "Acceleration of the vehicle along x"),
-            output("slip", "1", computed!(m: m.slip()), "Longitudinal slip: rolling radius times spin speed over speed of the wheel centre, minus 1; -1 is a locked wheel (below 0.1 m/s, over 0.1 m/s)"),
+            output("slip", "1", computed!(m: m.slip()), "Longitudinal slip, (rolling radius times spin speed - v) / |v| with the speed v of the wheel centre (below 0.1 m/s, over 0.1 m/s); a locked wheel is -1 forward, +1 in reverse"),
             output("body_height", "m", real!(body.position[1]), "Height of the sprung mass over its static position"),
             output("wheel_height", "m", computed!(m: m.hub.position.z - m.body.wheel_height), "Height of the wheel centre over its static position"),
             output("wheel_fore_aft", "m", computed!(m: m.hub.position.x - m.body.position[0]), "Wheel centre before its place in the vehicle"),
@@ -105,7 +103,7 @@ impl Model for RingBrushCorner {
             output("suspension_force_z", "N", computed!(m: m.body.suspension[1] - m.vehicle.sprung_mass * m.hub_parameters.gravity), "Force of spring and damper on the wheel, upward: negative where they carry the vehicle").nominal(1000.0),
             output("brake_torque_actual", "N.m", real!(hub.brake_torque), "Torque with which the brake resisted the forward spin in the last step; on a wheel that stands, what it takes to hold it").nominal(100.0),
             output("brake_energy", "J", real!(hub.brake_energy), "Energy that the brake turned into heat since the start").nominal(1e4),
-            output("friction_energy", "J", real!(body.friction_energy), "Energy that sliding on the road turned into heat since the start").nominal(1e4),
+            output("friction_energy", "J", real!(tire.state.energy_loss), "Energy lost in the contact since the start: contact_energy_loss").nominal(1e4),
             output("damper_energy", "J", real!(body.damper_energy), "Energy that the suspension's dampers turned into heat since the start").nominal(100.0),
             output("wheel_angle", "rad", real!(hub.angle), "Spin angle of the wheel, unbounded"),
             output("road_elevation", "m", computed!(m: m.road.at(m.hub.position.x, 0.0).height), "Height of the filtered road below the wheel centre"),
@@ -127,6 +125,7 @@ impl Model for RingBrushCorner {
             parameter("initial_speed", "m/s", real!(initial_speed), 27.8, "Speed at the start; the wheel rolls freely").range(-100.0, 100.0),
             parameter("step_size", "s", real!(step_size), 1e-4, "Step of the model's own time grid").range(1e-7, 5e-4),
         ],
+        appended: [],
     }};
 
     fn step_size(&self) -> f64 {
@@ -179,7 +178,6 @@ impl Model for RingBrushCorner {
     fn step(&mut self, length: f64) -> Result<()> {
         let (p, half) = (self.hub_parameters, 0.5 * length);
         let heat_before = self.damping_power(&self.hub.velocity, self.body.velocity);
-        let friction_before = self.tire.state.patch.friction_power;
 
         // half a kick and drift of all masses; what damps sees the velocities predicted for the end
         let body = &mut self.body;
@@ -199,7 +197,6 @@ impl Model for RingBrushCorner {
         self.hub.kick(&p, self.brake_torque, length);
         let heat = self.damping_power(&self.hub.velocity, self.body.velocity);
         self.body.damper_energy += half * (heat_before + heat);
-        self.body.friction_energy += half * (friction_before + self.tire.state.patch.friction_power);
         let state = self.body.position.iter().chain(self.hub.position.iter());
         if state.chain([&self.hub.speed]).all(|x| x.is_finite()) {
             Ok(())
@@ -226,8 +223,11 @@ impl RingBrushCorner {
                 + damping[axis] * (body_velocity[axis] - speeds[axis]);
         }
         let [x, z] = self.body.suspension;
+        // what this wheel brakes but does not carry stands on other wheels, on the same grade
+        let elsewhere = vehicle_mass - sprung_mass - self.hub_parameters.mass;
+        let grade = elsewhere * self.hub_parameters.gravity * self.road.at(self.hub.position.x, 0.0).slope[0];
         self.body.acceleration = [
-            (self.body_force[0] - x) / (vehicle_mass - self.hub_parameters.mass),
+            (self.body_force[0] - x - grade) / (vehicle_mass - self.hub_parameters.mass),
             (self.body_force[1] - z) / sprung_mass,
         ];
         let mut force = self.tire.state.on_rim.force + Vector3::new(x, 0.0, z - weight);

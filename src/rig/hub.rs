@@ -100,11 +100,19 @@ fn braked(speed: f64, limit: f64) -> f64 {
     if speed.abs() <= limit { 0.0 } else { speed - limit.copysign(speed) }
 }
 
-/// Longitudinal slip of a wheel: rolling radius times spin speed over the speed in the wheel's
-/// heading, minus 1. Positive when driving, -1 when locked. Below `floor` \[m/s\] the
-/// divisor is kept at `floor`.
+/// Longitudinal slip of a wheel: rolling radius times spin speed, less the speed in the wheel's
+/// heading, over the magnitude of that. So a positive slip makes a positive force, whichever way the
+/// wheel travels, and nothing jumps where it turns round; a locked wheel is -1 forward, +1 in reverse.
+/// Below `floor` \[m/s\] the divisor is kept at `floor`.
 pub fn slip(rolling_speed: f64, speed: f64, floor: f64) -> f64 {
     (rolling_speed - speed) / speed.abs().max(floor)
+}
+
+/// Slip angle of ISO 8855 \[rad\] for the velocity in the wheel's heading and to its left: positive when
+/// the wheel travels to its left, forward or in reverse, which makes a negative lateral force. 0 below
+/// `floor` \[m/s\], where a direction of travel means nothing.
+pub fn slip_angle(ahead: f64, left: f64, floor: f64) -> f64 {
+    if libm::hypot(ahead, left) < floor { 0.0 } else { libm::atan2(left, ahead.abs()) }
 }
 
 #[cfg(test)]
@@ -179,6 +187,8 @@ mod tests {
         run(&mut hub, 0.0, 0.0, 1e-3, 1000);
         assert!((hub.position.z + 0.5 * 9.81).abs() < 1e-9 && (hub.velocity.z + 9.81).abs() < 1e-9);
         assert_eq!(slip(0.0, 20.0, 0.1), -1.0);
+        assert_eq!(slip(0.0, -20.0, 0.1), 1.0);
+        assert_eq!(slip(-22.0, -20.0, 0.1), -0.1);
         assert_eq!(slip(20.0, 20.0, 0.1), 0.0);
         assert_eq!(slip(0.0, 0.0, 0.1), 0.0);
     }

@@ -11,7 +11,7 @@ mod stability;
 mod table;
 mod wheel;
 
-pub use actuator::{Actuator, Command};
+pub use actuator::{Actuation, Actuator, Command};
 pub use bare::RingBrushTire;
 pub use corner::RingBrushCorner;
 pub use flat_track::RingBrushFlatTrack;

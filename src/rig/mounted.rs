@@ -98,20 +98,13 @@ impl MountedTire {
         self.rim = *rim;
         self.start_torque = 0.0;
         let (plane, on_plane) = self.on_plane(ground);
-        let (tire, stationary) = match self.stationary(ground) {
-            Ok(found) => {
-                self.stationary_start = true;
-                found
-            }
-            Err(_) => {
-                self.stationary_start = false;
-                let tire = self.with_friction(plane.friction)?;
-                let free = free_rolling(&on_plane, &self.parameters);
-                let rolling = stationary(&tire, &free, Vertical::Height(plane.clearance))?;
-                (tire, rolling)
-            }
-        };
-        self.state = stationary.state(&tire, &on_plane)?;
+        let found = self.stationary(ground);
+        self.stationary_start = found.is_ok();
+        let stationary = found.or_else(|_| {
+            let free = free_rolling(&on_plane, &self.parameters);
+            stationary(&self.tire, &free, Vertical::Height(plane.clearance), plane.friction)
+        })?;
+        self.state = stationary.state(&self.tire, &on_plane)?;
 
         // from the plane's frame, where the road is flat, to frame 0
         let from_rim = self.state.belt.position - Vector3::new(0.0, 0.0, plane.clearance);
@@ -123,6 +116,7 @@ impl MountedTire {
         self.tire.step(&mut self.state, rim, rim, ground, 0.0)?;
         self.state.acceleration = balanced;
         // what the bristles' sums ripple around, and what has derivatives
+        self.state.patch.power_loss = stationary.power_loss;
         self.state.patch.force = stationary.patch.force;
         self.state.patch.moment = stationary.patch.moment;
         self.measure();
@@ -143,15 +137,15 @@ impl MountedTire {
         self.rim = *rim;
         self.rim.rates.y = speed / self.parameters.rolling_radius;
         let (plane, on_plane) = self.on_plane(ground);
-        let tire = self.with_friction(plane.friction)?;
-        let carried = stationary(&tire, &on_plane, Vertical::Load(load))?;
+        let at_load = |rim: &Motion<f64>| stationary(&self.tire, rim, Vertical::Load(load), plane.friction);
+        let carried = at_load(&on_plane)?;
         self.rim.position.z += carried.rim_height - plane.clearance;
 
         // rolling resistance makes the spin a little slower; the moment is nearly linear in it
         let moment = |spin: f64| {
             let mut slower = on_plane;
             slower.rates.y = spin;
-            let found = stationary(&tire, &slower, Vertical::Load(load))?;
+            let found = at_load(&slower)?;
             let (sin, cos) = libm::sincos(slower.angles.x);
             let about = to_heading(slower.angles.z, &found.on_rim.moment);
             Ok::<f64, crate::Error>(about.y * cos + about.z * sin)
@@ -209,16 +203,13 @@ impl MountedTire {
         (plane, on_plane)
     }
 
-    /// The stationary state of the rim's present motion on the plane below it, seen from that plane,
-    /// and the tire with that road's friction.
+    /// The stationary state of the rim's present motion on the plane below it, seen from that plane.
     ///
     /// # Errors
     /// There is none.
-    pub fn stationary(&self, ground: &impl Ground) -> Result<(Tire, Stationary)> {
+    pub fn stationary(&self, ground: &impl Ground) -> Result<Stationary> {
         let (plane, on_plane) = self.on_plane(ground);
-        let tire = self.with_friction(plane.friction)?;
-        let found = stationary(&tire, &on_plane, Vertical::Height(plane.clearance))?;
-        Ok((tire, found))
+        stationary(&self.tire, &on_plane, Vertical::Height(plane.clearance), plane.friction)
     }
 
     /// The stationary state on a level plane for the rim's present motion with, instead of its height, a
@@ -227,16 +218,7 @@ impl MountedTire {
     /// # Errors
     /// None was found.
     pub fn stationary_at_load(&self, rim: &Motion<f64>, load: f64, friction: f64) -> Result<Stationary> {
-        stationary(&self.with_friction(friction)?, rim, Vertical::Load(load))
-    }
-
-    /// The tire as it is on a road with this factor on its friction.
-    fn with_friction(&self, factor: f64) -> Result<Tire> {
-        let mut parameters = self.parameters.clone();
-        for coefficient in parameters.friction_static.iter_mut().chain(&mut parameters.friction_sliding) {
-            *coefficient *= factor;
-        }
-        Tire::new(&parameters)
+        stationary(&self.tire, rim, Vertical::Load(load), friction)
     }
 
     /// Advances the tire while the rim moves to `rim`, over `ground`.

@@ -19,6 +19,7 @@ macro_rules! tire_table {
         outputs: [$($output:expr),* $(,)?],
         locals: [$($local:expr),* $(,)?],
         parameters: [$($parameter:expr),* $(,)?],
+        appended: [$($appended:expr),* $(,)?],
         road: [$($road:expr),* $(,)?] $(,)?
     ) => {{
         use $crate::model::{Access, boolean_parameter, integer_parameter, local, output, parameter, text_parameter};
@@ -41,7 +42,7 @@ macro_rules! tire_table {
                 output("patch_force_z", "N", real!(tire.state.patch.force.z), "Normal force of the patch on the belt (F_LGKz)").nominal(1000.0),
                 output("sliding_share", "1", real!(tire.state.patch.sliding_share), "Bristles that slide over bristles in contact"),
                 output("sliding_distance", "m", real!(tire.state.sliding_distance), "Distance slid since the start, mean over the normal force"),
-                output("friction_power", "W", real!(tire.state.patch.friction_power), "Power that sliding friction turns into heat").nominal(1000.0),
+                output("friction_power", "W", real!(tire.state.patch.friction_power), "Power of the friction of bristles that slide, at this instant; contact_power_loss has all that is lost").nominal(1000.0),
             $($output,)*
             $($local,)*
                 local("belt_camber", "rad", real!(tire.state.belt.angles.x), "Camber of the belt (phi_G0x)"),
@@ -107,7 +108,7 @@ macro_rules! tire_table {
                 parameter("friction_pressure_scale", "1", real!(tire.parameters.friction_pressure_scale), 1.0, "Factor on the pressure in the friction law; 1 as printed, 1.78 brings the source's own example within 1 % of its friction values").range(0.0, 100.0).tunable(),
                 boolean_parameter("even_stripes", boolean!(tire.parameters.even_stripes), false, "Width of a stripe: false as printed in (4.16), 3 B / (3 n - 1); true tire_width / stripes"),
                 boolean_parameter("antisymmetric_coupling", boolean!(tire.parameters.antisymmetric_coupling), false, "Rotation between rim and belt: false single entries of the rotation matrix as printed in (4.4), with a ripple of second order twice a turn; true its antisymmetric part"),
-                boolean_parameter("limit_pressure_tilt", boolean!(tire.parameters.limit_pressure_tilt), false, "Negative pressure at light load: false as printed, friction then counts it as zero; true limits the tilt so that no pressure is negative, and the lateral-axis moment is not met"),
+                boolean_parameter("limit_pressure_tilt", boolean!(tire.parameters.limit_pressure_tilt), true, "Negative pressure at light load: true limits the tilt so that no pressure is negative, and the lateral-axis moment is not met there; false as printed: bristles that pull count in the normal force but not in the friction, so the others rub with more than the wheel carries"),
                 boolean_parameter(
                     "whole_step_entry",
                     boolean!(tire.parameters.whole_step_entry),
@@ -116,7 +117,10 @@ macro_rules! tire_table {
                 ),
             $($parameter,)*
             $($road,)*
-            parameter("friction_speed_falloff", "s/m", real!(tire.parameters.friction_speed_falloff), 0.0, "Fall of the sliding friction with the sliding speed v: it is divided by 1 + falloff v. Not in the source (0)").range(0.0, 10.0).tunable(),
+            parameter("friction_speed_falloff", "s/m", real!(tire.parameters.friction_speed_falloff), 0.0, "Fall of the sliding friction with the speed v at which the patch moves over the road where a bristle is: it is divided by 1 + falloff v. Not in the source (0)").range(0.0, 10.0).tunable(),
+                output("contact_power_loss", "W", real!(tire.state.patch.power_loss), "Power lost in the contact, all of it: sliding, the bristles' dampers, snapping back at break-away, leaving the contact bent; a mean over the last 10 ms").nominal(1000.0),
+                output("contact_energy_loss", "J", real!(tire.state.energy_loss), "Energy lost in the contact since the start").nominal(1e4),
+            $($appended,)*
         ]
     }};
 }

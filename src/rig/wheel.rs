@@ -1,10 +1,10 @@
 //! `ring-brush-wheel`: the ring-and-brush tire on a hub with mass and spin. Forces of the axle, drive
 //! and brake torque in, motion out: the unit that couples safely.
 
-use super::hub::slip;
+use super::hub::{slip, slip_angle};
 use super::stability::{ABOUT, ALONG, check_step_size};
 use super::table::{tire_table, with_road};
-use super::{Actuator, Command, Hub, HubParameters, MountedTire, OnRoad};
+use super::{Actuation, Actuator, Command, Hub, HubParameters, MountedTire, OnRoad};
 use crate::model::{Model, Variable, input};
 use crate::road::{Road, RoadParameters};
 use crate::tire::Motion;
@@ -25,7 +25,7 @@ pub struct RingBrushWheel {
     road_parameters: RoadParameters,
     road: Road,
     step_size: f64,
-    actuator_frequency: f64,
+    actuation: Actuation,
     initial_speed: f64,
     initial_load: f64,
     /// Camber and steer angle as commanded.
@@ -44,7 +44,7 @@ clone_in_place!(RingBrushWheel {
     road_parameters,
     road,
     step_size,
-    actuator_frequency,
+    actuation,
     initial_speed,
     initial_load,
     commands,
@@ -96,8 +96,8 @@ impl Model for RingBrushWheel {
             output("velocity_z", "m/s", real!(hub.velocity.z), "Velocity of the wheel centre, frame 0"),
             output("wheel_angle", "rad", real!(hub.angle), "Spin angle of the wheel, unbounded"),
             output("wheel_speed", "rad/s", real!(hub.speed), "Spin speed of the wheel"),
-            output("slip", "1", computed!(m: m.slip()), "Longitudinal slip: rolling radius times spin speed over speed in the wheel's heading, minus 1 (below 0.1 m/s, over 0.1 m/s)"),
-            output("slip_angle", "rad", computed!(m: m.slip_angle()), "Slip angle of ISO 8855: positive when the wheel, rolling forward, travels to its left (0 below 0.1 m/s)"),
+            output("slip", "1", computed!(m: m.slip()), "Longitudinal slip, (rolling radius times spin speed - v) / |v| with the speed v in the wheel's heading (below 0.1 m/s, over 0.1 m/s); a locked wheel is -1 forward, +1 in reverse"),
+            output("slip_angle", "rad", computed!(m: m.slip_angle()), "Slip angle of ISO 8855, atan2(v_y, |v_x|) in the wheel's heading: positive when the wheel travels to its left, forward or in reverse (0 below 0.1 m/s)"),
             output("bearing_moment_x", "N.m", computed!(m: m.bearing_moment().x), "Moment of the wheel on the axle about the wheel centre, H axes: the tire's less what turns the spin axis").nominal(100.0),
             output("bearing_moment_z", "N.m", computed!(m: m.bearing_moment().z), "The same about z").nominal(100.0),
             output("brake_torque_actual", "N.m", real!(hub.brake_torque), "Torque with which the brake resisted the forward spin in the last step; on a wheel that stands, what it takes to hold it").nominal(100.0),
@@ -110,8 +110,11 @@ impl Model for RingBrushWheel {
             parameter("hub_inertia", "kg.m2", real!(hub_parameters.inertia), 0.7, "Inertia of what spins with the rim about the wheel's axis, without the tire's belt").range(1e-3, 1e4),
             parameter("initial_speed", "m/s", real!(initial_speed), 20.0, "Speed in the wheel's heading at the start; the wheel rolls freely").range(-100.0, 100.0),
             parameter("initial_load", "N", real!(initial_load), 4100.0, "Vertical force of the tire on the rim at the start, from which the height follows").range(0.0, 1e5),
-            parameter("actuator_frequency", "rad/s", real!(actuator_frequency), 200.0, "Corner of the critically damped filter that camber and steer pass when they come without derivative").range(1.0, 1e5).tunable(),
+            parameter("actuator_frequency", "rad/s", real!(actuation.frequency), 200.0, "Corner of the critically damped filter between camber and steer as commanded and as they are; its delay is 2 over this").range(1.0, 1e5).tunable(),
             parameter("step_size", "s", real!(step_size), 1e-4, "Step of the model's own time grid").range(1e-7, 5e-4),
+        ],
+        appended: [
+            boolean_parameter("command_actuators", boolean!(actuation.on), true, "Actuators between camber and steer as commanded and as they are: true, whether commands come with derivatives or not; false, the commands are the motion"),
         ],
     }};
 
@@ -154,7 +157,7 @@ impl Model for RingBrushWheel {
 
     fn step(&mut self, length: f64) -> Result<()> {
         for (actuator, command) in self.actuators.iter_mut().zip(&self.commands) {
-            actuator.follow(command, self.actuator_frequency, length);
+            actuator.follow(command, self.actuation.corner(), length);
         }
         let p = self.hub_parameters;
         let from = [self.hub.position.x, self.hub.position.y];
@@ -210,7 +213,7 @@ impl RingBrushWheel {
 
     fn slip_angle(&self) -> f64 {
         let v = self.heading_velocity();
-        if libm::hypot(v.x, v.y) < SLIP_FLOOR { 0.0 } else { libm::atan2(v.y, v.x.abs()) }
+        slip_angle(v.x, v.y, SLIP_FLOOR)
     }
 
     /// What the tire puts on the hub, but for the moment about the spin axis, less the rate of the hub's

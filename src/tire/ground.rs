@@ -28,7 +28,10 @@ pub trait Ground {
 
 /// The unbounded plane z = 0.
 #[derive(Debug, Clone, Copy)]
-pub struct Flat;
+pub struct Flat {
+    /// Factor on both friction coefficients.
+    pub friction: f64,
+}
 
 impl Ground for Flat {
     fn under(&self, belt: &Motion<f64>, _share: f64) -> Plane {
@@ -37,7 +40,7 @@ impl Ground for Flat {
             clearance_rate: belt.velocity.z,
             slope: [0.0; 2],
             slope_rate: [0.0; 2],
-            friction: 1.0,
+            friction: self.friction,
         }
     }
 }

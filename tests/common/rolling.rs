@@ -36,7 +36,7 @@ impl Point {
     /// The stationary state with this many intervals along each stripe.
     #[track_caller]
     pub fn solve(&self, tire: &Tire, intervals: usize) -> Stationary {
-        match stationary_refined(tire, &self.rim(tire), Vertical::Load(self.load), intervals) {
+        match stationary_refined(tire, &self.rim(tire), Vertical::Load(self.load), 1.0, intervals) {
             Ok(found) => found,
             Err(e) => panic!("{self:?}: {e}"),
         }

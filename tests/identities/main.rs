@@ -119,7 +119,7 @@ fn evaluate(tire: &Tire, belt: &Motion<f64>, lagged: &Loads<f64>) -> State {
         bristles: Bristles::new(tire.parameters()),
         ..State::default()
     };
-    tire.step(&mut state, belt, belt, &Flat, 0.0).unwrap();
+    tire.step(&mut state, belt, belt, &Flat { friction: 1.0 }, 0.0).unwrap();
     state
 }
 
@@ -405,7 +405,7 @@ proptest! {
     ) {
         let tire = Tire::new(&p).unwrap();
         let point = Point { load, speed, slip, alpha, camber, steer: 0.0 };
-        let solve = |point: Point| stationary(&tire, &point.rim(&tire), Vertical::Load(load));
+        let solve = |point: Point| stationary(&tire, &point.rim(&tire), Vertical::Load(load), 1.0);
         let state = solve(point).unwrap();
         let (f, m) = (state.on_rim.force, state.on_rim.moment);
 
@@ -437,7 +437,7 @@ proptest! {
     fn standing_and_airborne(p in parameters(), deflection in 1e-3..0.03f64, speed in 0.0..60.0f64) {
         let tire = Tire::new(&p).unwrap();
         let standing = Motion::default();
-        let state = stationary(&tire, &standing, Vertical::Height(p.radius - deflection)).unwrap();
+        let state = stationary(&tire, &standing, Vertical::Height(p.radius - deflection), 1.0).unwrap();
         let (f, m) = (state.on_rim.force, state.on_rim.moment);
         let weight = p.belt_mass * p.gravity;
         // the springs in series
@@ -452,7 +452,7 @@ proptest! {
         let rolling = Motion {
             velocity: Vector3::new(speed, 0.0, 0.0), rates: Vector3::new(0.0, spin, 0.0), ..Motion::default()
         };
-        let state = stationary(&tire, &rolling, Vertical::Height(p.radius + deflection)).unwrap();
+        let state = stationary(&tire, &rolling, Vertical::Height(p.radius + deflection), 1.0).unwrap();
         let (c, d) = (p.sidewall_radial_stiffness, p.sidewall_radial_damping * spin);
         let offset = -state.belt_from_rim;
         let scale = weight * c / (c * c + d * d);

@@ -61,14 +61,16 @@ pub(super) struct Signal {
     pub(super) rate: Option<f64>,
     /// The communication step before which the rate was set.
     pub(super) rate_set_in: u64,
-    /// The rate was not set by the master but follows from other inputs.
+    /// The rate was not set by the master but is another input, whose own rate is `acceleration`.
     pub(super) natural: bool,
+    pub(super) acceleration: f64,
 }
 
 impl Signal {
     /// The value at a time.
     pub(super) fn at(&self, time: f64) -> f64 {
-        self.value + self.rate.unwrap_or(0.0) * (time - self.since)
+        let past = time - self.since;
+        self.value + (self.rate.unwrap_or(0.0) + 0.5 * self.acceleration * past) * past
     }
 }
 
@@ -91,6 +93,7 @@ impl<M: Model> Data<M> {
                     rate: None,
                     rate_set_in: u64::MAX,
                     natural: false,
+                    acceleration: 0.0,
                 });
             }
         }
@@ -129,7 +132,8 @@ impl<M: Model> Data<M> {
             }
         };
         let signals = self.signals.iter().all(|s| {
-            s.value.is_finite() && s.since.is_finite() && s.rate.is_none_or(|rate| rate.is_finite())
+            let numbers = [s.value, s.since, s.rate.unwrap_or(0.0), s.acceleration];
+            numbers.iter().all(|number| number.is_finite())
         });
         let variables = self.signals.iter().map(|s| s.variable);
         let inputs = interface.with(Causality::Input).filter(|i| interface.variables[*i].kind == Kind::Real);
@@ -144,26 +148,29 @@ impl<M: Model> Data<M> {
         times && clock && models && signals && variables.eq(inputs) && parameters
     }
 
-    /// Sets the rates of inputs that have none from the master, from the inputs at the communication
-    /// point.
+    /// Sets the rates of inputs that have none from the master to the inputs that are their rates, as those
+    /// are at the communication point.
     pub(super) fn find_natural_rates(&mut self) {
         let time = self.clock.time;
-        if self.signals.iter().all(|s| M::VARIABLES[s.variable].natural_rate().is_none()) {
-            return;
-        }
-        feed(&mut self.grid, &self.signals, time);
-        for signal in &mut self.signals {
-            if let Some(rate) = M::VARIABLES[signal.variable].natural_rate()
-                && (signal.natural || signal.rate.is_none())
-            {
-                let rate = rate(&self.grid);
-                // what goes on as it did is not begun anew, whose rounding the cuts of the time would tell
-                if signal.rate != Some(rate) {
-                    signal.value = signal.at(time);
-                    signal.since = time;
-                    signal.rate = Some(rate);
-                }
-                signal.natural = true;
+        for i in 0..self.signals.len() {
+            let signal = self.signals[i];
+            let Some(name) = M::VARIABLES[signal.variable].natural_rate() else { continue };
+            if !signal.natural && signal.rate.is_some() {
+                continue;
+            }
+            let Some(of) = self.signals.iter().find(|s| M::VARIABLES[s.variable].name() == name) else {
+                debug_assert!(false, "{name} is no real input");
+                continue;
+            };
+            let (rate, acceleration) = (of.at(time), of.rate.unwrap_or(0.0));
+            // what goes on as it did is not begun anew, whose rounding the cuts of the time would tell
+            let goes_on = signal.natural
+                && signal.acceleration == acceleration
+                && if acceleration == 0.0 { signal.rate == Some(rate) } else { of.since <= signal.since };
+            if !goes_on {
+                let value = signal.at(time);
+                let rate = Some(rate);
+                self.signals[i] = Signal { value, since: time, rate, acceleration, natural: true, ..signal };
             }
         }
     }

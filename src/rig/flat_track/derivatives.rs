@@ -15,6 +15,9 @@ pub(super) struct Changes {
     moment: Vector3<f64>,
     /// Of what is inside the tire; between steps it does not change.
     inside: Option<Inside>,
+    /// The friction changes between steps: bristles that slide follow it at once, by how much only the next
+    /// step tells.
+    sliding_changes: bool,
 }
 
 struct Inside {
@@ -22,16 +25,22 @@ struct Inside {
     /// Lengths of the contact stripes: left, center, right.
     lengths: [f64; 3],
     patch_force: Vector3<f64>,
+    power_loss: f64,
 }
 
 impl Changes {
     /// Between steps: the belt stays, and the side wall answers at once.
-    pub(super) fn side_wall(rig: &RingBrushFlatTrack, rim: &Motion<Dual<1>>) -> Self {
-        Self::measured(rig, rim, &rig.tire.state.belt.constant(), None)
+    pub(super) fn side_wall(rig: &RingBrushFlatTrack, rim: &Motion<Dual<1>>, friction: Dual<1>) -> Self {
+        let changes = Self::measured(rig, rim, &rig.tire.state.belt.constant(), None);
+        Self { sliding_changes: friction.gradient[0] != 0.0, ..changes }
     }
 
     /// Before the first step: the whole stationary state moves along.
-    pub(super) fn stationary(rig: &RingBrushFlatTrack, rim: &Motion<Dual<1>>) -> Result<Self> {
+    pub(super) fn stationary(
+        rig: &RingBrushFlatTrack,
+        rim: &Motion<Dual<1>>,
+        friction: Dual<1>,
+    ) -> Result<Self> {
         let ground = OnRoad::at(&rig.road, rig.place, rig.friction_factor);
         let plane = ground.under(&rig.tire.rim, 0.0);
         if plane.slope != [0.0; 2] {
@@ -40,8 +49,10 @@ impl Changes {
         // the tire sees its height over the road
         let mut rim = *rim;
         rim.position.z -= Dual::from(rig.tire.rim.position.z - plane.clearance);
-        let (tire, stationary) = rig.tire.stationary(&ground)?;
-        let moved = stationary.along(&tire, &rim).ok_or_else(|| {
+        // the road has its own factor besides the one that the master gives
+        let friction = friction * rig.road.at(rig.place[0], rig.place[1]).friction;
+        let stationary = rig.tire.stationary(&ground)?;
+        let moved = stationary.along(&rig.tire.tire, &rim, friction).ok_or_else(|| {
             Error::numeric("the stationary state has no derivative: its equations are singular here")
         })?;
         let mut belt = moved.belt;
@@ -56,6 +67,7 @@ impl Changes {
             penetration: contact.penetration.gradient[0],
             lengths,
             patch_force: moved.patch.force.map(|f| f.gradient[0]),
+            power_loss: moved.power_loss.gradient[0],
         };
         Ok(Self::measured(rig, &rim, &belt, Some(inside)))
     }
@@ -68,13 +80,18 @@ impl Changes {
     ) -> Self {
         let on_rim = coupling(&rig.tire.parameters, rim, belt).on_rim;
         let change = |v| to_heading(rim.angles.z, v).map(|x| x.gradient[0]);
-        Self { force: change(&on_rim.force), moment: change(&on_rim.moment), inside }
+        Self { force: change(&on_rim.force), moment: change(&on_rim.moment), inside, sliding_changes: false }
     }
 
     /// The derivative of the output called `name`.
     pub(super) fn of(&self, name: &str) -> Result<f64> {
         let from_inside = |f: fn(&Inside) -> f64| Ok(self.inside.as_ref().map_or(0.0, f));
         match name {
+            "patch_force_x" | "patch_force_y" | "sliding_share" | "friction_power" if self.sliding_changes => {
+                Err(Error::call(format!(
+                    "{name} has no derivative by friction_factor between steps: bristles that slide follow the friction at once, and how much that is only the next step tells"
+                )))
+            }
             "force_x" => Ok(self.force.x),
             "force_y" => Ok(self.force.y),
             "force_z" => Ok(self.force.z),
@@ -88,6 +105,7 @@ impl Changes {
             "patch_force_x" => from_inside(|i| i.patch_force.x),
             "patch_force_y" => from_inside(|i| i.patch_force.y),
             "patch_force_z" => from_inside(|i| i.patch_force.z),
+            "contact_power_loss" => from_inside(|i| i.power_loss),
             // they count from the start
             "sliding_distance" | "wheel_angle" => Ok(0.0),
             _ if self.inside.is_none() => Ok(0.0),

@@ -9,7 +9,7 @@ mod derivatives;
 
 use self::derivatives::Changes;
 use super::table::{tire_table, with_road};
-use super::{Actuator, Command, MountedTire, OnRoad};
+use super::{Actuation, Actuator, Command, MountedTire, OnRoad};
 use crate::model::{Model, Variable, input};
 use crate::road::{Road, RoadParameters};
 use crate::solver::{Dual, Real};
@@ -18,7 +18,7 @@ use crate::tire::ring_brush::{Parameters, State, Stationary, Tire};
 use crate::{Result, clone_in_place};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// The model: parameters, commands, actuators, tire and what the rig measures.
 #[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -26,7 +26,7 @@ pub struct RingBrushFlatTrack {
     /// The tire on its rim.
     tire: MountedTire,
     step_size: f64,
-    actuator_frequency: f64,
+    actuation: Actuation,
     commands: Drive<Command>,
     actuators: Drive<Actuator>,
     path: f64,
@@ -51,7 +51,7 @@ struct Drive<T> {
 clone_in_place!(RingBrushFlatTrack {
     tire,
     step_size,
-    actuator_frequency,
+    actuation,
     commands,
     actuators,
     path,
@@ -86,10 +86,10 @@ impl Model for RingBrushFlatTrack {
         inputs: [
             input("steer", "rad", command!(steer), 0.0, "Steer angle of the wheel about z; it turns wheel and path together, so it makes no slip angle").range(-2.0 * PI, 2.0 * PI),
             input("deflection", "m", command!(deflection), 0.02, "Unloaded radius minus height of the wheel centre; negative lifts the tire off").range(-0.2, 0.1),
-            input("path_speed", "m/s", command!(path_speed), 10.0, "Speed of the wheel over the road along its path").range(-100.0, 100.0),
+            input("path_speed", "m/s", command!(path_speed), 10.0, "Speed of the wheel over the road along its path; negative: in reverse").range(-100.0, 100.0),
             input("camber", "rad", command!(camber), 0.0, "Inclination angle; positive leans the top of the wheel to -y").range(-0.6, 0.6),
-            input("slip", "1", command!(slip), 0.0, "Longitudinal slip, spin speed times rolling radius over speed in the wheel's heading, minus 1; positive drives, -1 is a locked wheel").range(-100.0, 100.0),
-            input("slip_angle", "rad", command!(slip_angle), 0.0, "Slip angle of ISO 8855: positive when the wheel, rolling forward, travels to its left (+y), which gives a negative force_y").range(-PI, PI),
+            input("slip", "1", command!(slip), 0.0, "Longitudinal slip, (rolling radius times spin speed - v) / |v| with the speed v in the wheel's heading: positive makes a positive force_x; a locked wheel is -1 forward, +1 in reverse").range(-100.0, 100.0),
+            input("slip_angle", "rad", command!(slip_angle), 0.0, "Slip angle of ISO 8855, atan2(v_y, |v_x|) in the wheel's heading: positive when the wheel travels to its left (+y), forward or in reverse, which gives a negative force_y").range(-FRAC_PI_2, FRAC_PI_2),
         ],
         outputs: [
             output("wheel_angle", "rad", real!(tire.rim.angles.y), "Spin angle of the rim"),
@@ -105,9 +105,12 @@ impl Model for RingBrushFlatTrack {
             local("actual_slip_angle", "rad", real!(actuators.slip_angle.position), "Slip angle behind the actuator"),
         ],
         parameters: [
-            parameter("actuator_frequency", "rad/s", real!(actuator_frequency), 200.0, "Corner of the critically damped filter that a command without derivative passes; its delay is 2 over this").range(1.0, 1e5).tunable(),
+            parameter("actuator_frequency", "rad/s", real!(actuation.frequency), 200.0, "Corner of the critically damped filter between commands and motion; its delay is 2 over this").range(1.0, 1e5).tunable(),
             parameter("step_size", "s", real!(step_size), 1e-4, "Step of the model's own time grid").range(1e-7, 5e-4),
             input("friction_factor", "1", real!(friction_factor), 1.0, "Factor on the friction between tire and road, over the road's own").range(0.0, 10.0),
+        ],
+        appended: [
+            boolean_parameter("command_actuators", boolean!(actuation.on), true, "Actuators between commands and motion: true, whether commands come with derivatives or not; false, the commands are the motion, as in a recording of what the rig did"),
         ],
     }};
 
@@ -141,19 +144,21 @@ impl Model for RingBrushFlatTrack {
         unknowns: &[usize],
     ) -> Result<Vec<f64>> {
         let mut position = self.actuators.map(|a| Dual::<1>::from(a.position));
-        let mut commands = self.commands;
+        let mut friction = Dual::<1>::from(self.friction_factor);
         for (index, share) in direction {
             let name = Self::VARIABLES[*index].name();
-            // between steps the actuator stands between a command that was held in the last one and the rim
-            let followed = starting || commands.named(name).is_some_and(|c| c.rate.is_some());
-            if let Some(drive) = position.named(name).filter(|_| followed) {
+            // between steps the actuators, where they are on, stand between commands and rim
+            if let Some(drive) = position.named(name).filter(|_| starting || !self.actuation.on) {
                 drive.gradient[0] += share;
+            }
+            if name == "friction_factor" {
+                friction.gradient[0] += share;
             }
         }
         let velocity = self.actuators.map(|a| Dual::<1>::from(a.velocity));
         let rim = imposed(&self.tire.parameters, &position, &velocity, self.tire.rim.angles.y);
         let changes =
-            if starting { Changes::stationary(self, &rim)? } else { Changes::side_wall(self, &rim) };
+            if starting { Changes::stationary(self, &rim, friction)? } else { Changes::side_wall(self, &rim, friction) };
         unknowns.iter().map(|index| changes.of(Self::VARIABLES[*index].name())).collect()
     }
 
@@ -171,14 +176,14 @@ impl Model for RingBrushFlatTrack {
     }
 
     fn step(&mut self, length: f64) -> Result<()> {
-        let (commands, frequency) = (&self.commands, self.actuator_frequency);
+        let (commands, corner) = (&self.commands, self.actuation.corner());
         let actuators = &mut self.actuators;
-        actuators.steer.follow(&commands.steer, frequency, length);
-        actuators.deflection.follow(&commands.deflection, frequency, length);
-        actuators.path_speed.follow(&commands.path_speed, frequency, length);
-        actuators.camber.follow(&commands.camber, frequency, length);
-        actuators.slip.follow(&commands.slip, frequency, length);
-        actuators.slip_angle.follow(&commands.slip_angle, frequency, length);
+        actuators.steer.follow(&commands.steer, corner, length);
+        actuators.deflection.follow(&commands.deflection, corner, length);
+        actuators.path_speed.follow(&commands.path_speed, corner, length);
+        actuators.camber.follow(&commands.camber, corner, length);
+        actuators.slip.follow(&commands.slip, corner, length);
+        actuators.slip_angle.follow(&commands.slip_angle, corner, length);
 
         let before = self.tire.rim;
         let mut rim = self.rim_motion(before.angles.y);
@@ -219,21 +224,23 @@ impl<T> Drive<T> {
     }
 }
 
-/// The rim's motion for positions and velocities of the drives (4.36).
+/// The rim's motion for positions and velocities of the drives.
+///
+/// (4.36) with the slip angle of ISO 8855, which has the opposite sign of the source's, and with slip and
+/// slip angle as all rigs have them (see [`hub::slip`](super::hub::slip) and
+/// [`slip_angle`](super::hub::slip_angle)); the source has forward travel only.
 fn imposed<T: Real>(p: &Parameters, position: &Drive<T>, velocity: &Drive<T>, spin_angle: f64) -> Motion<T> {
-    // the source's slip angle has the opposite sign
-    let source_slip_angle = -position.slip_angle;
-    let (_, along) = source_slip_angle.sin_cos();
-    let (sin, cos) = (position.steer - source_slip_angle).sin_cos();
-    let speed = position.path_speed;
+    let (sin, cos) = position.slip_angle.sin_cos();
+    let (along, aside) = (position.path_speed * cos, position.path_speed.abs() * sin);
+    let (sin, cos) = position.steer.sin_cos();
     let zero = T::zero();
     Motion {
         position: Vector3::new(zero, zero, -position.deflection + p.radius),
-        velocity: Vector3::new(speed * cos, speed * sin, -velocity.deflection),
+        velocity: Vector3::new(along * cos - aside * sin, along * sin + aside * cos, -velocity.deflection),
         angles: Vector3::new(position.camber, T::from(spin_angle), position.steer),
         rates: Vector3::new(
             velocity.camber,
-            (position.slip + 1.0) * speed * along / p.rolling_radius,
+            (along + position.slip * along.abs()) / p.rolling_radius,
             velocity.steer,
         ),
     }

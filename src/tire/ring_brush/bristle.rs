@@ -48,7 +48,9 @@ pub struct Step<T> {
 /// `deflection` is the one before, `velocity` that of the top, `stick` the memory. The trial force
 /// is that of a bottom that stays where it is; if it is too large the bottom slides, with the force
 /// cut back along the same direction: the exact solution of the backward Euler step, for any `dt`.
-/// Where the friction falls with the sliding speed, the speed is that of the end of the step.
+/// Where the friction falls with the sliding speed, that is the speed of the *top*: the bottom's own
+/// differs from it only while a bristle snaps back, within its time constant d/c of 16 us, and would
+/// make a bristle unstable whose friction falls faster than its damper rises.
 /// A sliding bristle sticks again when its bottom comes to rest, that is when the trial force falls
 /// to the *sliding* limit.
 #[inline]
@@ -62,16 +64,16 @@ pub fn advance<T: Real>(
 ) -> Step<T> {
     let (c, d) = (p.bristle_stiffness, p.bristle_damping);
     let trial: [T; 2] = std::array::from_fn(|k| (deflection[k] - dt * velocity[k]) * c - velocity[k] * d);
-    let size = (trial[0] * trial[0] + trial[1] * trial[1]).sqrt();
-    let bound = if stick { limits.sticking } else { limits.sliding };
+    let size = norm(trial);
+    let sliding = p.friction_at_speed(limits.sliding, velocity);
+    let bound = if stick { limits.sticking } else { sliding };
     let relaxed = dt * c + d;
     let stick = bound.value() > 0.0 && size <= bound;
     let (force, slip_speed) = if stick {
         (trial, T::zero())
     } else if size.value() > 0.0 {
-        let slip_speed = slip_speed(p, size, limits.sliding, relaxed);
-        let cut = limits.sliding * p.friction_left_at(slip_speed) / size;
-        (trial.map(|w| w * cut), slip_speed)
+        let cut = sliding / size;
+        (trial.map(|w| w * cut), (size - sliding) / relaxed)
     } else {
         (trial, T::zero())
     };
@@ -79,18 +81,7 @@ pub fn advance<T: Real>(
     Step { deflection, stick, force, slip_speed }
 }
 
-/// Speed v at which a bottom slides: the trial force less what the sliding relaxes is the friction,
-/// `size - relaxed v = sliding / (1 + falloff v)`. Of the two roots the positive one; friction that
-/// does not fall with the speed has only that.
-#[inline]
-fn slip_speed<T: Real>(p: &Parameters, size: T, sliding: T, relaxed: T) -> T {
-    let excess = size - sliding;
-    if p.friction_speed_falloff == 0.0 || excess.value() <= 0.0 {
-        return excess / relaxed;
-    }
-    // a v² + b v - excess = 0, with the root in the form that keeps its digits as a goes to 0
-    let a = relaxed * p.friction_speed_falloff;
-    let b = relaxed - size * p.friction_speed_falloff;
-    let root = (b * b + a * excess * 4.0).sqrt();
-    if b.value() >= 0.0 { excess * 2.0 / (b + root) } else { (root - b) / (a * 2.0) }
+/// Length of a vector.
+pub(super) fn norm<T: Real>([x, y]: [T; 2]) -> T {
+    (x * x + y * y).sqrt()
 }

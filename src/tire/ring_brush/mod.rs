@@ -45,4 +45,4 @@ pub use patch::{Deformation, Loads, Moments, Pressure, PressureState, Shape, Top
 pub use sidewall::{Coupling, coupling, stationary as stationary_coupling};
 pub use state::{Bristles, PatchReport, State};
 pub use stationary::{Moved, Stationary, Vertical, stationary, stationary_refined};
-pub use step::Tire;
+pub use step::{LOSS_TIME, Tire};

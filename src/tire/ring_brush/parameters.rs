@@ -1,5 +1,6 @@
 //! The numbers of a ring-and-brush tire.
 
+use super::bristle::norm;
 use crate::solver::Real;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -95,14 +96,15 @@ impl Parameters {
         self.patch_compliance_y / (self.radius * self.radius)
     }
 
-    /// Share of the sliding friction that is left at a sliding speed \[m/s\]. Not in the source, whose
-    /// sliding friction does not depend on the speed (a falloff of 0).
+    /// Sliding friction \[N\] of a bristle whose top moves with `velocity` \[m/s\] over the road, of which
+    /// `slow` is the value at no speed: slow / (1 + falloff v). Not in the source, whose sliding friction
+    /// does not depend on the speed (a falloff of 0).
     #[inline]
-    pub fn friction_left_at<T: Real>(&self, speed: T) -> T {
+    pub fn friction_at_speed<T: Real>(&self, slow: T, velocity: [T; 2]) -> T {
         if self.friction_speed_falloff == 0.0 {
-            return T::one();
+            return slow;
         }
-        T::one() / (speed * self.friction_speed_falloff + 1.0)
+        slow / (norm(velocity) * self.friction_speed_falloff + 1.0)
     }
 
     /// Checks what the ranges of the single parameters cannot say.

@@ -51,6 +51,10 @@ impl<T: Real> Deformation<T> {
 #[derive(Debug, Clone, Copy)]
 pub struct Tops<T: Real> {
     deformation: Deformation<T>,
+    /// Velocity of the bristles through the patch.
+    feed: T,
+    /// Spin rate of a cambered belt about the road's normal.
+    camber_spin: T,
     /// Velocity of a top at x = y = 0 without yaw.
     velocity_x: T,
     /// Lateral velocity without yaw is a polynomial in x: coefficients 0 to 2.
@@ -79,6 +83,8 @@ impl<T: Real> Tops<T> {
         let [contact_x, contact_y] = contact.velocity;
         Self {
             deformation,
+            feed,
+            camber_spin: spin_rate * sin,
             velocity_x: feed + rate.shift_x + contact_x,
             velocity_y: [
                 rate.shift_y + deformation.twist * feed + sin_rate * drop - sin * contact.distance_rate
@@ -105,6 +111,26 @@ impl<T: Real> Tops<T> {
             self.velocity_x - self.yaw_rate * self.virtual_y(x, y),
             c0 + (c1 + c2 * x) * x + self.yaw_rate * (x + self.deformation.shift_x),
         ]
+    }
+
+    /// Power \[W\] that a bristle takes out of the belt with `force` \[N\] on the patch at the undeformed
+    /// place (x, y): what bends, damps and slides. To the sum over all belongs
+    /// [`camber_power`](Self::camber_power).
+    ///
+    /// It is minus the force times the velocity of the top, without what that velocity has beyond a belt
+    /// that is rigid: where twist, bending and the camber parabola lead bristles across, the source has no
+    /// moment that would brake the belt's spin for it, so nobody pays.
+    #[inline]
+    pub fn power(&self, x: T, y: T, [force_x, force_y]: [T; 2]) -> T {
+        let [velocity_x, velocity_y] = self.velocity(x, y);
+        let led = (self.deformation.twist - self.deformation.bend * x * 2.0) * self.feed + self.camber_spin * x;
+        -(force_x * velocity_x + force_y * (velocity_y - led))
+    }
+
+    /// Power \[W\] of the whole patch with the moment `moment_z` \[N.m\] on the belt that the spin of a
+    /// cambered belt about the road's normal brings.
+    pub fn camber_power(&self, moment_z: T) -> T {
+        -self.camber_spin * moment_z
     }
 }
 

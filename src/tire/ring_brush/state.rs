@@ -29,6 +29,8 @@ pub struct State {
     pub patch: PatchReport,
     /// Distance that the patch has slid, the mean over the normal force \[m\].
     pub sliding_distance: f64,
+    /// Energy lost in the contact \[J\], of which [`PatchReport::power_loss`] is the rate.
+    pub energy_loss: f64,
 }
 
 /// The patch at the end of a step, for outputs.
@@ -52,8 +54,12 @@ pub struct PatchReport {
     pub pressure_state: PressureState,
     /// Bristles that slide, over bristles in contact.
     pub sliding_share: f64,
-    /// Power that sliding turns into heat \[W\].
+    /// Power of the friction of bristles that slide \[W\].
     pub friction_power: f64,
+    /// Power lost in the contact \[W\]: sliding, the bristles' dampers, their snapping back at break-away
+    /// and their leaving the contact bent. Bristles do that one by one, so it is a mean over the last
+    /// [`LOSS_TIME`](super::LOSS_TIME).
+    pub power_loss: f64,
 }
 
 /// The bristles, stripe by stripe: bristle j of stripe i has the index i n + j.
@@ -104,4 +110,5 @@ clone_in_place!(State {
     on_rim,
     patch,
     sliding_distance,
+    energy_loss,
 });

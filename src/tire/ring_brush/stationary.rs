@@ -5,6 +5,7 @@
 //! continuum, integrated from where bristles enter to where they leave, and ten equations are solved
 //! by Newton's method with exact derivatives.
 
+use super::bristle::norm;
 use super::patch::{Moments, Pressure, Shape};
 use super::step::wind;
 use super::{
@@ -53,6 +54,10 @@ pub struct Stationary {
     pub patch: Wrench<f64>,
     /// Force and moment of the tire on the rim, frame 0, about the rim's centre.
     pub on_rim: Wrench<f64>,
+    /// Power lost in the contact \[W\], as [`PatchReport::power_loss`](super::PatchReport).
+    pub power_loss: f64,
+    /// Factor on both friction coefficients.
+    pub friction: f64,
     /// Intervals along each stripe.
     pub intervals: usize,
     /// How the search ended.
@@ -98,14 +103,20 @@ impl<T: Real> Unknowns<T> {
 
 /// The stationary state of a tire whose rim keeps its velocity, camber, steer angle and spin rate.
 ///
-/// Of `rim`, the horizontal velocity, the angles x and z and the rate y count. The search starts at
+/// Of `rim`, the horizontal velocity, the angles x and z and the rate y count; `friction` is a factor on
+/// both friction coefficients. The search starts at
 /// straight rolling without slip and, where one jump does not succeed, approaches the state in steps.
 ///
 /// # Errors
 /// No stationary state was found: the source does not promise one, and far from straight rolling
 /// there may be none.
-pub fn stationary(tire: &Tire, rim: &Motion<f64>, vertical: Vertical) -> Result<Stationary> {
-    stationary_refined(tire, rim, vertical, INTERVALS)
+pub fn stationary(
+    tire: &Tire,
+    rim: &Motion<f64>,
+    vertical: Vertical,
+    friction: f64,
+) -> Result<Stationary> {
+    stationary_refined(tire, rim, vertical, friction, INTERVALS)
 }
 
 /// [`stationary`] with a number of intervals along each stripe; the error falls with its square.
@@ -116,6 +127,7 @@ pub fn stationary_refined(
     tire: &Tire,
     rim: &Motion<f64>,
     vertical: Vertical,
+    friction: f64,
     intervals: usize,
 ) -> Result<Stationary> {
     let p = tire.parameters();
@@ -125,11 +137,11 @@ pub fn stationary_refined(
         let goal = (reached + stride).min(1.0);
         let mut trial = x;
         let target = between(p, rim, goal);
-        let convergence = search(tire, &target, vertical, intervals, &mut trial);
+        let convergence = search(tire, &target, vertical, friction, intervals, &mut trial);
         if convergence.residual <= TOLERANCE {
             (x, reached, stride) = (trial, goal, 2.0 * stride);
             if reached >= 1.0 {
-                return Ok(describe(tire, rim, &x, intervals, convergence));
+                return Ok(describe(tire, rim, friction, &x, intervals, convergence));
             }
         } else {
             stride *= 0.5;
@@ -196,6 +208,7 @@ fn search(
     tire: &Tire,
     rim: &Motion<f64>,
     vertical: Vertical,
+    friction: f64,
     intervals: usize,
     x: &mut [f64; 10],
 ) -> Convergence {
@@ -217,7 +230,9 @@ fn search(
     if let Vertical::Height(height) = vertical {
         rim.position.z = height.into();
     }
-    newton(x, &scale, 1e-11, 40, |x: &[Dual<10>; 10]| residual(tire, &rim, vertical, intervals, x))
+    newton(x, &scale, 1e-11, 40, |x: &[Dual<10>; 10]| {
+        residual(tire, &rim, vertical, friction.into(), intervals, x)
+    })
 }
 
 /// What is zero in a stationary state; a height that is held is that of `rim`.
@@ -225,11 +240,12 @@ fn residual<T: Real>(
     tire: &Tire,
     rim: &Motion<T>,
     vertical: Vertical,
+    friction: T,
     intervals: usize,
     x: &[T; 10],
 ) -> [T; 10] {
     let unknowns = Unknowns::from(x);
-    let balance = balance(tire, rim, &unknowns, intervals, &mut |_, _, _| {});
+    let balance = balance(tire, rim, friction, &unknowns, intervals, &mut |_, _, _| {});
     let Loads { force_x, force_y, moment_z } = balance.loads;
     let held = match vertical {
         Vertical::Height(_) => unknowns.rim_height - rim.position.z,
@@ -254,8 +270,17 @@ struct Balance<T: Real> {
     /// Sum on the belt, about its centre; zero in a stationary state.
     belt: Wrench<T>,
     loads: Loads<T>,
-    patch: Wrench<T>,
+    patch: Patch<T>,
     on_rim: Wrench<T>,
+}
+
+/// What the patch does to the belt.
+#[derive(Clone, Copy)]
+struct Patch<T: Real> {
+    /// In K about the contact point.
+    on_belt: Wrench<T>,
+    /// Power lost in the contact.
+    power_loss: T,
 }
 
 /// A node of a stripe: place x, deflection, sticking. Told to whoever wants to fill bristles.
@@ -264,6 +289,7 @@ type Visit<'a> = dyn FnMut(usize, f64, ([f64; 2], bool)) + 'a;
 fn balance<T: Real>(
     tire: &Tire,
     rim: &Motion<T>,
+    friction: T,
     unknowns: &Unknowns<T>,
     intervals: usize,
     visit: &mut Visit<'_>,
@@ -271,7 +297,8 @@ fn balance<T: Real>(
     let p = tire.parameters();
     let belt = unknowns.belt(rim);
     let contact = Contact::new(p, &belt);
-    let patch = continuum(tire, &contact, belt.rates.y, &unknowns.loads, intervals, visit);
+    let patch = continuum(tire, &contact, belt.rates.y, friction, &unknowns.loads, intervals, visit);
+    let Wrench { force: patch_force, moment: patch_moment } = patch.on_belt;
     let (side, on_rim) = stationary_coupling(
         p,
         &unknowns.belt_from_rim,
@@ -280,12 +307,12 @@ fn balance<T: Real>(
         unknowns.windup,
         rim.rates.y,
     );
-    let on_belt = patch_on_belt(&contact, &patch.force, &patch.moment);
+    let on_belt = patch_on_belt(&contact, &patch_force, &patch_moment);
     let mut force = side.force + on_belt.force;
     force.z -= T::from(p.belt_mass * p.gravity);
     Balance {
         belt: Wrench { force, moment: side.moment + on_belt.moment },
-        loads: Loads { force_x: patch.force.x, force_y: patch.force.y, moment_z: patch.moment.z },
+        loads: Loads { force_x: patch_force.x, force_y: patch_force.y, moment_z: patch_moment.z },
         patch,
         on_rim,
     }
@@ -309,14 +336,16 @@ fn continuum<T: Real>(
     tire: &Tire,
     contact: &Contact<T>,
     spin_rate: T,
+    friction: T,
     loads: &Loads<T>,
     intervals: usize,
     visit: &mut Visit<'_>,
-) -> Wrench<T> {
+) -> Patch<T> {
     let p = tire.parameters();
     let mut force = Vector3::new(T::zero(), T::zero(), contact.normal_force);
     let moment_y = moment_y(p, contact, spin_rate, loads.force_x);
     let mut moment = Vector3::new(T::zero(), moment_y, T::zero());
+    let mut power_loss = T::zero();
     let deformation = Deformation::new(p, loads);
     let tops = Tops::new(p, contact, spin_rate, loads, &Loads::default_real());
     let shape = Shape::new(p, contact.penetration);
@@ -358,6 +387,7 @@ fn continuum<T: Real>(
         let y_real = T::from(y);
         let factor = shape.stripe(y, length);
         let normal = |x: T| pressure.at(x, shape.along(x, length) * factor) * p.cell_area();
+        let limits_at = |load: T| Limits::new(p, load / p.cell_area(), load * friction);
         let mut add = |from: Node<T>, to: Node<T>| {
             let width = (to.x - from.x).abs() * (0.5 / p.bristle_length);
             for Node { x, force: f } in [from, to] {
@@ -366,6 +396,7 @@ fn continuum<T: Real>(
                 force.y += f[1] * width;
                 moment.x += place_y * normal(x) * width;
                 moment.z += (place_x * f[1] - place_y * f[0]) * width;
+                power_loss += tops.power(x, y_real, f) * width;
             }
         };
 
@@ -380,12 +411,11 @@ fn continuum<T: Real>(
             // the velocity is linear in x: its mean over the interval is exact
             let velocity = tops.velocity((x + node.x) * 0.5, y_real);
             let load = if k == intervals { zero } else { normal(x) };
-            let next_limits = Limits::new(p, load / p.cell_area(), load);
+            let next_limits = limits_at(load);
             // sliding from one place to another; the last interval ends where nothing is carried
             let slide = |from: T, deflection: [T; 2], dt: T| {
                 let middle = (from + x) * 0.5;
-                let half_load = normal(middle);
-                let half_limits = Limits::new(p, half_load / p.cell_area(), half_load);
+                let half_limits = limits_at(normal(middle));
                 let velocity = |at: T| tops.velocity(at, y_real);
                 let whole = advance(p, deflection, velocity(middle), false, &next_limits, dt);
                 let (quarter, half) = ((from + middle) * 0.5, dt * 0.5);
@@ -420,8 +450,7 @@ fn continuum<T: Real>(
                     force: std::array::from_fn(|c| node.force[c] + (trial[c] - node.force[c]) * part),
                 };
                 let sliding = limits.sliding + (next_limits.sliding - limits.sliding) * part;
-                let speed = norm(velocity);
-                let cut = sliding * p.friction_left_at(speed) / norm(held.force);
+                let cut = p.friction_at_speed(sliding, velocity) / norm(held.force);
                 let released = Node { x: held.x, force: held.force.map(|f| f * cut) };
                 add(node, held);
                 node = released;
@@ -434,11 +463,8 @@ fn continuum<T: Real>(
             visit(i, x.value(), (deflection.map(Real::value), stick));
         }
     }
-    Wrench { force, moment }
-}
-
-fn norm<T: Real>([x, y]: [T; 2]) -> T {
-    (x * x + y * y).sqrt()
+    power_loss += tops.camber_power(moment.z);
+    Patch { on_belt: Wrench { force, moment }, power_loss }
 }
 
 impl<T: Real> Loads<T> {
@@ -450,12 +476,13 @@ impl<T: Real> Loads<T> {
 fn describe(
     tire: &Tire,
     rim: &Motion<f64>,
+    friction: f64,
     x: &[f64; 10],
     intervals: usize,
     convergence: Convergence,
 ) -> Stationary {
     let unknowns = Unknowns::from(x);
-    let balance = balance(tire, rim, &unknowns, intervals, &mut |_, _, _| {});
+    let balance = balance(tire, rim, friction, &unknowns, intervals, &mut |_, _, _| {});
     Stationary {
         rim_height: unknowns.rim_height,
         belt_from_rim: unknowns.belt_from_rim,
@@ -463,14 +490,16 @@ fn describe(
         belt_yaw: unknowns.yaw,
         windup: unknowns.windup,
         loads: balance.loads,
-        patch: balance.patch,
+        patch: balance.patch.on_belt,
         on_rim: balance.on_rim,
+        power_loss: balance.patch.power_loss,
+        friction,
         intervals,
         convergence,
     }
 }
 
-/// How a stationary state moves when the rim's motion does.
+/// How a stationary state moves when the rim's motion or the friction does.
 #[derive(Debug, Clone, Copy)]
 pub struct Moved {
     /// The belt; its spin angle is 0.
@@ -479,6 +508,8 @@ pub struct Moved {
     pub windup: Dual<1>,
     /// Force and moment of the patch on the belt in K.
     pub patch: Wrench<Dual<1>>,
+    /// Power lost in the contact.
+    pub power_loss: Dual<1>,
 }
 
 impl Stationary {
@@ -489,10 +520,10 @@ impl Stationary {
         [x, y, z, self.belt_camber, self.belt_yaw, self.windup, force_x, force_y, moment_z, self.rim_height]
     }
 
-    /// The derivative of the state along a change of the rim's motion, height included, which `rim`
-    /// carries as the derivative of its numbers: the implicit function theorem on the equations of
-    /// the search. `None` where their Jacobian is singular.
-    pub fn along(&self, tire: &Tire, rim: &Motion<Dual<1>>) -> Option<Moved> {
+    /// The derivative of the state along a change of the rim's motion, height included, and of the
+    /// friction factor, which `rim` and `friction` carry as the derivatives of their numbers: the implicit
+    /// function theorem on the equations of the search. `None` where their Jacobian is singular.
+    pub fn along(&self, tire: &Tire, rim: &Motion<Dual<1>>, friction: Dual<1>) -> Option<Moved> {
         let held = Vertical::Height(self.rim_height);
         let x = self.unknowns();
         let fixed = Motion {
@@ -502,14 +533,16 @@ impl Stationary {
             rates: rim.rates.map(Real::value),
         };
         let variables: [Dual<10>; 10] = std::array::from_fn(|i| Dual::variable(x[i], i));
-        let by_x = residual(tire, &fixed.constant(), held, self.intervals, &variables);
-        let by_rim = residual(tire, rim, held, self.intervals, &x.map(Dual::<1>::from));
+        let by_x =
+            residual(tire, &fixed.constant(), held, friction.value.into(), self.intervals, &variables);
+        let by_rim = residual(tire, rim, held, friction, self.intervals, &x.map(Dual::<1>::from));
         let jacobian = DMatrix::from_fn(10, 10, |i, j| by_x[i].gradient[j]);
         let change = jacobian.lu().solve(&DVector::from_fn(10, |i, _| -by_rim[i].gradient[0]))?;
         let moved: [Dual<1>; 10] = std::array::from_fn(|i| Dual { value: x[i], gradient: [change[i]] });
         let unknowns = Unknowns::from(&moved);
-        let patch = balance(tire, rim, &unknowns, self.intervals, &mut |_, _, _| {}).patch;
-        Some(Moved { belt: unknowns.belt(rim), windup: unknowns.windup, patch })
+        let Patch { on_belt, power_loss } =
+            balance(tire, rim, friction, &unknowns, self.intervals, &mut |_, _, _| {}).patch;
+        Some(Moved { belt: unknowns.belt(rim), windup: unknowns.windup, patch: on_belt, power_loss })
     }
 
     /// The tire's state in time: the belt in balance, each bristle with the deflection that belongs
@@ -532,7 +565,7 @@ impl Stationary {
         // bristles take over the deflection of the interval that they are in
         let n = bristles.x.len();
         let mut last = (usize::MAX, 0.0, [0.0; 2]);
-        balance(tire, rim, &unknowns, self.intervals, &mut |i, x, (deflection, stick)| {
+        balance(tire, rim, self.friction, &unknowns, self.intervals, &mut |i, x, (deflection, stick)| {
             let (stripe, from, before) = std::mem::replace(&mut last, (i, x, deflection));
             if stripe != i {
                 return;
@@ -551,7 +584,8 @@ impl Stationary {
         let mut state = State { belt, bristles, lagged: self.loads, loads: self.loads, ..State::default() };
         let mut rim = *rim;
         rim.position = Vector3::new(0.0, 0.0, self.rim_height);
-        tire.step(&mut state, &rim, &rim, &Flat, 0.0)?;
+        tire.step(&mut state, &rim, &rim, &Flat { friction: self.friction }, 0.0)?;
+        state.patch.power_loss = self.power_loss;
         // in balance by construction; the ripple of the bristles is no reason to start with a jerk
         state.acceleration = [Vector3::zeros(); 2];
         state.lag_rates = Loads::default();

@@ -14,6 +14,9 @@ use serde::{Deserialize, Serialize};
 
 /// Beyond this camber of the belt \[rad\] the Cardan angles come too near to their singularity.
 const MAX_CAMBER: f64 = 1.3;
+/// Time constant \[s\] of the mean that [`PatchReport::power_loss`](super::PatchReport) is. Bristles follow
+/// each other in a spacing, 1.4 ms at 10 m/s; what heats up takes seconds.
+pub const LOSS_TIME: f64 = 0.01;
 
 /// A tire with checked parameters and what follows from them.
 #[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -270,6 +273,9 @@ impl Tire {
         let mut torque = Vector3::new(0.0, moment, 0.0);
         let (mut touching, mut sliding) = (0_u32, 0_u32);
         let (mut power, mut slip, mut negative, mut highest) = (0.0, 0.0, 0.0, 0.0_f64);
+        // what went into the bristles and is not in their springs is lost
+        let (mut work, mut stored) = (0.0, 0.0);
+        let square = |[x, y]: [f64; 2]| x * x + y * y;
         for (i, (y, radius)) in self.places.iter().zip(&self.radii).enumerate() {
             let length = contact.stripe_length(p, *y, *radius);
             let old_length = std::mem::replace(&mut bristles.lengths[i], length);
@@ -277,27 +283,32 @@ impl Tire {
                 let k = i * n + j;
                 let cell_pressure = pressure.at(x, bristles.pressure[k]);
                 bristles.pressure[k] = cell_pressure;
+                let old = [bristles.deflection_x[k], bristles.deflection_y[k]];
+                stored -= square(old);
                 if cell_pressure == 0.0 {
                     // out of contact: no force, the deflection dies away (F = 0 in the bristle's law)
                     let decay = p.bristle_damping / (p.bristle_damping + p.bristle_stiffness * dt);
-                    bristles.deflection_x[k] *= decay;
-                    bristles.deflection_y[k] *= decay;
+                    let new = old.map(|x| x * decay);
+                    stored += square(new);
+                    [bristles.deflection_x[k], bristles.deflection_y[k]] = new;
                     bristles.stick[k] = false;
                     continue;
                 }
                 let normal = area * cell_pressure;
                 let limits = Limits::new(p, cell_pressure, friction * normal);
-                let old = [bristles.deflection_x[k], bristles.deflection_y[k]];
 
                 // a bristle that came into contact within the step is loaded for the rest of it only
                 let inside = 0.5 * length - x.abs();
                 let inside_before = 0.5 * old_length - (x + shift).abs();
                 let enters = inside > 0.0 && inside_before < 0.0 && !p.whole_step_entry;
                 let loaded = if enters { inside / (inside - inside_before) } else { 1.0 };
-                let velocity = tops.velocity(x + 0.5 * shift * loaded, *y);
+                let middle = x + 0.5 * shift * loaded;
+                let velocity = tops.velocity(middle, *y);
                 let step = advance(p, old, velocity, bristles.stick[k], &limits, dt * loaded);
                 [bristles.deflection_x[k], bristles.deflection_y[k]] = step.deflection;
                 bristles.stick[k] = step.stick;
+                stored += square(step.deflection);
+                work += loaded * tops.power(middle, *y, step.force);
 
                 let [place_x, place_y] = deformation.place(x, *y);
                 let [force_x, force_y] = step.force;
@@ -332,6 +343,12 @@ impl Tire {
         };
         patch.sliding_share = if touching > 0 { f64::from(sliding) / f64::from(touching) } else { 0.0 };
         patch.friction_power = power;
+        if dt > 0.0 {
+            work += tops.camber_power(torque.z);
+            let lost = dt * work - 0.5 * p.bristle_stiffness * stored;
+            state.energy_loss += lost;
+            patch.power_loss += (lost - dt * patch.power_loss) / (LOSS_TIME + dt);
+        }
         if negative + contact.normal_force > 0.0 {
             state.sliding_distance += dt * slip / (negative + contact.normal_force);
         }
