@@ -178,7 +178,7 @@ fn slip_and_slip_angle_mean_the_same_forward_and_in_reverse_on_all_rigs() {
         assert!(get(&mut rig, "force_x") * speed < 0.0 && get(&mut wheel, "force_x") * speed < 0.0);
         // a wheel that is pushed to its left
         let mut wheel: Native<RingBrushWheel> = started(&[("initial_speed", speed), ("axle_force_y", 1000.0)]);
-        common::advance(&mut wheel, 1e-3, 0, 300);
+        common::advance(&mut wheel, 1e-3, 0, 1500);
         let angle = get(&mut wheel, "slip_angle");
         assert!(angle > 0.0 && get(&mut wheel, "force_y") < -500.0, "{speed}: {angle}");
         let slip = get(&mut wheel, "slip");

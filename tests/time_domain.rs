@@ -5,7 +5,7 @@
 mod common;
 
 use common::rolling::{FREE, Point};
-use common::{FlatTrack, assert_close, example_tire, flat_track, get, set};
+use common::{FlatTrack, NO_ACTUATORS, PRINTED_PRESSURE, assert_close, example_tire, flat_track, get, set};
 use latsch::model::Slave;
 use latsch::tire::ring_brush::{Vertical, stationary_refined};
 use proptest::prelude::*;
@@ -75,6 +75,7 @@ fn stationary_start_stays() {
             ("slip", point.slip),
             ("slip_angle", -point.alpha),
             ("camber", point.camber),
+            PRINTED_PRESSURE,
         ]);
         assert_eq!(get(&mut rig, "stationary_start"), 1.0);
         // 140 ms are 100 bristles
@@ -102,7 +103,13 @@ impl Descent {
         let alpha: f64 = 0.0175;
         // touching: the belt's weight hangs on the side wall (C.29)
         let touch = -8.8 * 9.81 * 4.67e6 / (4.67e6_f64.powi(2) + (449.0_f64 * 10.0 / 0.328).powi(2));
-        let start = [("slip_angle", -alpha), ("path_speed", 10.0 / alpha.cos()), ("deflection", touch)];
+        let start = [
+            ("slip_angle", -alpha),
+            ("path_speed", 10.0 / alpha.cos()),
+            ("deflection", touch),
+            PRINTED_PRESSURE,
+            NO_ACTUATORS,
+        ];
         let mut rig = flat_track(&[&start, values].concat());
         let deflection = rig.find("deflection").unwrap();
         rig.set_rate(deflection, 0.08).unwrap();
@@ -342,7 +349,7 @@ fn largest_step_with_a_soft_patch() {
 
 #[test]
 fn vertical_balance_and_standstill() {
-    let mut rig = flat_track(&[("path_speed", 0.0), ("deflection", 0.0)]);
+    let mut rig = flat_track(&[("path_speed", 0.0), ("deflection", 0.0), NO_ACTUATORS]);
     let deflection = rig.find("deflection").unwrap();
     let steer = rig.find("steer").unwrap();
     rig.set_rate(deflection, 0.05).unwrap();
@@ -382,20 +389,21 @@ fn locked_wheel() {
     assert_close("power", power(&mut rig), -get(&mut rig, "patch_force_x") * 10.0, 1e-3);
 }
 
-/// Backward is forward seen in a mirror that swaps front and rear.
+/// Backward is forward seen in a mirror that swaps front and rear: what pushes the patch forward pushes it
+/// backward, and left stays left.
 #[test]
 fn reverse_rolling() {
     let common = [("deflection", 0.025), ("camber", 0.01)];
     let mut forward = flat_track(&[&common[..], &[("slip", 0.02), ("slip_angle", 0.02)]].concat());
     let mut backward =
-        flat_track(&[&common[..], &[("slip", 0.02), ("slip_angle", -0.02), ("path_speed", -10.0)]].concat());
+        flat_track(&[&common[..], &[("slip", -0.02), ("slip_angle", 0.02), ("path_speed", -10.0)]].concat());
     let signs = [-1.0, 1.0, 1.0, 1.0, -1.0, -1.0];
     let (mut worst, mut scale) = ([0.0_f64; 6], [1.0_f64; 6]);
     for k in 0..250 {
         let t = f64::from(k) * TICK;
         if k == 50 {
             set(&mut forward, &[("slip_angle", -0.05), ("slip", -0.03)]);
-            set(&mut backward, &[("slip_angle", 0.05), ("slip", -0.03)]);
+            set(&mut backward, &[("slip_angle", -0.05), ("slip", 0.03)]);
         }
         forward.step(t, TICK).unwrap();
         backward.step(t, TICK).unwrap();
@@ -429,7 +437,7 @@ fn sideways() {
 /// Steering on the spot: the moment saturates when the whole patch slides.
 #[test]
 fn steering_on_the_spot() {
-    let mut rig = flat_track(&[("path_speed", 0.0), ("deflection", 0.02)]);
+    let mut rig = flat_track(&[("path_speed", 0.0), ("deflection", 0.02), NO_ACTUATORS]);
     let steer = rig.find("steer").unwrap();
     rig.set_rate(steer, 0.5).unwrap();
     let mut moments = Vec::new();
@@ -455,7 +463,7 @@ fn steering_on_the_spot() {
 /// Bouncing through zero load.
 #[test]
 fn lift_off_and_landing() {
-    let mut rig = flat_track(&[("deflection", 0.01), ("slip_angle", -0.02), ("slip", 0.01)]);
+    let mut rig = flat_track(&[("deflection", 0.01), ("slip_angle", -0.02), ("slip", 0.01), NO_ACTUATORS]);
     let deflection = rig.find("deflection").unwrap();
     let (mut air, mut ground) = (0, 0);
     for k in 0..1500 {

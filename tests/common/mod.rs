@@ -44,14 +44,19 @@ pub fn get(slave: &mut dyn Slave, name: &str) -> f64 {
     slave.get(index).unwrap()
 }
 
-/// The example tire of the source.
+/// The pressure as the source prints it, for comparisons with the source's numbers.
+pub const PRINTED_PRESSURE: (&str, f64) = ("limit_pressure_tilt", 0.0);
+/// A rig whose commands are the motion.
+pub const NO_ACTUATORS: (&str, f64) = ("command_actuators", 0.0);
+
+/// The example tire of the source, as printed.
 pub fn example() -> Parameters {
     example_tire().parameters().clone()
 }
 
 pub fn example_tire() -> Tire {
     static TIRE: OnceLock<Tire> = OnceLock::new();
-    TIRE.get_or_init(|| flat_track(&[]).model().tire().clone()).clone()
+    TIRE.get_or_init(|| flat_track(&[PRINTED_PRESSURE]).model().tire().clone()).clone()
 }
 
 /// Fails unless the two agree to `tolerance`, relative to the expected number.

@@ -17,7 +17,7 @@ fn run(rig: &mut common::FlatTrack, mut each: impl FnMut(&mut common::FlatTrack)
 
 #[test]
 fn printed_distribution_pulls_at_one_end() {
-    let mut rig = flat_track(&[("deflection", 0.002), ("slip_angle", -0.02)]);
+    let mut rig = flat_track(&[("deflection", 0.002), ("slip_angle", -0.02), common::PRINTED_PRESSURE]);
     let mut most: f64 = 0.0;
     run(&mut rig, |rig| {
         let (share, normal) = (get(rig, "negative_pressure_share"), get(rig, "patch_force_z"));
