@@ -379,3 +379,29 @@ fn steps_that_are_too_long_for_the_parameters_are_refused_at_the_start() {
     let message = corner.step(0.0, 1e-3).unwrap_err().to_string();
     assert!(message.contains("fore_aft_damping"), "{message}");
 }
+
+/// On a grade the whole weight climbs, also that of the mass which stands on other wheels: a vehicle that
+/// rolls freely is slowed down by g times the slope, but for what the spinning wheel adds to its inertia.
+#[test]
+fn the_whole_mass_that_a_corner_brakes_climbs_a_grade() {
+    for vehicle_mass in [420.0, 690.0] {
+        let mut corner = plain_corner(
+            1.0,
+            &[
+                ("vehicle_mass", vehicle_mass),
+                ("road_kind", 3.0),
+                ("road_height", 5.0),
+                ("road_length", 100.0),
+                ("road_start", 2.0),
+                ("initial_speed", 20.0),
+            ],
+        );
+        advance(&mut corner, 1e-3, 0, 1500);
+        let before = get(&mut corner, "vehicle_speed");
+        advance(&mut corner, 1e-3, 1500, 2500);
+        let mean = get(&mut corner, "vehicle_speed") - before;
+        let mass = vehicle_mass + 8.8;
+        let spinning = (0.7 + 0.928) / 0.328_f64.powi(2);
+        assert_close("acceleration", mean, -0.05 * GRAVITY * mass / (mass + spinning), 0.01);
+    }
+}

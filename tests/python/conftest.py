@@ -81,7 +81,11 @@ class Slave:
         self.raw.exitInitializationMode()
 
     def set(self, **values):
-        self.raw.setReal([self.references[n] for n in values], list(values.values()))
+        switches = {n: v for n, v in values.items() if isinstance(v, bool)}
+        numbers = {n: v for n, v in values.items() if n not in switches}
+        self.raw.setReal([self.references[n] for n in numbers], list(numbers.values()))
+        if switches:
+            self.raw.setBoolean([self.references[n] for n in switches], list(switches.values()))
 
     def rates(self, **values):
         references = [self.references[n] for n in values]

@@ -91,6 +91,9 @@ impl Tire {
         }
         let variable = slave.find("step_size")?;
         slave.set(variable, step)?;
+        // the courses of the inputs are the rig's motion
+        let variable = slave.find("command_actuators")?;
+        slave.set(variable, 0.0)?;
         let find = |rows: &[Row]| rows.iter().map(|row| slave.find(row.0)).collect::<Result<Vec<_>>>();
         Ok(Self {
             inputs: find(&INPUTS)?,
