@@ -287,10 +287,11 @@ impl Memory {
         } else if tau == f64::INFINITY {
             y
         } else {
-            let (x, decay) = (dt / tau, (-dt / tau).exp());
+            let (x, decay) = (dt / tau, libm::exp(-dt / tau));
             // of the goal's rise the part that has been followed
-            let ramp = 1.0 - -(-x).exp_m1() / x;
-            y * decay + last * -(-x).exp_m1() + (goal - last) * ramp
+            let gone = -libm::expm1(-x);
+            let ramp = 1.0 - gone / x;
+            y * decay + last * gone + (goal - last) * ramp
         };
         self.states[i] = next;
         self.states[i + 1] = goal;

@@ -35,6 +35,7 @@ fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
     if p[0] == 0.0 {
         return call.target;
     }
-    let rolls = 1.0 - 1.0 / (1.0 + (bounded(call.drivers[1]) / 0.1).powi(2));
+    let pace = bounded(call.drivers[1]) / 0.1;
+    let rolls = 1.0 - 1.0 / (1.0 + pace * pace);
     call.target + p[0] * call.drivers[0].abs() * rolls
 }
