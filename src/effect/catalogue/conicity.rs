@@ -11,7 +11,7 @@ pub const EFFECT: Effect = Effect {
     port: Port::Output,
     also: &[],
     equation: "F = F_0 + c |Fz| r, r = V^2 / (V^2 + (0.1 m/s)^2)",
-    source: "micropoise.com conicity",
+    source: "micropoise.com conicity: half the sum of the lateral shifts in both directions",
     signature: "an offset of the lateral force with the same sign in both directions, gone at standstill",
     confused_with: &[
         ("plysteer", "turns with the direction"),

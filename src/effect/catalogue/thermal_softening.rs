@@ -17,7 +17,7 @@ pub const EFFECT: Effect = Effect {
         ("sensor-drift", "without sliding too"),
         ("speed-dependent-friction", "does not depend on what went before"),
         ("inflation-warm-up", "more force, from rolling alone"),
-        ("frictional-heating", "the same with a friction power that the model tells"),
+        ("frictional-heating", "the same with a power that the model tells"),
     ],
     targets: &[Role::Force],
     drivers: &[Role::Slip, Role::TravelSpeed],
