@@ -4,31 +4,43 @@
 //! axes at every interface are ISO 8855 / TYDEX (C, H, W).
 #![deny(unsafe_code)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+// Elementary functions of the C library (clippy.toml) are for what never runs in an FMU: the modules under the feature
+// "host", and tests. Without that feature this holds for the whole library.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 pub mod control;
 #[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
 pub mod cosimulate;
 #[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
 pub mod diagnose;
 pub mod effect;
 mod error;
 #[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
 mod file;
 #[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
 pub mod fit;
 #[allow(unsafe_code)]
 pub mod fmi;
 pub mod model;
 #[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
 mod page;
 #[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
 pub mod recording;
 #[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
 pub mod report;
 pub mod rig;
 pub mod road;
 pub mod shipped;
 #[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
 pub mod simulate;
 pub mod solver;
 pub mod tire;

@@ -36,7 +36,11 @@ impl Placement {
     /// True if the other one is the same form of the same effect, with the same signals at the same place.
     pub fn is_same(&self, other: &Self) -> bool {
         self.effect.id == other.effect.id
-            && self.effect.parameters.len() == other.effect.parameters.len()
+            && self.effect.parameters.iter().map(|p| p.name).eq(other
+                .effect
+                .parameters
+                .iter()
+                .map(|p| p.name))
             && self.port == other.port
             && self.targets == other.targets
             && self.drivers == other.drivers

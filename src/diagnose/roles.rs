@@ -34,6 +34,7 @@ impl Roles {
     /// A name that is no variable.
     pub fn of(interface: &Interface, given: &[(String, Role)]) -> Result<Self> {
         let mut of: Vec<Vec<Role>> = interface.variables.iter().map(guess).collect();
+        part_of_a_loss(interface, &mut of);
         for (name, role) in given {
             let variable = interface.find(name).map_err(|e| Error::file(format!("[roles]: {e}")))?;
             // what the user says replaces what was guessed
@@ -99,6 +100,31 @@ fn dimension(info: &VariableInfo) -> Option<Dimension> {
         .map(|u| u.exponents)
 }
 
+/// What a contact loses as a whole heats it: where a part of a machine tells that, the power of sliding alone, which is in
+/// it, is no power that heats.
+fn part_of_a_loss(interface: &Interface, of: &mut [Vec<Role>]) {
+    let split = |info: &VariableInfo| {
+        let name = info.name.to_ascii_lowercase();
+        let cut = name.rfind('.').map_or(0, |dot| dot + 1);
+        (name[..cut].to_owned(), name[cut..].to_owned())
+    };
+    let is_signal = |info: &VariableInfo| matches!(info.causality, Causality::Input | Causality::Output);
+    let whole: Vec<String> = interface
+        .variables
+        .iter()
+        .filter(|info| is_signal(info) && dimension(info) == Some(WATT))
+        .map(split)
+        .filter(|(_, name)| name.contains("contact_power_loss"))
+        .map(|(part, _)| part)
+        .collect();
+    for (info, roles) in interface.variables.iter().zip(of) {
+        let (part, name) = split(info);
+        if name.contains("friction_power") && whole.contains(&part) {
+            roles.retain(|role| *role != Role::FrictionPower);
+        }
+    }
+}
+
 fn guess(info: &VariableInfo) -> Vec<Role> {
     if info.variability == Variability::Constant {
         return Vec::new();
@@ -129,6 +155,9 @@ fn guess(info: &VariableInfo) -> Vec<Role> {
         }
         NEWTON if says(&["force_y", "fy", "f_y", "lateral"]) => vec![Role::Force, Role::LateralForce],
         NEWTON_METRE if says(&["moment_y", "my", "m_y"]) => vec![Role::Force, Role::LongitudinalForce],
+        NEWTON_METRE if says(&["moment_z", "mz", "m_z", "aligning"]) => {
+            vec![Role::Force, Role::AligningMoment]
+        }
         NEWTON | NEWTON_METRE => vec![Role::Force],
         METRE if says(&["distance", "travel"]) && !says(&["suspension", "spring"]) => {
             vec![Role::TravelDistance]
@@ -136,6 +165,7 @@ fn guess(info: &VariableInfo) -> Vec<Role> {
         METRE => vec![Role::Position],
         RADIAN if says(&["slip_angle", "alpha"]) => vec![Role::SlipAngle],
         RADIAN if says(&["camber", "inclination"]) => vec![Role::Camber],
+        RADIAN if says(&["steer"]) => vec![Role::Position, Role::SteerAngle],
         RADIAN if says(&["wheel_angle", "drum_angle", "shaft_angle", "rotation", "spin"]) => {
             vec![Role::WheelAngle]
         }
@@ -154,5 +184,150 @@ fn guess(info: &VariableInfo) -> Vec<Role> {
         WATT => vec![Role::FrictionPower],
         _ if dimension == [0; 8] && says(&["slip", "kappa"]) => vec![Role::Slip],
         _ => vec![Role::Other],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::placement::Site;
+    use super::*;
+    use crate::effect::{Attached, find, forms};
+    use crate::model::{Access, Model, Native, Settings, Slave, Variable, input, output};
+    use crate::real;
+    use serde::{Deserialize, Serialize};
+
+    /// A contact that creeps without sliding: bristles that leave it bent lose all of the power.
+    #[derive(Clone, Default, PartialEq, Serialize, Deserialize)]
+    struct Creeping<const WHOLE: bool> {
+        slip: f64,
+        slip_angle: f64,
+        steer: f64,
+        road_height: f64,
+    }
+
+    macro_rules! shown {
+        ($value:expr) => {
+            Access::Real($value, |_: &mut Self, _| {})
+        };
+    }
+
+    impl<const WHOLE: bool> Model for Creeping<WHOLE> {
+        const NAME: &'static str = "creeping";
+        const DESCRIPTION: &'static str = "A contact that loses power";
+        const DOCUMENTATION: &'static str = "";
+        const VARIABLES: &'static [Variable<Self>] = &[
+            input("slip", "1", real!(slip), 0.0, "Slip"),
+            input("slip_angle", "rad", real!(slip_angle), 0.0, "Slip angle"),
+            input("steer", "rad", real!(steer), 0.0, "Steer angle"),
+            input("road_height", "m", real!(road_height), 0.0, "Height of the road"),
+            output("force_x", "N", shown!(|m| 5e4 * m.slip), "Longitudinal force"),
+            output("force_y", "N", shown!(|m| -5e4 * m.slip_angle), "Lateral force"),
+            output("moment_z", "N.m", shown!(|m| 1e3 * m.slip_angle), "Aligning moment"),
+            output("brake_power", "W", shown!(|_| 0.0), "Power of the brake"),
+            output("friction_power", "W", shown!(|_| 0.0), "Power of sliding"),
+            output(
+                if WHOLE { "contact_power_loss" } else { "something_else" },
+                "W",
+                shown!(|m| 5e4 * m.slip * m.slip * 20.0),
+                "Power that is lost",
+            ),
+        ];
+        fn step_size(&self) -> f64 {
+            1e-3
+        }
+        fn initialize(&mut self) -> Result<()> {
+            Ok(())
+        }
+        fn step(&mut self, _: f64) -> Result<()> {
+            Ok(())
+        }
+    }
+
+    fn interface<const WHOLE: bool>() -> Interface {
+        Native::<Creeping<WHOLE>>::new(&Settings::default()).unwrap().interface().clone()
+    }
+
+    fn names(interface: &Interface, roles: &Roles, role: Role) -> Vec<String> {
+        roles.signals(interface, role).iter().map(|s| interface.variables[s.variable].name.clone()).collect()
+    }
+
+    /// Where an effect may sit: changed variables, and what drives it.
+    fn places(interface: &Interface, effect: &'static crate::effect::Effect) -> Vec<(String, Vec<String>)> {
+        let roles = Roles::of(interface, &[]).unwrap();
+        let all = |causality: Causality| -> Vec<usize> {
+            (0..interface.variables.len())
+                .filter(|v| interface.variables[*v].causality == causality)
+                .collect()
+        };
+        let (measured, driven, count) =
+            (all(Causality::Output), all(Causality::Input), interface.variables.len());
+        let site = Site {
+            interface,
+            roles: &roles,
+            measured: &measured,
+            driven,
+            tunable: Vec::new(),
+            size: vec![1.0; count],
+            rate: vec![(1.0, 1.0); count],
+        };
+        let name = |v: &usize| interface.variables[*v].name.clone();
+        let place = |p: &super::super::placement::Placement| {
+            (name(&p.targets[0]), p.drivers.iter().map(|s| name(&s.variable)).collect())
+        };
+        site.placements(effect).iter().map(place).collect()
+    }
+
+    #[test]
+    fn what_a_contact_loses_as_a_whole_heats_and_not_its_sliding_alone() {
+        let interface = interface::<true>();
+        let roles = Roles::of(&interface, &[]).unwrap();
+        assert_eq!(names(&interface, &roles, Role::FrictionPower), ["brake_power", "contact_power_loss"]);
+        // a user who says otherwise is right
+        let given = [("friction_power".to_owned(), Role::FrictionPower)];
+        let roles = Roles::of(&interface, &given).unwrap();
+        assert!(names(&interface, &roles, Role::FrictionPower).contains(&"friction_power".to_owned()));
+        // in its place without the whole loss
+        let without = self::interface::<false>();
+        let roles = Roles::of(&without, &[]).unwrap();
+        assert!(names(&without, &roles, Role::FrictionPower).contains(&"friction_power".to_owned()));
+        // so heat comes from a contact that only creeps: P = 5e4 * 0.01^2 * 20 m/s = 100 W, E = P t
+        let heating = find("frictional-heating").unwrap();
+        let at = places(&interface, heating);
+        assert!(at.iter().all(|(_, by)| by[0] != "friction_power"), "{at:?}");
+        assert!(at.contains(&("force_x".into(), vec!["contact_power_loss".into()])), "{at:?}");
+        let slave = Box::new(Native::<Creeping<true>>::new(&Settings::default()).unwrap());
+        let roles = Roles::of(&interface, &[]).unwrap();
+        let power = roles.signals(&interface, Role::FrictionPower)[1];
+        let chosen = |value: f64| crate::effect::Chosen { value, range: (0.0, 1e9), unit: None };
+        let attachment = crate::effect::Attachment {
+            effect: heating,
+            target: interface.find("force_x").unwrap(),
+            drivers: vec![power],
+            parameters: vec![chosen(1e-4), chosen(1e6)],
+        };
+        let mut slave = Attached::new(slave, vec![attachment]).unwrap();
+        slave.set(0, 0.01).unwrap();
+        slave.start(0.0, None).unwrap();
+        slave.finish_start().unwrap();
+        for k in 0..1000 {
+            slave.step(f64::from(k) * 1e-3, 1e-3).unwrap();
+        }
+        let force = slave.get(interface.find("force_x").unwrap()).unwrap();
+        assert!((force - 500.0 * (1.0 - 0.01_f64.tanh())).abs() < 1e-3, "{force}");
+    }
+
+    #[test]
+    fn a_steering_gives_way_at_an_angle_of_the_wheel_by_what_turns_it() {
+        let interface = interface::<true>();
+        let all: Vec<_> = forms("steering-compliance").flat_map(|e| places(&interface, e)).collect();
+        let at = |target: &str, driver: &str| (target.to_owned(), vec![driver.to_owned()]);
+        let right = [
+            at("slip_angle", "moment_z"),
+            at("slip_angle", "force_y"),
+            at("steer", "moment_z"),
+            at("steer", "force_y"),
+        ];
+        // neither a road that gives way to a side force nor an angle that gives way to a drive force
+        assert!(all.len() == 4 && right.iter().all(|p| all.contains(p)), "{all:?}");
     }
 }

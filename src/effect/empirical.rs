@@ -76,7 +76,7 @@ const fn function(port: Port, id: &'static str, name: &'static str, targets: &'s
 }
 
 fn polynomial(p: &[f64], x: f64) -> f64 {
-    let step = if p[4] == 0.0 { 0.0 } else { p[4] * (x / p[5]).tanh() };
+    let step = if p[4] == 0.0 { 0.0 } else { p[4] * libm::tanh(x / p[5]) };
     p[0] * x + p[1] * x * x + p[2] * x * x * x + p[3] * x.abs() + step
 }
 

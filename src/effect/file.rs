@@ -135,7 +135,14 @@ impl Named {
     fn resolve(&self, interface: &Interface) -> Result<Attachment> {
         let at = |e: Error| Error::file(e.to_string()).at(format!("{}: effect {}", self.place, self.effect));
         let forms = || super::forms(&self.effect).filter(|e| e.drivers.len() == self.drivers.len());
-        let form = forms().find(|e| e.parameters.len() == self.parameters.len()).or_else(|| forms().next());
+        let named = |e: &Effect| {
+            e.parameters.len() == self.parameters.len()
+                && self.parameters.iter().all(|(name, ..)| e.parameters.iter().any(|p| p.name == *name))
+        };
+        let form = forms()
+            .find(|e| named(e))
+            .or_else(|| forms().find(|e| e.parameters.len() == self.parameters.len()))
+            .or_else(|| forms().next());
         let effect = form.or_else(|| super::find(&self.effect)).ok_or_else(|| {
             let ids: Vec<&str> = super::catalogue::EFFECTS.iter().map(|e| e.id).collect();
             at(Error::variable(format!("there is no such effect; there is {}", ids.join(", "))))

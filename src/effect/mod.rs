@@ -21,7 +21,7 @@ pub fn find(id: &str) -> Option<&'static Effect> {
 }
 
 /// The forms of an effect: the same physics with other signals at hand. They differ in the number of
-/// drivers or of parameters.
+/// drivers or in the names of parameters.
 pub fn forms(id: &str) -> impl Iterator<Item = &'static Effect> {
     catalogue::EFFECTS.iter().chain(empirical::EFFECTS).filter(move |e| e.id == id)
 }
@@ -73,6 +73,8 @@ pub enum Role {
     Force,
     /// Longitudinal force \[N\] of a tire, or the moment about its axis \[N.m\].
     LongitudinalForce,
+    /// Moment about the vertical axis of a tire \[N.m\], positive to the left.
+    AligningMoment,
     /// Lateral force \[N\] of a tire.
     LateralForce,
     /// Speed along the road or belt \[m/s\].
@@ -89,13 +91,15 @@ pub enum Role {
     Slip,
     /// Slip angle \[rad\].
     SlipAngle,
+    /// Steer angle of a wheel \[rad\], positive to the left.
+    SteerAngle,
     /// Camber angle \[rad\].
     Camber,
     /// Pressure \[Pa\].
     Pressure,
     /// Temperature \[K\].
     Temperature,
-    /// Power that friction turns into heat \[W\].
+    /// Power that a contact loses, or that friction turns into heat \[W\].
     FrictionPower,
     /// A parameter: coefficient of friction or grip \[1\].
     Friction,
@@ -287,10 +291,11 @@ impl Memory {
         } else if tau == f64::INFINITY {
             y
         } else {
-            let (x, decay) = (dt / tau, (-dt / tau).exp());
+            let (x, decay) = (dt / tau, libm::exp(-dt / tau));
             // of the goal's rise the part that has been followed
-            let ramp = 1.0 - -(-x).exp_m1() / x;
-            y * decay + last * -(-x).exp_m1() + (goal - last) * ramp
+            let gone = -libm::expm1(-x);
+            let ramp = 1.0 - gone / x;
+            y * decay + last * gone + (goal - last) * ramp
         };
         self.states[i] = next;
         self.states[i + 1] = goal;

@@ -6,6 +6,7 @@
 pub mod archive;
 pub mod c;
 #[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
 pub mod check;
 #[cfg(feature = "host")]
 pub mod corrected;

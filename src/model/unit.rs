@@ -121,7 +121,7 @@ impl Unit {
         }
         // Offsets (degC) only mean something where the unit stands alone.
         let offset = if self == ONE && exponent == 1 { other.offset } else { 0.0 };
-        Unit { exponents, factor: self.factor * other.factor.powi(i32::from(exponent)), offset }
+        Unit { exponents, factor: self.factor * power(other.factor, exponent), offset }
     }
 
     /// How to turn a value in this unit into one in `target`: value * factor + offset.
@@ -155,6 +155,19 @@ pub fn quantity(text: &str, own: &str) -> Result<f64> {
         Some((factor, offset)) => Ok(number * factor + offset),
         None => Err(Error::variable(format!("{text:?} is not in a unit that converts to {own:?}"))),
     }
+}
+
+/// A factor to a whole power, by squaring.
+fn power(mut factor: f64, exponent: i8) -> f64 {
+    let (mut rest, mut product) = (exponent.unsigned_abs(), 1.0);
+    while rest > 0 {
+        if rest % 2 == 1 {
+            product *= factor;
+        }
+        factor *= factor;
+        rest /= 2;
+    }
+    if exponent < 0 { 1.0 / product } else { product }
 }
 
 fn symbol(name: &str) -> Option<Unit> {

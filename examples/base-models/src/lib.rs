@@ -1,5 +1,7 @@
 //! Base models for trying and proving `latsch diagnose`, as FMUs.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+// the same bits on every processor, as clippy.toml says
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 mod brake;
 mod magic_formula;

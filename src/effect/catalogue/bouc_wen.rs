@@ -32,7 +32,7 @@ pub const EFFECT: Effect = Effect {
         ),
         Parameter::shape(
             "length",
-            "Way after a turn in which 63 % are built up",
+            "Way from rest in which 63 % are built up",
             Scale::of("1", 0, [1, 0, 0]),
             (0.001, 2.0),
             (0.003, 2.0),

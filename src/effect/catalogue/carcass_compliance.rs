@@ -40,9 +40,10 @@ fn apply(p: &[f64], memory: &mut Memory, call: &Call<'_>) -> f64 {
     let slip = bounded(memory.states[0]);
     memory.states[3] = memory.states[3].max(slip.abs());
     // the secant says little at small slip: there the last one stays
-    let trust = slip.powi(2) + (0.1 * memory.states[3]).powi(2);
+    let little = 0.1 * memory.states[3];
+    let trust = slip * slip + little * little;
     if trust > 0.0 {
-        let stay = memory.states[2] * (0.1 * memory.states[3]).powi(2);
+        let stay = memory.states[2] * (little * little);
         memory.states[2] = ((force * slip).abs() + stay) / trust;
     }
     let length = p[0] * memory.states[2];

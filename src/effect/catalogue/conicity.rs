@@ -11,7 +11,7 @@ pub const EFFECT: Effect = Effect {
     port: Port::Output,
     also: &[],
     equation: "F = F_0 + c |Fz| r, r = V^2 / (V^2 + (0.1 m/s)^2)",
-    source: "micropoise.com conicity",
+    source: "micropoise.com conicity: half the sum of the lateral shifts in both directions",
     signature: "an offset of the lateral force with the same sign in both directions, gone at standstill",
     confused_with: &[
         ("plysteer", "turns with the direction"),
@@ -35,6 +35,7 @@ fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
     if p[0] == 0.0 {
         return call.target;
     }
-    let rolls = 1.0 - 1.0 / (1.0 + (bounded(call.drivers[1]) / 0.1).powi(2));
+    let pace = bounded(call.drivers[1]) / 0.1;
+    let rolls = 1.0 - 1.0 / (1.0 + pace * pace);
     call.target + p[0] * call.drivers[0].abs() * rolls
 }

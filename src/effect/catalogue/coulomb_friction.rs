@@ -44,5 +44,5 @@ pub const EFFECT: Effect = Effect {
 };
 
 fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
-    if p[0] == 0.0 { call.target } else { call.target - p[0] * (call.drivers[0] / p[1]).tanh() }
+    if p[0] == 0.0 { call.target } else { call.target - p[0] * libm::tanh(call.drivers[0] / p[1]) }
 }

@@ -44,5 +44,5 @@ fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
         return call.target;
     }
     let beyond = (call.drivers[0].abs() / p[1] - 1.0).max(0.0);
-    call.target * (1.0 - p[0] * beyond.tanh())
+    call.target * (1.0 - p[0] * libm::tanh(beyond))
 }

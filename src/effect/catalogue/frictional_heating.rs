@@ -3,14 +3,15 @@
 use super::operator::{bounded, remaining, store};
 use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
 
-/// The heat E leaks and lowers the force: dE/dt = P - E / T.
+/// The heat E leaks and lowers the force: dE/dt = P - E / T. P is the whole loss of the contact where the model tells it:
+/// that of sliding alone misses most at small slip.
 pub const EFFECT: Effect = Effect {
     id: "frictional-heating",
     name: "Force that falls while friction heats",
     family: Family::Mechanism,
     port: Port::Output,
     also: &[(Port::Parameter, Role::Friction)],
-    equation: "F = F_0 (1 - tanh(a E)), dE/dt = P - E / T",
+    equation: "F = F_0 (1 - tanh(a E)), dE/dt = |P| - E / T",
     source: "Mavros 2018, 10.1080/00423114.2018.1484147 (thermo-frictional tire model; here one heat store)",
     signature: "a slow loss that goes with the energy turned into heat and comes back in pauses; the order of runs matters",
     confused_with: &[

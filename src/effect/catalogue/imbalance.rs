@@ -44,5 +44,6 @@ fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
     if p[0] == 0.0 && p[1] == 0.0 {
         return call.target;
     }
-    call.target + bounded(call.drivers[1]).powi(2) * harmonic(p[0], p[1], call.drivers[0])
+    let speed = bounded(call.drivers[1]);
+    call.target + speed * speed * harmonic(p[0], p[1], call.drivers[0])
 }

@@ -12,7 +12,7 @@ pub const EFFECT: Effect = Effect {
     also: &[(Port::Parameter, Role::Stiffness)],
     equation: "F = F_0 (1 + a U), T dU/dt + U = |V|, U = 0 at the start",
     source: "ideal gas at constant volume, standard engineering knowledge; here one heat store",
-    signature: "a slow rise of all stiffnesses from the start of a run, the more the faster it rolls",
+    signature: "a slow rise of the stiffness of tire and carcass from the start of a run, the more the faster it rolls",
     confused_with: &[
         ("thermal-softening", "less force, from sliding"),
         ("sensor-drift", "in zero too"),

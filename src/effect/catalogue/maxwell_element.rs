@@ -11,7 +11,7 @@ pub const EFFECT: Effect = Effect {
     also: &[],
     equation: "F = F_0 - k (x - x_d), T dx_d/dt + x_d = x",
     source: "standard engineering knowledge",
-    signature: "stiffness rises with the logarithm of the frequency; most loss per cycle at omega T = 1",
+    signature: "stiffness rises once, by k within about a decade around the frequency 1 / (2 pi T), where most is lost per cycle; a rise over several decades needs several of them",
     confused_with: &[
         ("viscous-drag", "loss goes on growing with the frequency"),
         ("bushing-hysteresis", "loss depends on the amplitude, not on the frequency"),

@@ -35,6 +35,8 @@ mod hydraulic_lag;
 mod imbalance;
 mod inflation_warm_up;
 mod lift_off;
+#[cfg(test)]
+mod literature;
 mod load_dependent_friction;
 mod load_sensitivity;
 mod loss_of_contact;
@@ -97,6 +99,9 @@ pub const EFFECTS: &[Effect] = &[
     payne::EFFECT,
     rolling_resistance::EFFECT,
     drum_curvature::EFFECT,
+    drum_curvature::BY_SLIP,
+    drum_curvature::AT_LOAD,
+    drum_curvature::ROLLING,
     camber_thrust::EFFECT,
     camber_thrust::BY_LOAD,
     conicity::EFFECT,
@@ -128,6 +133,9 @@ pub const EFFECTS: &[Effect] = &[
     bump_stop::EFFECT,
     bushing_hysteresis::EFFECT,
     steering_compliance::EFFECT,
+    steering_compliance::BY_SIDE_FORCE,
+    steering_compliance::STEER,
+    steering_compliance::STEER_BY_SIDE_FORCE,
     fixture_inertia::EFFECT,
     frame_resonance::EFFECT,
     belt_order::EFFECT,

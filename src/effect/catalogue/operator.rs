@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 /// The sign of a velocity, smooth over `width`; tanh(v / width).
 pub(super) fn soft_sign(velocity: f64, width: f64) -> f64 {
     if width > 0.0 {
-        (velocity / width).tanh()
+        libm::tanh(velocity / width)
     } else if velocity == 0.0 {
         0.0
     } else {
@@ -24,12 +24,13 @@ pub(super) fn bounded(value: f64) -> f64 {
 
 /// a cos(angle) + b sin(angle).
 pub(super) fn harmonic(a: f64, b: f64, angle: f64) -> f64 {
-    a * angle.cos() + b * angle.sin()
+    let (sin, cos) = libm::sincos(angle);
+    a * cos + b * sin
 }
 
 /// 1 - a loss that is `loss` while it is small, and goes to 0 (or 2) when it is not.
 pub(super) fn remaining(loss: f64) -> f64 {
-    1.0 - loss.tanh()
+    1.0 - libm::tanh(loss)
 }
 
 /// A store that an inflow fills and that leaks: E' = P - E / tau, empty at the start. The content is
@@ -40,7 +41,7 @@ pub(super) fn store(memory: &mut Memory, i: usize, inflow: f64, tau: f64, dt: f6
     if dt > 0.0 {
         let x = dt / tau;
         memory.states[i] = if tau > 0.0 && x > 1e-7 {
-            let gone = -(-x).exp_m1();
+            let gone = -libm::expm1(-x);
             content * (1.0 - gone) + tau * (last * gone + (inflow - last) * (1.0 - gone / x))
         } else {
             // hardly any leak in so short a time
@@ -65,7 +66,7 @@ pub(super) fn mode(memory: &mut Memory, i: usize, goal: f64, hertz: f64, damping
     // what is left when the straight course that follows the goal at a distance is taken off
     let behind = 2.0 * damping / w * slope;
     let (e, de) = (y - (last - behind), rate - slope);
-    let (shrink, (sin, cos)) = ((-decay * dt).exp(), (free * dt).sin_cos());
+    let (shrink, (sin, cos)) = (libm::exp(-decay * dt), libm::sincos(free * dt));
     memory.states[i] = goal - behind + shrink * (e * cos + (de + decay * e) / free * sin);
     memory.states[i + 1] = slope + shrink * (de * cos - (w * w * e + decay * de) / free * sin);
     memory.states[i]
@@ -95,7 +96,7 @@ pub(super) fn bouc_wen(memory: &mut Memory, i: usize, x: f64, length: f64, dt: f
         z + way
     } else {
         let begin = if unloads { 0.0 } else { z.abs() };
-        way.signum() * (1.0 - (1.0 - begin) * (-loading).exp())
+        way.signum() * (1.0 - (1.0 - begin) * libm::exp(-loading))
     };
     memory.states[i]
 }

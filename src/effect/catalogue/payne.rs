@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     name: "Rubber that is softer at large amplitudes",
     family: Family::Tire,
     port: Port::Output,
-    also: &[(Port::Parameter, Role::Stiffness)],
+    also: &[],
     equation: "F = F_0 + F_h f, f = f_t + (F_0 - F_t) (1 - s f_t) / (F_2 (1 - s f_t) + |F_0 - F_t|), s = sign(dF_0)",
     source: "Garcia Tarrago et al. 2007, Polymer Testing 26:629-638 (separable model with a friction part; its hyperbola: standard engineering knowledge)",
     signature: "stiffness falls with the amplitude; loss per cycle hardly depends on the frequency",

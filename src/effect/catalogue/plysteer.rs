@@ -11,7 +11,7 @@ pub const EFFECT: Effect = Effect {
     port: Port::Output,
     also: &[],
     equation: "F = F_0 + c |Fz| tanh(V / 0.1 m/s)",
-    source: "scribd 459127951 ply steer and conicity",
+    source: "Gough et al. 1961 (pseudo slip angle), after scribd 459127951 ply steer and conicity",
     signature: "an offset of the lateral force that turns with the direction of rotation",
     confused_with: &[
         ("conicity", "does not turn with the direction"),
@@ -31,21 +31,24 @@ pub const EFFECT: Effect = Effect {
     apply,
 };
 
-/// The same as the slip angle that it is like.
+/// The same as the slip angle that it is like: that of a wheel whose heading is off. With |V_x| in the definition of the
+/// slip angle it turns with the direction of travel; an angle that did not would be conicity.
 pub const AS_ANGLE: Effect = Effect {
     port: Port::Input,
-    equation: "alpha = alpha_0 + a",
+    equation: "alpha = alpha_0 + a tanh(V / 0.1 m/s), alpha = atan(V_y / |V_x|)",
     targets: &[Role::SlipAngle],
-    drivers: &[],
+    drivers: &[Role::TravelSpeed],
     parameters: &[Parameter::amplitude(
         "angle",
-        "Slip angle at which the tire makes no side force",
+        "Slip angle that the tire seems to have when it rolls straight ahead; at minus this it makes no side force",
         Scale::of("1", 1, [0; 3]),
         (-1.0, 1.0),
         (-2.0, 2.0),
         &[0.02],
     )],
-    apply: |p, _: &mut Memory, call| if p[0] == 0.0 { call.target } else { call.target + p[0] },
+    apply: |p, _: &mut Memory, call| {
+        if p[0] == 0.0 { call.target } else { call.target + p[0] * soft_sign(call.drivers[0], 0.1) }
+    },
     ..EFFECT
 };
 

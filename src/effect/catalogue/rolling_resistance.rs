@@ -18,6 +18,7 @@ pub const EFFECT: Effect = Effect {
         ("load-dependent-friction", "changes the motion"),
         ("sensor-bias", "does not turn with the direction"),
         ("plysteer", "in the lateral force"),
+        ("drum-curvature", "a factor on the rolling resistance that is there: another drum tells"),
     ],
     targets: &[Role::LongitudinalForce],
     drivers: &[Role::Load, Role::TravelSpeed],

@@ -13,7 +13,10 @@ pub const EFFECT: Effect = Effect {
     source: "standard engineering knowledge",
     signature: "a constant factor on one channel, in every condition",
     confused_with: &[
-        ("drum-curvature", "only tire forces, and one of the two is always higher"),
+        (
+            "drum-curvature",
+            "only in forces of a tire: load and side force fall, rolling resistance rises; a known weight is right",
+        ),
         ("rolling-radius", "the same on a wheel speed: a torque-free straight run at known speed tells"),
         ("pressure-dependent-friction", "changes with the pressure"),
     ],

@@ -30,7 +30,7 @@ pub const BOTH_AXES: Effect = Effect {
     drivers: &[Role::TravelSpeed, Role::SlipAngle, Role::Slip],
     parameters: PARAMETERS_OF_BOTH,
     apply: |p, _: &mut Memory, call| {
-        let slip = bounded(call.drivers[2]).hypot(bounded(call.drivers[1]).tan());
+        let slip = libm::hypot(bounded(call.drivers[2]), libm::tan(bounded(call.drivers[1])));
         less(p, call, slip * bounded(call.drivers[0]))
     },
     ..EFFECT
@@ -43,7 +43,7 @@ pub const BY_WHEEL_SPEED: Effect = Effect {
     parameters: &[LOSS, VELOCITY_OF_BOTH, EXPONENT, RADIUS],
     apply: |p, _: &mut Memory, call| {
         let d = |i: usize| bounded(call.drivers[i]);
-        less(p, call, (d(0) - p[3] * d(2)).hypot(d(0) * d(1).tan()))
+        less(p, call, libm::hypot(d(0) - p[3] * d(2), d(0) * libm::tan(d(1))))
     },
     ..EFFECT
 };
@@ -102,5 +102,5 @@ fn less(p: &[f64], call: &Call<'_>, sliding: f64) -> f64 {
     if p[0] == 0.0 || p[1] <= 0.0 {
         return call.target;
     }
-    call.target * (1.0 + p[0] * (-(sliding.abs() / p[1]).powf(p[2])).exp_m1())
+    call.target * (1.0 + p[0] * libm::expm1(-libm::pow(sliding.abs() / p[1], p[2])))
 }

@@ -51,6 +51,6 @@ fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
     }
     let v = call.drivers[0];
     let share = if p[2] > 0.0 { v / p[2] } else { v.signum() * f64::INFINITY };
-    let peak = if v == 0.0 { p[1] } else { p[1] * (-share.powi(2)).exp() };
+    let peak = if v == 0.0 { p[1] } else { p[1] * libm::exp(-share * share) };
     call.target - (p[0] + peak) * soft_sign(v, 0.1 * p[2])
 }

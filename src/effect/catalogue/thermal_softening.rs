@@ -17,7 +17,7 @@ pub const EFFECT: Effect = Effect {
         ("sensor-drift", "without sliding too"),
         ("speed-dependent-friction", "does not depend on what went before"),
         ("inflation-warm-up", "more force, from rolling alone"),
-        ("frictional-heating", "the same with a friction power that the model tells"),
+        ("frictional-heating", "the same with a power that the model tells"),
     ],
     targets: &[Role::Force],
     drivers: &[Role::Slip, Role::TravelSpeed],
@@ -36,7 +36,7 @@ pub const BOTH_AXES: Effect = Effect {
     parameters: &[loss(Scale::of("1/s", 0, [-1, -1, 0]), 20.0), TIME],
     apply: |p, memory, call| {
         let d = |i: usize| bounded(call.drivers[i]);
-        let force_times_slip = (d(1) * d(3).tan()).abs() + (d(2) * d(4)).abs();
+        let force_times_slip = (d(1) * libm::tan(d(3))).abs() + (d(2) * d(4)).abs();
         softened(p, memory, call, bounded(force_times_slip) * d(0).abs())
     },
     ..EFFECT

@@ -2,7 +2,8 @@
 
 use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
 
-/// F + a (F - F_d) with T dF_d/dt + F_d = F.
+/// F + a (F - F_d) with T dF_d/dt + F_d = F. One arm: rubber, whose stiffness rises with the logarithm of the frequency
+/// over many decades, has a spectrum of them.
 pub const EFFECT: Effect = Effect {
     id: "viscoelastic-stiffening",
     name: "Rubber that is stiffer when it is fast",
@@ -11,7 +12,7 @@ pub const EFFECT: Effect = Effect {
     also: &[],
     equation: "F = F_0 + a (F_0 - F_d), T dF_d/dt + F_d = F_0",
     source: "standard engineering knowledge",
-    signature: "the stiffness rises with the logarithm of the frequency, at any amplitude",
+    signature: "the stiffness rises once, within about a decade around the frequency 1 / (2 pi T), at any amplitude; a rise over several decades needs several of them",
     confused_with: &[
         ("payne", "depends on the amplitude at one frequency"),
         ("sensor-lag", "the force would get smaller with the frequency"),

@@ -238,7 +238,8 @@ impl<T: Real> Pressure<T> {
         let area = p.cell_area();
         let determinant = s0 * s2 - s1 * s1;
         // Two bristles at neighbouring x with shapes p and q give p q l².
-        let smallest = 1e-9 * (s0.value() * p.bristle_length).powi(2);
+        let one = s0.value() * p.bristle_length;
+        let smallest = 1e-9 * (one * one);
         if determinant.value() <= smallest {
             return Self { level: normal_force / s0 / area, tilt: zero, state: PressureState::Singular };
         }

@@ -353,7 +353,10 @@ fn continuum<T: Real>(
     let feed = spin_rate.abs() * p.rolling_radius;
 
     // place along a stripe as a share of its length, from the entry
-    let share = |k: usize| (k as f64 / intervals as f64).powi(2);
+    let share = |k: usize| {
+        let place = k as f64 / intervals as f64;
+        place * place
+    };
     let place = |length: T, k: usize| length * (entry * (0.5 - share(k)));
 
     let stripes = || tire.stripe_places().iter().zip(tire.stripe_radii()).enumerate();

@@ -286,7 +286,8 @@ impl Hidden {
             Law::Thermal => by.friction *= (1.0 - k * 0.3 * z[0]).max(0.2),
             Law::WarmUp => by.cornering *= 1.0 + k * 0.15 * z[0],
             Law::LoadSensitivity => by.friction *= (1.0 - k * 0.15 * (at.load - 4000.0) / 4000.0).max(0.2),
-            Law::SideSlip => by.slip_angle += k * 0.01,
+            // plies steer as a wheel whose heading is off: backwards the other way
+            Law::SideSlip => by.slip_angle += k * 0.01 * at.speed.signum(),
             Law::LoadFriction => by.axle_torque += k * 0.02 * at.load * 0.32 * libm::tanh(at.spin / 3.0),
             Law::Lift => by.lifts = true,
             Law::DiscThickness => {
@@ -409,7 +410,8 @@ impl Hidden {
                 y[c] += k * (memory.value - y[c]);
             }
             Law::LoadOffset => y[c] += k * 0.03 * at.load,
-            Law::Camber => y[c] += k * 1.2 * at.load * at.camber,
+            // to the side of the lean: a positive camber leans to the right (ISO 8855)
+            Law::Camber => y[c] -= k * 1.2 * at.load * at.camber,
             Law::Rolling => y[c] -= k * 0.02 * at.load * (1.0 + low(a, 0.0, 0.5) * at.speed / 20.0),
             Law::WheelOrder => {
                 let order = if a < 0.6 { 1.0 } else { 2.0 };

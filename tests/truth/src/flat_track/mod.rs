@@ -99,7 +99,8 @@ impl Tire {
             inputs: find(&INPUTS)?,
             outputs: find(&OUTPUTS)?,
             friction: slave.find("friction_factor")?,
-            power: slave.find("friction_power")?,
+            // the whole loss of the contact heats it, where the tire tells that
+            power: slave.find("contact_power_loss").or_else(|_| slave.find("friction_power"))?,
             angle: slave.find("wheel_angle")?,
             spin: slave.find("wheel_speed")?,
             slave,
