@@ -169,6 +169,13 @@ fn ending(platform: &str) -> &'static str {
     }
 }
 
+/// The platforms that there are files for.
+pub(super) fn platforms(entries: &[Entry]) -> Vec<String> {
+    let names = entries.iter().filter_map(|e| e.name.strip_prefix("binaries/")?.split_once('/'));
+    let platforms: BTreeSet<&str> = names.filter(|(_, file)| !file.is_empty()).map(|(p, _)| p).collect();
+    platforms.into_iter().map(Into::into).collect()
+}
+
 /// Checks the folders; `identifiers` and `sources` are those that the description names.
 pub(super) fn check_folders(
     entries: &[Entry],

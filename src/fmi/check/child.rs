@@ -4,9 +4,10 @@
 use super::cases::{CASES, Lab};
 use super::finding::Level;
 use super::tree::Node;
-use super::unit::{self, CallNote, Functions, Maker, Message, Outcome, STALE, STRANGE};
+use super::unit::{self, CallNote, Functions, Maker, Outcome, STALE, STRANGE};
 use crate::fmi::import::Description;
 use crate::fmi::import::library::{Handle, Names, find};
+use crate::fmi::import::log::Heard;
 use crate::fmi::import::slave::file_uri;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -149,7 +150,10 @@ pub fn run_child(name: &str, folder: &Path, work: &Path, timeout: Duration) -> R
         note: &note,
         description: &description,
         reporter: &reporter,
+        level: case.level,
         resources: file_uri(&resources),
+        folder: resources,
+        work: work.to_owned(),
         begin,
         timeout,
     };
@@ -203,11 +207,12 @@ fn judge(outcome: &Outcome<'_>, reporter: &Reporter, categories: &[String], asyn
         reporter.error("L5", format!("{call} returned {status} without a message"));
     }
     for message in outcome.messages {
-        judge_message(call, message, reporter, categories);
+        judge_message(outcome, message, reporter, categories);
     }
 }
 
-fn judge_message(call: &str, message: &Message, reporter: &Reporter, categories: &[String]) {
+fn judge_message(outcome: &Outcome<'_>, message: &Heard, reporter: &Reporter, categories: &[String]) {
+    let call = outcome.call;
     match &message.category {
         Some(category) if !categories.contains(category) => {
             let what = if categories.is_empty() {
@@ -219,7 +224,7 @@ fn judge_message(call: &str, message: &Message, reporter: &Reporter, categories:
         }
         _ => {}
     }
-    if message.name != super::cases::NAME && !message.name.trim().is_empty() {
+    if outcome.name.is_some_and(|name| name != message.name) && !message.name.trim().is_empty() {
         if message.name.bytes().all(|b| b == b'~') {
             reporter.error(
                 "S1",
@@ -228,7 +233,7 @@ fn judge_message(call: &str, message: &Message, reporter: &Reporter, categories:
         } else {
             reporter.error(
                 "L4",
-                format!("{call} logs for {:?}, but the instance is {:?}", message.name, super::cases::NAME),
+                format!("{call} logs for {:?}, but the instance has another name", message.name),
             );
         }
     }
