@@ -184,7 +184,8 @@ fn what_masters_must_not_do_is_a_warning() {
 
 #[test]
 fn start_values_with_fifteen_digits_are_as_written() {
-    let with = |start: &str| DESCRIPTION.replace("<Real start=\"2\"/>", &format!("<Real start=\"{start}\"/>"));
+    let with =
+        |start: &str| DESCRIPTION.replace("<Real start=\"2\"/>", &format!("<Real start=\"{start}\"/>"));
     let report = examine(&with("0.666666666666667"), &["-DTHIRD"]);
     assert_eq!(report.findings.len(), 0, "{:?}", report.findings);
     let report = examine(&with("0.66666666666667"), &["-DTHIRD"]);
@@ -215,7 +216,11 @@ fn the_flag_for_rollback_changes_nothing() {
 fn restored_solvers_err_otherwise() {
     finds("-DSOLVER", &["M6"], Level::Warning, &["warning[M6]", "less than the error of its solver"]);
     let report = examine(DESCRIPTION, &["-DSOLVER", "-DFORGETFUL"]);
-    assert!(report.findings.iter().any(|f| f.rule == "M6" && f.level == Level::Error), "{:?}", report.findings);
+    assert!(
+        report.findings.iter().any(|f| f.rule == "M6" && f.level == Level::Error),
+        "{:?}",
+        report.findings
+    );
 }
 
 #[test]
@@ -230,7 +235,13 @@ fn memory_functions_come_in_pairs() {
     let own = "canNotUseMemoryManagementFunctions=\"true\" canInterpolateInputs";
     let own = DESCRIPTION.replace("canInterpolateInputs", own);
     finds_in(&own, "-DPOLITE", &["S5"], Level::Error, &["is true, but allocateMemory is called"]);
-    finds_in(&own, "-DPOLITE", &["S5"], Level::Error, &["crashed with SIGSEGV", "without functions for memory"]);
+    finds_in(
+        &own,
+        "-DPOLITE",
+        &["S5"],
+        Level::Error,
+        &["crashed with SIGSEGV", "without functions for memory"],
+    );
     let report = examine(&own, &["-DOWN_MEMORY"]);
     assert_eq!(report.findings.len(), 0, "{:?}", report.findings);
 }
@@ -252,5 +263,9 @@ fn platforms_that_are_there_are_named() {
     assert_eq!(report.platforms, ["linux64", "win64"]);
     assert_eq!(report.ran.as_deref(), Some("linux64"));
     assert_eq!(report.notes.len(), 1);
-    assert!(report.notes[0].contains("win64") && report.notes[0].contains("cannot be run"), "{:?}", report.notes);
+    assert!(
+        report.notes[0].contains("win64") && report.notes[0].contains("cannot be run"),
+        "{:?}",
+        report.notes
+    );
 }

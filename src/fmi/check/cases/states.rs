@@ -87,10 +87,10 @@ pub(super) fn reset_everywhere(lab: &Lab<'_>) {
             1 => unit.setup(lab.t(0), None) <= 1 && unit.enter() <= 1,
             2 => lab.initialize(&mut unit) && unit.terminate() <= 1,
             // Whether this is refused is found elsewhere.
-            _ => lab.initialize(&mut unit) && unit.get_real(NOWHERE).0 >= ERROR,
+            _ => lab.initialize(&mut unit) && lab.make_error(&mut unit).is_some_and(|status| status >= ERROR),
         };
         if !reached {
-            return;
+            break;
         }
         let status = unit.reset();
         if status > 1 {
@@ -235,7 +235,7 @@ pub(super) fn rollback(lab: &Lab<'_>) {
 pub(super) fn rollback_after_error(lab: &Lab<'_>) {
     let Some((mut unit, state)) = saved(lab) else { return };
     let Some(expected) = lab.advance(&mut unit, STEPS, 2 * STEPS, false) else { return };
-    if unit.get_real(NOWHERE).0 == ERROR {
+    if lab.make_error(&mut unit) == Some(ERROR) {
         continues(lab, &mut unit, state, &expected, "after fmi2Error");
     }
     free_saved(lab, &mut unit, state);
