@@ -26,6 +26,7 @@ const DESCRIPTION: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
     <ScalarVariable name="mode" valueReference="2" causality="parameter" variability="fixed"><Enumeration declaredType="Mode" start="1"/></ScalarVariable>
     <ScalarVariable name="flag" valueReference="0" causality="parameter" variability="fixed"><Boolean start="true"/></ScalarVariable>
     <ScalarVariable name="mood" valueReference="0" causality="parameter" variability="tunable"><String start="good"/></ScalarVariable>
+    <ScalarVariable name="finals" valueReference="3" causality="output" variability="discrete"><Integer/></ScalarVariable>
     <ScalarVariable name="location" valueReference="1" causality="output" variability="discrete"><String/></ScalarVariable>
   </ModelVariables>
   <ModelStructure/>
@@ -60,10 +61,14 @@ fn pack(folder: &Path, description: &str, platform: &str, options: &[&str]) -> P
     path
 }
 
-fn load_as(description: &str) -> latsch::Result<ImportedFmu> {
+fn load_with(description: &str, options: &[&str]) -> latsch::Result<ImportedFmu> {
     let folder = tempfile::tempdir().unwrap();
     // The FMU file is not needed once it is loaded.
-    ImportedFmu::load(&pack(folder.path(), description, "linux64", &[]))
+    ImportedFmu::load(&pack(folder.path(), description, "linux64", options))
+}
+
+fn load_as(description: &str) -> latsch::Result<ImportedFmu> {
+    load_with(description, &[])
 }
 
 fn load() -> ImportedFmu {
@@ -151,7 +156,7 @@ fn passes_every_type() {
     fmu.start(1.0, None).unwrap();
     assert_eq!(["count", "mode", "flag"].map(|name| value(&mut fmu, name)), [-7.0, 2.0, 0.0]);
     assert_eq!(fmu.text(7).unwrap(), "größer");
-    let location = fmu.text(8).unwrap();
+    let location = fmu.text(9).unwrap();
     assert!(location.starts_with("file:///") && location.ends_with("/resources"), "{location}");
     contains(&fmu.text(0).unwrap_err(), &["u is not a text"]);
     contains(&fmu.get(7).unwrap_err(), &["mood is a text"]);
@@ -238,6 +243,72 @@ fn saves_and_restores() {
     }
     drop(fmu);
     drop(late);
+}
+
+/// noSetFMUStatePriorToCurrentPoint is true as long as nobody holds a state to go back to. The FMU ends the
+/// process if it is set back to before a point that was final.
+#[test]
+fn the_past_is_final_unless_somebody_can_go_back() {
+    let mut fmu = started();
+    set(&mut fmu, "u", 1.0).unwrap();
+    run(&mut fmu, 0..3);
+    assert_eq!(value(&mut fmu, "finals"), 3.0);
+    let snapshot = fmu.save().unwrap();
+    run(&mut fmu, 3..5);
+    fmu.restore(&snapshot).unwrap();
+    run(&mut fmu, 3..5);
+    assert_eq!(value(&mut fmu, "finals"), 3.0);
+    let y = value(&mut fmu, "y");
+    drop(snapshot);
+    run(&mut fmu, 5..7);
+    assert_eq!(value(&mut fmu, "finals"), 5.0);
+    // Bytes may come back at any time.
+    let snapshot = fmu.save().unwrap();
+    let bytes = fmu.serialize(&snapshot).unwrap();
+    drop(snapshot);
+    run(&mut fmu, 7..9);
+    assert_eq!(value(&mut fmu, "finals"), 5.0);
+
+    // Another instance that is farther already: the state begins another run of it.
+    let mut other = started();
+    run(&mut other, 0..12);
+    assert_eq!(value(&mut other, "finals"), 12.0);
+    let copy = other.deserialize(&bytes).unwrap();
+    other.restore(&copy).unwrap();
+    assert!((value(&mut other, "y") - y - 0.4).abs() < 1e-12);
+    run(&mut other, 7..9);
+    assert_eq!(value(&mut other, "finals"), 12.0);
+}
+
+#[test]
+fn a_simulation_never_goes_back() {
+    let mut fmu = load();
+    let experiment = latsch::simulate::Experiment { stop: Some(1.0), step: Some(0.1), ..Default::default() };
+    let outcome = latsch::simulate::simulate(&mut fmu, &experiment, |_, _| {}).unwrap();
+    assert!(outcome.stopped.is_none());
+    assert_eq!(value(&mut fmu, "finals"), 10.0);
+}
+
+#[test]
+fn messages_have_their_arguments_and_names() {
+    let mut fmu = started();
+    set(&mut fmu, "u", 3.0).unwrap();
+    mood(&mut fmu, "talk");
+    run(&mut fmu, 0..1);
+    let messages = fmu.messages();
+    assert_eq!(messages.len(), 1);
+    assert_eq!(messages[0].text, "step at 0.00 s: u is +3, 50 % of #7 (late)");
+}
+
+/// An FMU that passes a number of its own for the environment: it is not taken for a pointer.
+#[test]
+fn a_lost_environment_is_survived() {
+    let mut fmu = load_with(DESCRIPTION, &["-DLOST_ENVIRONMENT"]).unwrap();
+    let _bystander = load();
+    fmu.start(0.0, None).unwrap();
+    fmu.finish_start().unwrap();
+    contains(&set(&mut fmu, "u", f64::NAN).unwrap_err(), &["the value is no number; 100"]);
+    assert_eq!(fmu.messages().len(), 1);
 }
 
 #[test]

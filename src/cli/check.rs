@@ -59,6 +59,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             "warnings": report.count(Level::Warning),
             "findings": report.findings,
             "checks": report.checks,
+            "platforms": report.platforms,
+            "ran": report.ran,
             "notes": report.notes,
         })),
     }?;
@@ -77,9 +79,10 @@ fn print_text(args: &Args, report: &Report) -> Result<()> {
         1 => format!("1 {what}"),
         n => format!("{n} {what}s"),
     };
-    let ran = match report.checks.len() {
-        0 => "the binary was not run".to_owned(),
-        n => number(n, "check") + " of the binary",
+    let ran = match (report.checks.len(), &report.ran) {
+        (n, Some(platform)) if n > 0 => format!("{} of the binary for {platform}", number(n, "check")),
+        _ if report.platforms.is_empty() => "the binary was not run: there is none".to_owned(),
+        _ => format!("the binary was not run; there are binaries for {}", report.platforms.join(", ")),
     };
     print(&format!(
         "{}: {}, {}; {ran}",

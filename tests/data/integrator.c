@@ -5,13 +5,22 @@
  * -DWITHOUT_STEP leaves out fmi2DoStep. -DPOLITE returns errors where a wrong call ends the process
  * otherwise.
  *
+ * "talk" makes a step log with arguments and a reference to a variable.
+ *
  * Defects for the tests of the check: -DHANG_ON_NAN, -DCRASH_IN_RESET, -DFORGETFUL (a restored state lacks
- * the input), -DNOISE (prints), -DNAN_PASSES, -DLEAK. */
+ * the input), -DNOISE (prints), -DNAN_PASSES, -DLEAK, -DLOST_ENVIRONMENT (logs with an environment of its own),
+ * -DFLAG_MATTERS (other results where the past is final), -DNEEDS_ROLLBACK (refuses a final past),
+ * -DANY_ORDER (refuses no call in the wrong order and no step), -DFOREIGN_MEMORY (frees what it did not allocate), -DKEEPS_MEMORY (does not free what it allocated),
+ * -DPLAIN_LOCATION (reads the resource location as "file://" and a path), -DRANDOM (depends on a global
+ * variable). -DOWN_MEMORY: calloc and free instead of the master's functions.
+ * -DTHIRD: k starts with 2/3. -DSOLVER: errs a little, and otherwise in the first step after a state
+ * was restored, as solvers do that choose their steps. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING } Status;
 typedef void (*Logger)(void *, const char *, Status, const char *, const char *, ...);
@@ -28,7 +37,7 @@ typedef struct {
     Phase phase;
     int set_up;
     double time, stop, u, rate, y, k, last;
-    int count, steps, flag, mode;
+    int count, steps, flag, mode, restored;
     char mood[64];
 } Data;
 typedef struct {
@@ -36,20 +45,26 @@ typedef struct {
     Callbacks callbacks;
     char *name, *location;
     int saved;
+    /* Steps whose past was final, and when the last of them began. */
+    int finals;
+    double final;
 } Unit;
 
 enum { U = 0, Y = 1, K = 2 };                /* Real */
-enum { COUNT = 0, STEPS = 1, MODE = 2 };     /* Integer, Enumeration */
+enum { COUNT = 0, STEPS = 1, MODE = 2, FINALS = 3 }; /* Integer, Enumeration */
 enum { MOOD = 0, LOCATION = 1 };             /* String */
 
 static void start_values(Data *d) {
     memset(d, 0, sizeof *d);
     d->k = 2, d->count = 3, d->flag = 1, d->mode = 1;
+#ifdef THIRD
+    d->k = 2.0 / 3.0;
+#endif
     strcpy(d->mood, "good");
 }
 
 static Status say(Unit *m, Status status, const char *text) {
-    m->callbacks.logger(m->callbacks.environment, m->name, status, "logStatus", text);
+    m->callbacks.logger(m->callbacks.environment, m->name, status, "logStatus", "%s", text);
     if (status == ERROR) m->data.phase = FAILED;
     if (status == FATAL) m->data.phase = DEAD;
     return status;
@@ -81,11 +96,31 @@ void *fmi2Instantiate(const char *name, int type, const char *guid, const char *
         callbacks->logger(callbacks->environment, name, ERROR, "logStatus", "wrong guid: 100%% of ##1##");
         return NULL;
     }
+#ifdef PLAIN_LOCATION
+    if (!location || strncmp(location, "file:///", 8) || access(location + 7, R_OK)) {
+        callbacks->logger(callbacks->environment, name, ERROR, "logStatus", "no resources");
+        return NULL;
+    }
+#endif
+#ifdef OWN_MEMORY
+    Unit *m = calloc(1, sizeof *m);
+#else
     Unit *m = callbacks->allocate(1, sizeof *m);
+#endif
     m->callbacks = *callbacks;
+#ifdef OWN_MEMORY
+    m->callbacks.release = free;
+#endif
     m->name = strdup(name);
-    m->location = strdup(location);
+    m->location = strdup(location ? location : "");
+    m->final = -HUGE_VAL;
     start_values(&m->data);
+#ifdef LOST_ENVIRONMENT
+    m->callbacks.environment = (void *)1;
+#endif
+#ifdef KEEPS_MEMORY
+    m->callbacks.allocate(3, 5);
+#endif
 #ifdef LEAK
     lost = memset(malloc(5000), 1, 5000);
 #endif
@@ -101,6 +136,9 @@ void fmi2FreeInstance(void *c) {
     free(m->name);
     free(m->location);
     void (*release)(void *) = m->callbacks.release;
+#ifdef FOREIGN_MEMORY
+    release(malloc(4));
+#endif
     release(m);
 }
 
@@ -108,6 +146,9 @@ Status fmi2SetupExperiment(void *c, int has_tolerance, double tolerance, double 
     (void)has_tolerance, (void)tolerance;
     if (!c) return ERROR;
     Unit *m = alive(c);
+#ifdef ANY_ORDER
+    if (m->data.phase == RUNNING) return OK;
+#endif
     if (m->data.phase != INSTANTIATED) return say(m, ERROR, "fmi2SetupExperiment: wrong phase");
     m->data.set_up = 1;
     m->data.time = start;
@@ -118,7 +159,11 @@ Status fmi2SetupExperiment(void *c, int has_tolerance, double tolerance, double 
 static Status move(void *c, Phase from, Phase to, const char *text) {
     if (!c) return ERROR;
     Unit *m = alive(c);
+#ifndef ANY_ORDER
     if (m->data.phase != from || !m->data.set_up) return say(m, ERROR, text);
+#else
+    (void)from, (void)text;
+#endif
     m->data.phase = to;
     return OK;
 }
@@ -137,11 +182,16 @@ Status fmi2Reset(void *c) {
     *(volatile int *)8 = 1;
 #endif
     start_values(&alive(c)->data);
+    ((Unit *)c)->final = -HUGE_VAL;
     return OK;
 }
 
 static Status readable(Unit *m) {
+#ifdef ANY_ORDER
+    return (void)m, OK;
+#else
     return m->data.phase == INSTANTIATED ? say(m, ERROR, "get before initialization") : OK;
+#endif
 }
 
 Status fmi2GetReal(void *c, const unsigned *vr, size_t n, double *value) {
@@ -162,8 +212,13 @@ Status fmi2GetInteger(void *c, const unsigned *vr, size_t n, int *value) {
     Unit *m = alive(c);
     if (readable(m)) return ERROR;
     for (size_t i = 0; i < n; i++) {
-        if (vr[i] > MODE) return say(m, ERROR, "unknown integer");
-        value[i] = vr[i] == COUNT ? m->data.count : vr[i] == STEPS ? m->data.steps : m->data.mode;
+        switch (vr[i]) {
+        case COUNT: value[i] = m->data.count; break;
+        case STEPS: value[i] = m->data.steps; break;
+        case MODE: value[i] = m->data.mode; break;
+        case FINALS: value[i] = m->finals; break;
+        default: return say(m, ERROR, "unknown integer");
+        }
     }
     return OK;
 }
@@ -239,9 +294,14 @@ Status fmi2DoStep(void *c, double time, double h, int no_rollback) {
 #endif
     Unit *m = alive(c);
     Data *d = &m->data;
-    if (no_rollback || d->phase != RUNNING) return say(m, ERROR, "step: wrong phase");
+#ifndef ANY_ORDER
+    if (d->phase != RUNNING) return say(m, ERROR, "step: wrong phase");
+#ifdef NEEDS_ROLLBACK
+    if (no_rollback) return say(m, ERROR, "the past cannot be final");
+#endif
     if (!(h > 0) || isinf(h)) return say(m, ERROR, "step: wrong length");
     if (!(fabs(time - d->time) <= 1e-9)) return say(m, ERROR, "step: wrong time");
+#endif
     if (time + h > d->stop + 1e-9) return say(m, ERROR, "step beyond the stop time");
     if (!strcmp(d->mood, "error")) return say(m, ERROR, "bad mood");
     if (!strcmp(d->mood, "fatal")) return say(m, FATAL, "very bad mood");
@@ -250,7 +310,23 @@ Status fmi2DoStep(void *c, double time, double h, int no_rollback) {
         d->phase = FAILED;
         return say(m, DISCARD, "half a step only");
     }
+    if (!strcmp(d->mood, "talk")) {
+        m->callbacks.logger(m->callbacks.environment, m->name, OK, "logStatus",
+                            "%s at %.2f s: #r0# is %+d, %d %% of ##%ld (%s)", "step", time, (int)d->u, 50, 7L, "late");
+    }
+    if (no_rollback) m->finals++, m->final = time;
     d->y += d->k * (d->u * h + d->rate * h * h / 2);
+#ifdef SOLVER
+    d->y += (d->restored ? 0.5e-6 : 1e-6) * d->k * d->u * h * h;
+    d->restored = 0;
+#endif
+#ifdef FLAG_MATTERS
+    if (!no_rollback) d->y -= d->k * d->u * h / 2;
+#endif
+#ifdef RANDOM
+    static int calls;
+    d->y += 1e-3 * calls++;
+#endif
     d->u += d->rate * h;
     d->time = d->last = time + h;
     d->steps++;
@@ -302,7 +378,12 @@ Status fmi2SetFMUstate(void *c, void *state) {
 #ifdef FORGETFUL
     ((Data *)state)->u = d->u;
 #endif
+#ifndef POLITE
+    /* A master that goes back to where it said that it would not, is wrong. */
+    if (((Data *)state)->time < ((Unit *)c)->final) abort();
+#endif
     memcpy(d, state, sizeof(Data));
+    d->restored = 1;
     return OK;
 }
 Status fmi2FreeFMUstate(void *c, void **state) {

@@ -169,6 +169,13 @@ fn ending(platform: &str) -> &'static str {
     }
 }
 
+/// The platforms that there are files for.
+pub(super) fn platforms(entries: &[Entry]) -> Vec<String> {
+    let names = entries.iter().filter_map(|e| e.name.strip_prefix("binaries/")?.split_once('/'));
+    let platforms: BTreeSet<&str> = names.filter(|(_, file)| !file.is_empty()).map(|(p, _)| p).collect();
+    platforms.into_iter().map(Into::into).collect()
+}
+
 /// Checks the folders; `identifiers` and `sources` are those that the description names.
 pub(super) fn check_folders(
     entries: &[Entry],
@@ -197,10 +204,16 @@ pub(super) fn check_folders(
         }
         for identifier in identifiers {
             let file = format!("{identifier}.{}", ending(platform));
-            if !files.contains(&file.as_str()) {
-                let what = format!("there is no {file}, although the modelIdentifier is {identifier:?}");
-                findings.push(Finding::error("X2", place(), what));
+            if files.contains(&file.as_str()) {
+                continue;
             }
+            let what = format!("there is no {file}, although the modelIdentifier is {identifier:?}");
+            // Windows finds files whatever the case of their letters.
+            let found = ending(platform) == "dll" && files.iter().any(|f| f.eq_ignore_ascii_case(&file));
+            findings.push(match found {
+                true => Finding::warning("X2", place(), format!("{what}; the case of the letters differs")),
+                false => Finding::error("X2", place(), what),
+            });
         }
     }
     let has_sources = names.iter().any(|n| n.starts_with("sources/") && !n.ends_with('/'));
@@ -321,6 +334,7 @@ mod tests {
         finds(&with("SOURCES/hub.c"), &["Z1", "two entries"]);
         finds(&with("binaries/amiga/hub.so"), &["warning[Z2]", "amiga"]);
         finds(&with("binaries/win64/rim.dll"), &["error[X2]", "binaries/win64/", "hub.dll"]);
+        finds(&with("binaries/win64/Hub.DLL"), &["warning[X2]", "hub.dll", "case"]);
         finds(&with("extra/mine/data"), &["warning[Z4]", "mine"]);
         for good in ["extra/org.example/data", "binaries/win64/hub.dll", "binaries/aarch64-darwin/hub.dylib"]
         {

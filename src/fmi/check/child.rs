@@ -4,9 +4,10 @@
 use super::cases::{CASES, Lab};
 use super::finding::Level;
 use super::tree::Node;
-use super::unit::{self, CallNote, Functions, Maker, Message, Outcome, STALE, STRANGE};
+use super::unit::{self, CallNote, Functions, Maker, Outcome, STALE, STRANGE};
 use crate::fmi::import::Description;
 use crate::fmi::import::library::{Handle, Names, find};
+use crate::fmi::import::log::Heard;
 use crate::fmi::import::slave::file_uri;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -20,6 +21,8 @@ use std::time::{Duration, Instant};
 
 /// The file for the name of the current call.
 pub(super) const CALL: &str = "call";
+/// A file with this name says that unknown value references crash the FMU.
+pub(super) const FRAGILE: &str = "fragile";
 /// Where the code's standard output goes.
 pub(super) const STDOUT: &str = "stdout";
 /// Where the code's standard error goes.
@@ -149,7 +152,10 @@ pub fn run_child(name: &str, folder: &Path, work: &Path, timeout: Duration) -> R
         note: &note,
         description: &description,
         reporter: &reporter,
+        level: case.level,
         resources: file_uri(&resources),
+        folder: resources,
+        work: work.to_owned(),
         begin,
         timeout,
     };
@@ -203,11 +209,12 @@ fn judge(outcome: &Outcome<'_>, reporter: &Reporter, categories: &[String], asyn
         reporter.error("L5", format!("{call} returned {status} without a message"));
     }
     for message in outcome.messages {
-        judge_message(call, message, reporter, categories);
+        judge_message(outcome, message, reporter, categories);
     }
 }
 
-fn judge_message(call: &str, message: &Message, reporter: &Reporter, categories: &[String]) {
+fn judge_message(outcome: &Outcome<'_>, message: &Heard, reporter: &Reporter, categories: &[String]) {
+    let call = outcome.call;
     match &message.category {
         Some(category) if !categories.contains(category) => {
             let what = if categories.is_empty() {
@@ -219,7 +226,7 @@ fn judge_message(call: &str, message: &Message, reporter: &Reporter, categories:
         }
         _ => {}
     }
-    if message.name != super::cases::NAME && !message.name.trim().is_empty() {
+    if outcome.name.is_some_and(|name| name != message.name) && !message.name.trim().is_empty() {
         if message.name.bytes().all(|b| b == b'~') {
             reporter.error(
                 "S1",
@@ -228,59 +235,70 @@ fn judge_message(call: &str, message: &Message, reporter: &Reporter, categories:
         } else {
             reporter.error(
                 "L4",
-                format!("{call} logs for {:?}, but the instance is {:?}", message.name, super::cases::NAME),
+                format!("{call} logs for {:?}, but the instance has another name", message.name),
             );
         }
     }
     let shown: String = message.format.chars().take(60).collect();
-    if let Some(directive) = stray(&message.format) {
-        reporter.warning("L3", format!("the message {shown:?} has a stray {directive:?}"));
+    // References to variables may be made by the directives, as in "#r%u#".
+    if let Some(sign) = stray_percent(&message.format).or_else(|| stray_hash(&message.text)) {
+        reporter.warning("L3", format!("the message {shown:?} has a stray {sign:?}"));
     }
     if message.format.ends_with('\n') {
         reporter.warning("L3", format!("the message {shown:?} ends with a line break"));
     }
 }
 
-/// The first percent sign that starts no directive of printf, or hash that starts no `#r12#`.
-fn stray(format: &str) -> Option<String> {
-    let plain = format.replace("%%", "").replace("##", "");
+/// The first percent sign that starts no directive of printf.
+fn stray_percent(format: &str) -> Option<String> {
+    let plain = format.replace("%%", "");
     let mut rest = plain.as_str();
-    while let Some(at) = rest.find(['%', '#']) {
-        let (sign, tail) = (&rest[at..=at], &rest[at + 1..]);
-        let shown: String = rest[at..].chars().take(6).collect();
-        if sign == "#" {
-            let reference = tail.split_once('#').filter(|(inside, _)| {
-                let mut letters = inside.chars();
-                letters.next().is_some_and(|c| matches!(c, 'r' | 'i' | 'b' | 's'))
-                    && inside.len() > 1
-                    && letters.all(|c| c.is_ascii_digit())
-            });
-            let Some((_, tail)) = reference else { return Some(shown) };
-            rest = tail;
-            continue;
-        }
-        let tail =
-            tail.trim_start_matches(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+' | '.' | '*' | '#'));
+    while let Some(at) = rest.find('%') {
+        let tail = rest[at + 1..]
+            .trim_start_matches(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+' | '.' | '*' | '#'));
         let tail = tail.trim_start_matches(['h', 'l', 'L', 'z', 'j', 't']);
         if !tail.starts_with(|c: char| "diouxXeEfFgGaAcspn".contains(c)) {
-            return Some(shown);
+            return Some(rest[at..].chars().take(6).collect());
         }
         rest = &tail[1..];
     }
     None
 }
 
+/// The first hash that starts no reference such as `#r12#`, in a message with its arguments.
+fn stray_hash(text: &str) -> Option<String> {
+    let plain = text.replace("##", "");
+    let mut rest = plain.as_str();
+    while let Some(at) = rest.find('#') {
+        let reference = rest[at + 1..].split_once('#').filter(|(inside, _)| {
+            let mut letters = inside.chars();
+            letters.next().is_some_and(|c| matches!(c, 'r' | 'i' | 'b' | 's'))
+                && inside.len() > 1
+                && letters.all(|c| c.is_ascii_digit())
+        });
+        let Some((_, tail)) = reference else { return Some(rest[at..].chars().take(6).collect()) };
+        rest = tail;
+    }
+    None
+}
+
 #[cfg(test)]
 mod tests {
-    use super::stray;
+    use super::{stray_hash, stray_percent};
 
     #[test]
     fn directives() {
-        for good in ["", "100 %% of ##1", "%s is %5.2f, %ld, %-8zu", "variable #r12# and #s3#"] {
-            assert_eq!(stray(good), None, "{good}");
+        for good in ["", "100 %% of ##1", "%s is %5.2f, %ld, %-8zu", "variable #r%u# = %#x"] {
+            assert_eq!(stray_percent(good), None, "{good}");
         }
-        for bad in ["100% sure", "50 %", "item #1", "# done", "#r#"] {
-            assert!(stray(bad).is_some(), "{bad}");
+        for bad in ["100% sure", "50 %"] {
+            assert!(stray_percent(bad).is_some(), "{bad}");
+        }
+        for good in ["", "100 % of ##1", "variable #r12# and #s3#"] {
+            assert_eq!(stray_hash(good), None, "{good}");
+        }
+        for bad in ["item #1", "# done", "#r#", "#r%u#"] {
+            assert!(stray_hash(bad).is_some(), "{bad}");
         }
     }
 }

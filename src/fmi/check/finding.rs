@@ -9,7 +9,8 @@ use std::fmt::Write;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Level {
-    /// The standard allows it or is silent, but masters may stumble over it.
+    /// The standard allows it or is silent, but masters may stumble over it; or it only shows when a master
+    /// does what the standard forbids to masters.
     Warning,
     /// The standard forbids it.
     Error,
@@ -52,8 +53,22 @@ pub struct Finding {
     pub what: String,
     /// What to do: a sentence.
     pub help: &'static str,
+    /// Where else it is: one finding has one cause, which often shows at many variables, calls or entries.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub also: Vec<Also>,
 }
 
+/// Another place of a finding.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Also {
+    /// As in [`Finding::place`].
+    pub place: Option<Place>,
+    /// As in [`Finding::what`].
+    pub what: String,
+}
+
+/// So many further places of a finding are printed.
+const SHOWN: usize = 3;
 /// Excerpts are no longer than this.
 const EXCERPT: usize = 96;
 
@@ -103,7 +118,7 @@ impl Finding {
     /// A finding about the rule called `name`, which has to be in the table of rules.
     pub(super) fn new(level: Level, name: &str, place: Option<Place>, what: impl Into<String>) -> Self {
         let Rule { name, citation, help, .. } = *rule(name);
-        Self { rule: name, level, citation, place, what: what.into(), help }
+        Self { rule: name, level, citation, place, what: what.into(), help, also: Vec::new() }
     }
 
     pub(super) fn error(name: &str, place: Option<Place>, what: impl Into<String>) -> Self {
@@ -135,15 +150,86 @@ impl Finding {
             }
             None => {}
         }
+        for Also { place, what } in self.also.iter().take(SHOWN) {
+            let place = match place {
+                Some(Place::Xml { line, column, .. }) => format!("modelDescription.xml:{line}:{column}: "),
+                Some(Place::Entry { entry }) => format!("{entry}: "),
+                None => String::new(),
+            };
+            let _ = writeln!(text, "{margin} = also: {place}{what}");
+        }
+        if self.also.len() > SHOWN {
+            let more = self.also.len() - SHOWN;
+            let _ = writeln!(text, "{margin} = also: {more} more (all with --format json)");
+        }
         let _ = writeln!(text, "{margin} = note: {}", self.citation);
         let _ = writeln!(text, "{margin} = help: {}", self.help);
         text
     }
 }
 
+/// Findings that say the same of other variables, messages, numbers or calls have one cause: the first of
+/// them keeps the others' places.
+pub(super) fn group(findings: Vec<Finding>) -> Vec<Finding> {
+    let mut groups: Vec<(String, Finding)> = Vec::new();
+    for finding in findings {
+        let shape = shape(&finding);
+        let same = |(s, f): &&mut (String, Finding)| {
+            *s == shape && f.rule == finding.rule && f.level == finding.level
+        };
+        match groups.iter_mut().find(same) {
+            Some((_, first)) => first.also.push(Also { place: finding.place, what: finding.what }),
+            None => groups.push((shape, finding)),
+        }
+    }
+    groups.into_iter().map(|(_, finding)| finding).collect()
+}
+
+/// What a finding says, without what it says it of: texts in quotes and numbers. The rules on messages are
+/// about what all calls share, so that there the name of the call is left out as well; elsewhere another call
+/// is another cause.
+fn shape(finding: &Finding) -> String {
+    let messages = matches!(finding.rule, "L1" | "L3" | "L4" | "L5");
+    let mut shape = String::new();
+    for (i, part) in finding.what.split('"').enumerate() {
+        if i % 2 == 1 {
+            shape.push('"');
+            continue;
+        }
+        for word in part.split_inclusive(' ') {
+            let bare = word.trim_matches(|c: char| !c.is_ascii_alphanumeric() && !matches!(c, '-' | '.'));
+            let number = bare.parse::<f64>().is_ok();
+            let call = messages && bare.starts_with("fmi2") && !bare.starts_with("fmi2Error");
+            shape.push_str(if number || call { "#" } else { word });
+        }
+    }
+    shape
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_cause_is_one_finding() {
+        let found = |rule: &str, what: &str| Finding::error(rule, None, what);
+        let grouped = group(vec![
+            found("X7", "\"k\" starts with 2.0 in the binary and with 2.5 in the description"),
+            found("L1", "fmi2DoStep logs in the category \"a\", but none is declared"),
+            found("X7", "\"m\" starts with -1e-3 in the binary and with inf in the description"),
+            found("L1", "fmi2Reset logs in the category \"b\", but none is declared"),
+            found("M1", "fmi2DoStep before the initialization returned fmi2OK"),
+            found("M1", "fmi2Reset before the initialization returned fmi2OK"),
+            Finding::warning("M1", None, "fmi2Reset before the initialization returned fmi2OK"),
+        ]);
+        assert_eq!(grouped.iter().map(|f| f.rule).collect::<Vec<_>>(), ["X7", "L1", "M1", "M1", "M1"]);
+        assert_eq!(grouped.iter().map(|f| f.also.len()).collect::<Vec<_>>(), [1, 1, 0, 0, 0]);
+        assert!(grouped[0].as_text().contains(" = also: \"m\" starts with"));
+        let many = (0..10).map(|i| found("X7", &format!("\"k{i}\" is wrong"))).collect();
+        let text = group(many)[0].as_text();
+        assert_eq!(text.matches("= also:").count(), SHOWN + 1);
+        assert!(text.contains("= also: 6 more"), "{text}");
+    }
 
     #[test]
     fn looks_like_a_compilers() {
@@ -152,6 +238,7 @@ mod tests {
             Some(Place::Xml { line: 12, column: 3, excerpt: "  <Real/>".into(), mark: (2, 5) }),
             "the parameter \"k\" has no start value",
         );
+        assert!(finding.also.is_empty());
         assert_eq!(
             finding.as_text(),
             format!(

@@ -15,7 +15,7 @@ mod tree;
 mod unit;
 
 pub use child::run_child;
-pub use finding::{Finding, Level, Place};
+pub use finding::{Also, Finding, Level, Place};
 pub use rules::{RULES, Rule};
 
 use super::import::{Archive, Description, MAX_LENGTH, MAX_UNPACKED};
@@ -44,6 +44,10 @@ pub struct Report {
     pub checks: Vec<&'static str>,
     /// What was not checked, and why: sentences.
     pub notes: Vec<String>,
+    /// The platforms that the archive has binaries for, such as "linux64", sorted.
+    pub platforms: Vec<String>,
+    /// The one whose binary was run.
+    pub ran: Option<String>,
 }
 
 impl Report {
@@ -58,6 +62,13 @@ impl Report {
 /// # Errors
 /// [`Error::fmu`] for a file that is no FMU of FMI 2.0 at all.
 pub fn check(path: &Path, options: &Options) -> Result<Report> {
+    let mut report = examine(path, options)?;
+    report.findings = finding::group(report.findings);
+    Ok(report)
+}
+
+/// The report with a finding for each place.
+fn examine(path: &Path, options: &Options) -> Result<Report> {
     let at = |what: String| Error::fmu(what).at(path.display());
     let size = std::fs::metadata(path).map_err(|e| at(format!("the file cannot be read: {e}")))?;
     if size.is_dir() {
@@ -67,10 +78,17 @@ pub fn check(path: &Path, options: &Options) -> Result<Report> {
         return Err(at(format!("the file has more than {MAX_UNPACKED} bytes; such files are not read")));
     }
     let bytes = std::fs::read(path).map_err(|e| at(format!("the file cannot be read: {e}")))?;
-    let mut report = Report { findings: Vec::new(), checks: Vec::new(), notes: Vec::new() };
+    let mut report = Report {
+        findings: Vec::new(),
+        checks: Vec::new(),
+        notes: Vec::new(),
+        platforms: Vec::new(),
+        ran: None,
+    };
     let entries = archive::check_headers(&bytes, &mut report.findings)
         .ok_or_else(|| at("this is no zip archive, so it is no FMU or a damaged one".into()))?;
     drop(bytes);
+    report.platforms = archive::platforms(&entries);
     if !entries.iter().any(|e| e.name == "modelDescription.xml") {
         return Err(at("there is no modelDescription.xml: this is no FMU".into()));
     }

@@ -2,11 +2,12 @@
 
 use super::Report;
 use super::cases::{CASES, Case};
-use super::child::{CALL, Found, Line};
+use super::child::{CALL, FRAGILE, Found, Line};
 use super::finding::{Finding, Place};
 use super::tree::Node;
 use super::unit::NOTE;
 use crate::fmi::import::Description;
+use crate::fmi::import::library::find;
 use crate::{Error, Result};
 use std::io::{BufRead, BufReader};
 use std::os::unix::process::ExitStatusExt;
@@ -30,6 +31,19 @@ pub(super) fn run(
         .prefix("latsch-check-")
         .tempdir()
         .map_err(|e| Error::file(format!("no temporary folder can be made: {e}")))?;
+    let platform = find(folder, &description.model_identifier).ok().and_then(|(file, _)| {
+        let platform = file.strip_prefix("binaries/")?.split_once('/')?.0;
+        Some(platform.to_owned())
+    });
+    let others: Vec<&str> =
+        report.platforms.iter().filter(|p| Some(*p) != platform.as_ref()).map(String::as_str).collect();
+    if let (Some(platform), false) = (&platform, others.is_empty()) {
+        report.notes.push(format!(
+            "only the binary for {platform} was run; those for {} cannot be run on this machine",
+            others.join(", ")
+        ));
+    }
+    report.ran = platform;
     for (number, case) in CASES.iter().enumerate() {
         if !(case.applies)(description) {
             continue;
@@ -58,6 +72,10 @@ pub(super) fn run(
         };
         if let Some(what) = accident {
             add(report, Finding::new(case.level, case.rule, None, what));
+            if case.name == "unknown-reference" {
+                // Other cases make errors in this way; they would find the same once more.
+                let _ = std::fs::write(work.path().join(FRAGILE), []);
+            }
             // If the binary can neither be loaded nor run, everything else fails in the same way.
             if number < 2 {
                 stop = stop.or(Some(format!("nothing works after an accident {}", case.title)));

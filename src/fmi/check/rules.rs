@@ -232,10 +232,22 @@ pub const RULES: &[Rule] = &[
         help: "copy the members of fmi2CallbackFunctions in fmi2Instantiate, not the pointer",
     },
     Rule {
+        name: "S5",
+        title: "the master's functions for memory are used in pairs, or not at all where the FMU says so",
+        citation: "FMI 2.0.5, 2.1.5",
+        help: "give back with freeMemory what allocateMemory returned and nothing else, or call neither of them",
+    },
+    Rule {
         name: "S6",
         title: "freeing nothing does nothing, and a NULL instance is survived",
         citation: "FMI 2.0.5, 2.1.5 and 2.1.8",
         help: "return at once for a NULL pointer: with no effect when freeing, else with fmi2Error",
+    },
+    Rule {
+        name: "S7",
+        title: "the resource location is read as a URI of the scheme file, with or without authority",
+        citation: "FMI 2.0.5, 2.1.5; RFC 3986",
+        help: "accept file:///path, file:/path and file://localhost/path, and decode %20 and its like",
     },
     Rule {
         name: "S8",
@@ -260,6 +272,12 @@ pub const RULES: &[Rule] = &[
         title: "the library goes away when it is closed",
         citation: "none: masters that replace or delete the file depend on it",
         help: "use no threads that outlive instances and no thread-local data with destructors",
+    },
+    Rule {
+        name: "S12",
+        title: "the same calls give the same results",
+        citation: "none: without it no result can be reproduced",
+        help: "initialise all memory, and take neither the clock nor global variables into the results",
     },
     Rule {
         name: "M0",
@@ -293,7 +311,7 @@ pub const RULES: &[Rule] = &[
     },
     Rule {
         name: "M6",
-        title: "a restored state continues exactly as the saved one",
+        title: "a restored state continues as the saved one",
         citation: "FMI 2.0.5, 2.1.8",
         help: "save all that a step depends on: inputs, parameters, buffers, random numbers, time",
     },
@@ -308,6 +326,12 @@ pub const RULES: &[Rule] = &[
         title: "steps beyond the stop time are errors",
         citation: "FMI 2.0.5, 2.1.6",
         help: "return fmi2Error from fmi2DoStep beyond the stop time that fmi2SetupExperiment defined",
+    },
+    Rule {
+        name: "D5",
+        title: "noSetFMUStatePriorToCurrentPoint says what may be forgotten and changes no result",
+        citation: "FMI 2.0.5, 4.2.2",
+        help: "accept fmi2True and fmi2False; with fmi2True only buffers for going back may be dropped",
     },
     Rule {
         name: "D6",

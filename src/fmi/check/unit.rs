@@ -2,15 +2,16 @@
 //! noted before it is made and looked at after it.
 
 use crate::fmi::c::{
-    Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, ComponentEnvironment, FALSE, FmuState,
-    Logger, TRUE, Text, ValueReference,
+    Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, ComponentEnvironment, FALSE, FmuState, TRUE,
+    Text, ValueReference,
 };
 use crate::fmi::import::library::Handle;
-use crate::fmi::import::log::text;
+use crate::fmi::import::log::{self, Environment, Heard, text};
+use std::collections::HashSet;
 use std::ffi::{CString, c_int, c_void};
 use std::ptr;
-use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// fmi2Error.
 pub(super) const ERROR: c_int = 3;
@@ -137,29 +138,30 @@ impl CallNote {
     }
 }
 
-/// A message as it came.
-#[derive(Debug, Clone)]
-pub(super) struct Message {
-    pub(super) name: String,
-    pub(super) status: c_int,
-    /// `None` for NULL.
-    pub(super) category: Option<String>,
-    /// The format, with its escapes.
-    pub(super) format: String,
-}
-
 /// The environment of an instance's callbacks.
 #[derive(Default)]
 pub(super) struct Listener {
-    messages: Mutex<Vec<Message>>,
+    messages: Mutex<Vec<Heard>>,
 }
 
 /// Messages beyond these are dropped: a leak check must not measure them.
 const MESSAGES: usize = 1000;
 
 impl Listener {
-    fn take(&self) -> Vec<Message> {
+    fn take(&self) -> Vec<Heard> {
         std::mem::take(&mut *self.messages.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+impl log::Listener for Listener {
+    fn hear(&self, message: Heard) {
+        if !message.known {
+            STRANGE.store(true, Ordering::Relaxed);
+        }
+        let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
+        if messages.len() < MESSAGES {
+            messages.push(message);
+        }
     }
 }
 
@@ -167,64 +169,19 @@ impl Listener {
 pub(super) static STALE: AtomicBool = AtomicBool::new(false);
 /// True once the logger was called with another environment.
 pub(super) static STRANGE: AtomicBool = AtomicBool::new(false);
-/// The environments that were given out: others are not looked into.
-static ENVIRONMENTS: Mutex<Vec<usize>> = Mutex::new(Vec::new());
-
-fn environments() -> MutexGuard<'static, Vec<usize>> {
-    ENVIRONMENTS.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-type Fixed = unsafe extern "C" fn(ComponentEnvironment, Text, c_int, Text, Text);
-
-fn variadic(function: Fixed) -> Logger {
-    type Variadic = unsafe extern "C" fn(ComponentEnvironment, Text, c_int, Text, Text, ...);
-    // SAFETY: as in the importer's log: the fixed arguments of a variadic call lie where a function with
-    // only these expects them, and the caller cleans up.
-    Some(unsafe { std::mem::transmute::<Fixed, Variadic>(function) })
-}
 
 /// # Safety
 /// The texts are null or end with a zero.
-unsafe extern "C" fn listen(
-    env: ComponentEnvironment,
-    name: Text,
-    status: c_int,
-    category: Text,
-    format: Text,
-) {
-    if !environments().contains(&(env as usize)) {
-        STRANGE.store(true, Ordering::Relaxed);
-        return;
-    }
-    // SAFETY: an environment that was given out and not yet taken back.
-    let listener = unsafe { &*env.cast::<Listener>() };
-    // SAFETY: demanded of the caller.
-    let message = unsafe {
-        Message {
-            name: text(name),
-            status,
-            category: (!category.is_null()).then(|| text(category)),
-            format: text(format),
-        }
-    };
-    let mut messages = listener.messages.lock().unwrap_or_else(PoisonError::into_inner);
-    if messages.len() < MESSAGES {
-        messages.push(message);
-    }
-}
-
-/// # Safety
-/// As [`listen`].
 unsafe extern "C" fn stale_listen(e: ComponentEnvironment, n: Text, s: c_int, c: Text, f: Text) {
     STALE.store(true, Ordering::Relaxed);
     // SAFETY: demanded of the caller.
-    unsafe { listen(e, n, s, c, f) }
+    unsafe { log::without_arguments(e, n, s, c, f) }
 }
 
 unsafe extern "C" fn stale_calloc(count: usize, size: usize) -> *mut c_void {
     STALE.store(true, Ordering::Relaxed);
-    // SAFETY: calloc takes any numbers.
-    unsafe { libc::calloc(count, size) }
+    // SAFETY: as `libc::calloc`, which takes any numbers.
+    unsafe { counted_calloc(count, size) }
 }
 
 /// # Safety
@@ -232,6 +189,51 @@ unsafe extern "C" fn stale_calloc(count: usize, size: usize) -> *mut c_void {
 unsafe extern "C" fn stale_free(memory: *mut c_void) {
     STALE.store(true, Ordering::Relaxed);
     // SAFETY: demanded of the caller.
+    unsafe { counted_free(memory) }
+}
+
+/// What came of the memory functions that were given to an FMU.
+pub(super) mod memory {
+    use super::{AtomicUsize, HashSet, Mutex, Ordering, PoisonError};
+
+    /// Calls of allocateMemory.
+    pub(super) static ALLOCATED: AtomicUsize = AtomicUsize::new(0);
+    /// Calls of freeMemory with what allocateMemory did not return.
+    pub(super) static FOREIGN: AtomicUsize = AtomicUsize::new(0);
+    /// What allocateMemory returned and was not freed.
+    pub(super) static LIVING: Mutex<Option<HashSet<usize>>> = Mutex::new(None);
+
+    /// How often allocateMemory was called, how often freeMemory with anything else than its results, and
+    /// how many of its results were not freed.
+    pub(in crate::fmi::check) fn account() -> (usize, usize, usize) {
+        let living = LIVING.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map_or(0, HashSet::len);
+        (ALLOCATED.load(Ordering::Relaxed), FOREIGN.load(Ordering::Relaxed), living)
+    }
+}
+
+unsafe extern "C" fn counted_calloc(count: usize, size: usize) -> *mut c_void {
+    // SAFETY: calloc takes any numbers.
+    let memory = unsafe { libc::calloc(count, size) };
+    memory::ALLOCATED.fetch_add(1, Ordering::Relaxed);
+    if !memory.is_null() {
+        let mut living = memory::LIVING.lock().unwrap_or_else(PoisonError::into_inner);
+        living.get_or_insert_default().insert(memory as usize);
+    }
+    memory
+}
+
+/// # Safety
+/// As `free`.
+unsafe extern "C" fn counted_free(memory: *mut c_void) {
+    if memory.is_null() {
+        return;
+    }
+    let mut living = memory::LIVING.lock().unwrap_or_else(PoisonError::into_inner);
+    if !living.get_or_insert_default().remove(&(memory as usize)) {
+        memory::FOREIGN.fetch_add(1, Ordering::Relaxed);
+    }
+    drop(living);
+    // SAFETY: demanded of the caller: most FMUs that free what they did not get here got it from malloc.
     unsafe { libc::free(memory) }
 }
 
@@ -273,7 +275,9 @@ fn restore_float_mode(mode: u32) {
 pub(super) struct Outcome<'a> {
     pub(super) call: &'a str,
     pub(super) status: c_int,
-    pub(super) messages: &'a [Message],
+    pub(super) messages: &'a [Heard],
+    /// The name that the instance was given; `None` for none that it could use.
+    pub(super) name: Option<&'a str>,
     /// False if the call left the floating-point mode changed.
     pub(super) same_float_mode: bool,
 }
@@ -294,6 +298,12 @@ pub(super) struct Unit<'a> {
     maker: Maker<'a>,
     component: Component,
     listener: Arc<Listener>,
+    /// `None` for no instance.
+    environment: Option<Environment>,
+    /// As passed; `None` for a blank one.
+    name: Option<String>,
+    /// A state was saved, so that steps are not final.
+    saved: bool,
     /// Spoilt, but there: reading them late is no crash of ours.
     texts: [Vec<u8>; 3],
     /// The same; null for no instance.
@@ -307,25 +317,39 @@ pub(super) struct Unit<'a> {
 impl<'a> Maker<'a> {
     /// Instantiates for co-simulation. All that is passed is spoilt afterwards: it is only valid during
     /// the call. Returns the messages where there is no instance.
-    pub(super) fn make(self, name: &str, guid: &str, resources: &str) -> Result<Unit<'a>, Vec<Message>> {
+    pub(super) fn make(self, name: &str, guid: &str, resources: &str) -> Result<Unit<'a>, Vec<Heard>> {
+        self.make_with(name, guid, Some(resources), true)
+    }
+
+    /// As [`make`](Self::make), also without a resource location and without functions for memory.
+    pub(super) fn make_with(
+        self,
+        name: &str,
+        guid: &str,
+        resources: Option<&str>,
+        memory: bool,
+    ) -> Result<Unit<'a>, Vec<Heard>> {
         let listener: Arc<Listener> = Arc::default();
-        environments().push(Arc::as_ptr(&listener) as usize);
-        let mut texts = [name, guid, resources]
+        let environment = Environment::new(listener.clone());
+        let mut texts = [name, guid, resources.unwrap_or_default()]
             .map(|t| CString::new(t.replace('\0', "?")).unwrap_or_default().into_bytes_with_nul());
         let callbacks = Box::into_raw(Box::new(CallbackFunctions {
-            logger: variadic(listen),
-            allocate_memory: Some(libc::calloc),
-            free_memory: Some(libc::free),
+            logger: log::logger(),
+            allocate_memory: memory.then_some(counted_calloc),
+            free_memory: memory.then_some(counted_free),
             step_finished: None,
-            component_environment: Arc::as_ptr(&listener).cast_mut().cast(),
+            component_environment: environment.pointer(),
         }));
         let Some(instantiate) = self.functions.instantiate else { return Err(Vec::new()) };
         self.note.write("fmi2Instantiate");
         let mode = float_mode();
+        let calling = environment.calling();
         let [c_name, c_guid, c_resources] = texts.each_ref().map(|t| t.as_ptr().cast());
+        let c_resources = if resources.is_some() { c_resources } else { ptr::null() };
         // SAFETY: the texts end with a zero, the callbacks are never freed.
         let component =
             unsafe { instantiate(c_name, CO_SIMULATION, c_guid, c_resources, callbacks, FALSE, TRUE) };
+        drop(calling);
         let same_float_mode = float_mode() == mode;
         restore_float_mode(mode);
         for text in &mut texts {
@@ -334,27 +358,33 @@ impl<'a> Maker<'a> {
         }
         // SAFETY: the struct is ours until the unit is dropped.
         unsafe {
-            (*callbacks).logger = variadic(stale_listen);
-            (*callbacks).allocate_memory = Some(stale_calloc);
-            (*callbacks).free_memory = Some(stale_free);
+            (*callbacks).logger = log::variadic(stale_listen);
+            (*callbacks).allocate_memory = memory.then_some(stale_calloc);
+            (*callbacks).free_memory = memory.then_some(stale_free);
         }
         let messages = listener.take();
-        (self.judge)(&Outcome { call: "fmi2Instantiate", status: 0, messages: &messages, same_float_mode });
-        let unit = Unit { maker: self, component, listener, texts, callbacks, chatter: None, dead: false };
+        let given = Some(name).filter(|n| !n.trim().is_empty());
+        let call = "fmi2Instantiate";
+        (self.judge)(&Outcome { call, status: 0, messages: &messages, name: given, same_float_mode });
+        let mut unit = self.nothing();
+        (unit.component, unit.callbacks, unit.texts) = (component, callbacks, texts);
+        unit.name = given.map(Into::into);
+        (unit.listener, unit.environment) = (listener, Some(environment));
         // What is not there is not freed, but what was passed is.
         if component.is_null() { Err(messages) } else { Ok(unit) }
     }
 
     /// An instance that is NULL, to see what calls make of it.
     pub(super) fn nothing(self) -> Unit<'a> {
-        let (texts, callbacks) = ([const { Vec::new() }; 3], ptr::null_mut());
-        let listener = Arc::default();
         Unit {
             maker: self,
             component: ptr::null_mut(),
-            listener,
-            texts,
-            callbacks,
+            listener: Arc::default(),
+            environment: None,
+            name: None,
+            saved: false,
+            texts: [const { Vec::new() }; 3],
+            callbacks: ptr::null_mut(),
             chatter: None,
             dead: false,
         }
@@ -370,7 +400,9 @@ impl Unit<'_> {
         }
         self.maker.note.write(name);
         let mode = float_mode();
+        let calling = self.environment.as_ref().map(Environment::calling);
         let status = run(function, self.component);
+        drop(calling);
         let same_float_mode = float_mode() == mode;
         restore_float_mode(mode);
         let messages = self.listener.take();
@@ -379,7 +411,14 @@ impl Unit<'_> {
             self.chatter = Some(message.format.clone());
         }
         if !self.component.is_null() {
-            (self.maker.judge)(&Outcome { call: name, status, messages: &messages, same_float_mode });
+            let given = self.name.as_deref();
+            (self.maker.judge)(&Outcome {
+                call: name,
+                status,
+                messages: &messages,
+                name: given,
+                same_float_mode,
+            });
         }
         status
     }
@@ -422,9 +461,16 @@ impl Unit<'_> {
         self.call("fmi2Reset", self.maker.functions.reset, |f, c| unsafe { f(c) })
     }
 
+    /// Steps; the past is said to be final until a state is saved.
     pub(super) fn step(&mut self, time: f64, length: f64) -> c_int {
-        // SAFETY: an instance and numbers. The state may be set back, so it must be kept.
-        self.call("fmi2DoStep", self.maker.functions.step, |f, c| unsafe { f(c, time, length, FALSE) })
+        self.step_as(time, length, !self.saved)
+    }
+
+    /// Steps with this value of noSetFMUStatePriorToCurrentPoint.
+    pub(super) fn step_as(&mut self, time: f64, length: f64, final_past: bool) -> c_int {
+        let flag = Boolean::from(final_past);
+        // SAFETY: an instance and numbers.
+        self.call("fmi2DoStep", self.maker.functions.step, |f, c| unsafe { f(c, time, length, flag) })
     }
 
     pub(super) fn get_real(&mut self, reference: u32) -> (c_int, f64) {
@@ -522,8 +568,14 @@ impl Unit<'_> {
         (status, value)
     }
 
+    /// Says that steps are not final from now on, as if a state were saved.
+    pub(super) fn expect_rollback(&mut self) {
+        self.saved = true;
+    }
+
     /// Saves the state, over `state` if that is not null.
     pub(super) fn save(&mut self, state: &mut FmuState) -> c_int {
+        self.saved = true;
         // SAFETY: an instance; null or a state that it gave.
         self.call("fmi2GetFMUstate", self.maker.functions.get_state, |f, c| unsafe { f(c, state) })
     }
@@ -559,6 +611,7 @@ impl Unit<'_> {
     }
 
     pub(super) fn deserialize(&mut self, bytes: &[Byte], state: &mut FmuState) -> c_int {
+        self.saved = true;
         let function = self.maker.functions.deserialize;
         self.call("fmi2DeSerializeFMUstate", function, |f, c| {
             // SAFETY: an instance, bytes with their number, and null to be replaced.
@@ -585,7 +638,7 @@ impl Drop for Unit<'_> {
     fn drop(&mut self) {
         if self.dead {
             // Its code may still run somewhere.
-            std::mem::forget((std::mem::take(&mut self.texts), self.listener.clone()));
+            std::mem::forget((std::mem::take(&mut self.texts), self.environment.take()));
             return;
         }
         // An instance that was refused is not freed; NULL from `nothing` is, to see what happens.
@@ -593,11 +646,10 @@ impl Drop for Unit<'_> {
             && (!self.component.is_null() || self.callbacks.is_null())
         {
             self.maker.note.write("fmi2FreeInstance");
+            let _calling = self.environment.as_ref().map(Environment::calling);
             // SAFETY: the instance is not used after this.
             unsafe { free(self.component) };
         }
-        let environment = Arc::as_ptr(&self.listener) as usize;
-        environments().retain(|e| *e != environment);
         if !self.callbacks.is_null() {
             // SAFETY: made from a box, and freed once.
             drop(unsafe { Box::from_raw(self.callbacks) });

@@ -1,8 +1,8 @@
 //! One instance of an FMU's binary: every call into foreign code, with its status checked.
 
 use super::library::{Bytes, Library, States};
-use super::log::{Log, Message, logger, text};
-use crate::fmi::c::{CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, Status, TRUE};
+use super::log::{Environment, Log, Message, Names, logger, text};
+use crate::fmi::c::{Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, Status, TRUE};
 use crate::{Error, Result};
 use std::ffi::{CString, c_int};
 use std::fmt::Display;
@@ -49,6 +49,8 @@ pub(super) struct Instance {
     /// Saved states by slot; null where a slot has none yet.
     states: Vec<FmuState>,
     unused: Arc<Mutex<Vec<usize>>>,
+    /// A state was turned into bytes, which may come back at any time.
+    serialized: bool,
     /// Leaked when the instance is dead: its code may still run in some thread.
     foundation: ManuallyDrop<Foundation>,
 }
@@ -59,6 +61,7 @@ struct Foundation {
     /// Kept although valid only during fmi2Instantiate: many FMUs hold on to the pointer.
     _callbacks: Rc<CallbackFunctions>,
     log: Arc<Log>,
+    environment: Environment,
 }
 
 /// A place for one saved state. The state itself belongs to the instance, so that whoever holds the
@@ -75,21 +78,29 @@ impl Drop for Slot {
 }
 
 impl Instance {
-    /// Instantiates for co-simulation; `resources` is a URI.
-    pub(super) fn new(library: Library, name: &str, guid: &str, resources: &str) -> Result<Self> {
+    /// Instantiates for co-simulation; `resources` is a URI, `names` are those of the variables.
+    pub(super) fn new(
+        library: Library,
+        name: &str,
+        guid: &str,
+        resources: &str,
+        names: Names,
+    ) -> Result<Self> {
         let c_text = |what: &str, text: &str| {
             CString::new(text).map_err(|_| Error::fmu(format!("the {what} holds a NUL character")))
         };
         let (c_name, c_guid) = (c_text("model's name", name)?, c_text("guid", guid)?);
         let c_resources = c_text("resource location", resources)?;
-        let log = Arc::new(Log::default());
+        let log = Arc::new(Log::new(names));
+        let environment = Environment::new(log.clone());
         let callbacks = Rc::new(CallbackFunctions {
             logger: logger(),
             allocate_memory: Some(libc::calloc),
             free_memory: Some(libc::free),
             step_finished: None,
-            component_environment: Arc::as_ptr(&log).cast_mut().cast(),
+            component_environment: environment.pointer(),
         });
+        let calling = environment.calling();
         // SAFETY: the texts end with a zero; the callbacks and the log live in the foundation until
         // the instance is freed and the library closed, or for ever.
         let component = unsafe {
@@ -103,6 +114,7 @@ impl Instance {
                 TRUE,
             )
         };
+        drop(calling);
         if component.is_null() {
             return Err(Error::fmu(format!(
                 "{name}: fmi2Instantiate returned no instance: {}",
@@ -115,7 +127,8 @@ impl Instance {
             health: Health::Well,
             states: Vec::new(),
             unused: Arc::default(),
-            foundation: ManuallyDrop::new(Foundation { library, _callbacks: callbacks, log }),
+            serialized: false,
+            foundation: ManuallyDrop::new(Foundation { library, _callbacks: callbacks, log, environment }),
         })
     }
 
@@ -145,7 +158,10 @@ impl Instance {
             });
         }
         self.foundation.log.begin_call();
-        let (status, word) = match function(&self.foundation.library, self.component) {
+        let calling = self.foundation.environment.calling();
+        let status = function(&self.foundation.library, self.component);
+        drop(calling);
+        let (status, word) = match status {
             0 | 1 => return Ok(()),
             2 => (Status::Discard, "fmi2Discard".to_owned()),
             3 => (Status::Error, "fmi2Error".to_owned()),
@@ -322,12 +338,17 @@ impl Instance {
         Ok(())
     }
 
-    /// Steps; a discarded step says how far it got.
-    pub(super) fn step(&mut self, time: f64, length: f64) -> Result<()> {
+    /// True if somebody may still go back: he holds a saved state, or had one turned into bytes.
+    pub(super) fn may_go_back(&self) -> bool {
+        // Each slot that is held holds the list of unused slots.
+        self.serialized || Arc::strong_count(&self.unused) > 1
+    }
+
+    /// Steps; a discarded step says how far it got. `final_past`: no earlier state will come back.
+    pub(super) fn step(&mut self, time: f64, length: f64, final_past: bool) -> Result<()> {
         let outcome = self.call(format_args!("the step from {time} s by {length} s"), |f, c| {
-            // A rollback may come: whoever fits parameters goes back often.
             // SAFETY: a living instance.
-            unsafe { (f.do_step)(c, time, length, FALSE) }
+            unsafe { (f.do_step)(c, time, length, Boolean::from(final_past)) }
         });
         let Err(failure) = outcome else { return Ok(()) };
         if failure.status != Status::Discard {
@@ -456,6 +477,7 @@ impl Instance {
             // SAFETY: a living instance, a state of it, and room for `size` bytes.
             unsafe { (bytes.write)(c, state, buffer.as_mut_ptr().cast(), size) }
         })?;
+        self.serialized = true;
         Ok(buffer)
     }
 
@@ -496,10 +518,12 @@ impl Drop for Instance {
         if self.health == Health::Dead {
             return;
         }
+        let calling = self.foundation.environment.calling();
         // SAFETY: a living instance, used here for the last time; then nothing of the library runs
         // any more and the foundation, which is dropped only here, can go.
         unsafe {
             (self.foundation.library.free_instance)(self.component);
+            drop(calling);
             ManuallyDrop::drop(&mut self.foundation);
         }
     }

@@ -14,6 +14,7 @@ mod description;
 mod instance;
 pub(super) mod library;
 pub(super) mod log;
+mod printf;
 #[cfg(feature = "host")]
 mod reader;
 pub(super) mod slave;

@@ -5,7 +5,7 @@ use super::archive::{Archive, check_path};
 use super::description::Description;
 use super::instance::{Health, Instance, Slot};
 use super::library::{Library, Names};
-use super::log::{Log, Message};
+use super::log::{Log, Message, names as names_of};
 #[cfg(feature = "host")]
 use super::reader::MAX_LENGTH;
 use crate::model::{
@@ -36,6 +36,9 @@ pub struct ImportedFmu {
     instance: Instance,
     description: Description,
     course: Course,
+    /// The last communication point \[s\] that the FMU was told to be final: no earlier state comes back in
+    /// this run.
+    settled: f64,
     /// Values in place of the description's start values.
     presets: Vec<(usize, Value)>,
     #[cfg(feature = "host")]
@@ -126,11 +129,13 @@ impl ImportedFmu {
             "" => &description.model_identifier,
             _ => &description.model_name,
         };
-        let instance = Instance::new(library, name, &description.guid, &file_uri(&resources))?;
+        let variables = names_of(&description.interface.variables);
+        let instance = Instance::new(library, name, &description.guid, &file_uri(&resources), variables)?;
         Ok(Self {
             instance,
             description,
             course: Course::NEW,
+            settled: f64::NEG_INFINITY,
             presets: Vec::new(),
             #[cfg(feature = "host")]
             folder,
@@ -393,7 +398,12 @@ impl Slave for ImportedFmu {
         self.well("a step")?;
         self.order(self.course.phase == Phase::Running, "a step", "before the end of initialization")?;
         let target = check_step(self.course.time, time, length, None)?;
-        self.instance.step(time, length)?;
+        // Only whoever holds a saved state can go back.
+        let final_past = !self.instance.may_go_back();
+        if final_past {
+            self.settled = time;
+        }
+        self.instance.step(time, length, final_past)?;
         self.course.time = target;
         Ok(())
     }
@@ -418,6 +428,11 @@ impl Slave for ImportedFmu {
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let saved = saved(snapshot)?;
+        if self.instance.owns(&saved.slot) && saved.course.time < self.settled {
+            // A state of another instance, from before a point that this one takes for final: another run
+            // begins with it.
+            self.reset()?;
+        }
         self.instance.restore(&saved.slot)?;
         self.course.clone_from(&saved.course);
         Ok(())
@@ -453,6 +468,7 @@ impl Slave for ImportedFmu {
     fn reset(&mut self) -> Result<()> {
         self.instance.reset()?;
         self.course = Course::NEW;
+        self.settled = f64::NEG_INFINITY;
         for (index, value) in self.presets.clone() {
             self.write(index, value)?;
         }

@@ -5,39 +5,39 @@ use super::*;
 pub(super) fn enter_before_setup(lab: &Lab<'_>) {
     let Some(mut unit) = lab.unit() else { return };
     let status = unit.enter();
-    lab.refused("M1", Level::Error, status, "fmi2EnterInitializationMode without fmi2SetupExperiment");
+    lab.refused("M1", lab.level, status, "fmi2EnterInitializationMode without fmi2SetupExperiment");
 }
 
 pub(super) fn exit_before_enter(lab: &Lab<'_>) {
     let Some(mut unit) = lab.unit() else { return };
     unit.setup(lab.t(0), None);
     let status = unit.exit();
-    lab.refused("M1", Level::Error, status, "fmi2ExitInitializationMode without fmi2EnterInitializationMode");
+    lab.refused("M1", lab.level, status, "fmi2ExitInitializationMode without fmi2EnterInitializationMode");
 }
 
 pub(super) fn enter_twice(lab: &Lab<'_>) {
     let Some(mut unit) = lab.ready() else { return };
     let status = unit.enter();
-    lab.refused("M1", Level::Error, status, "a second fmi2EnterInitializationMode");
+    lab.refused("M1", lab.level, status, "a second fmi2EnterInitializationMode");
 }
 
 pub(super) fn late_setup(lab: &Lab<'_>) {
     let Some(mut unit) = lab.ready() else { return };
     let status = unit.setup(lab.t(0), None);
-    lab.refused("M1", Level::Error, status, "fmi2SetupExperiment after the initialization");
+    lab.refused("M1", lab.level, status, "fmi2SetupExperiment after the initialization");
 }
 
 pub(super) fn early_step(lab: &Lab<'_>) {
     let Some(mut unit) = lab.unit() else { return };
     unit.setup(lab.t(0), None);
     let status = unit.step(lab.t(0), lab.h());
-    lab.refused("M1", Level::Error, status, "fmi2DoStep before the initialization");
+    lab.refused("M1", lab.level, status, "fmi2DoStep before the initialization");
 }
 
 pub(super) fn early_end(lab: &Lab<'_>) {
     let Some(mut unit) = lab.unit() else { return };
     let status = unit.terminate();
-    lab.refused("M5", Level::Error, status, "fmi2Terminate before the initialization");
+    lab.refused("M5", lab.level, status, "fmi2Terminate before the initialization");
 }
 
 pub(super) fn step_after_end(lab: &Lab<'_>) {
@@ -46,7 +46,7 @@ pub(super) fn step_after_end(lab: &Lab<'_>) {
         return;
     }
     let status = unit.step(lab.t(0), lab.h());
-    lab.refused("M5", Level::Error, status, "fmi2DoStep after fmi2Terminate");
+    lab.refused("M5", lab.level, status, "fmi2DoStep after fmi2Terminate");
 }
 
 pub(super) fn early_get(lab: &Lab<'_>) {
@@ -55,7 +55,7 @@ pub(super) fn early_get(lab: &Lab<'_>) {
         return;
     };
     let (status, _) = unit.get_real(v.reference);
-    lab.refused("M2", Level::Warning, status, &format!("reading {:?} before the initialization", v.name));
+    lab.refused("M2", lab.level, status, &format!("reading {:?} before the initialization", v.name));
 }
 
 /// Sets a variable that is `fitting` to a value that it would otherwise accept.
@@ -83,7 +83,7 @@ pub(super) fn set_forbidden(lab: &Lab<'_>, rule: &str, what: &str, fitting: impl
     if status <= 1 {
         lab.reporter.found(Found {
             rule: rule.into(),
-            level: if rule == "M3" { Level::Warning } else { Level::Error },
+            level: lab.level,
             what: format!(
                 "setting the {what} {:?} between steps returned {}; fmi2Error was expected",
                 v.name,
@@ -141,7 +141,7 @@ pub(super) fn bad_step(lab: &Lab<'_>, time: Option<f64>, length: f64) {
     let Some(mut unit) = lab.ready() else { return };
     let time = time.unwrap_or(lab.t(0));
     let status = unit.step(time, length);
-    lab.refused("D1", Level::Error, status, &format!("fmi2DoStep from {time} s by {length} s"));
+    lab.refused("D1", lab.level, status, &format!("fmi2DoStep from {time} s by {length} s"));
 }
 
 pub(super) fn beyond_stop(lab: &Lab<'_>) {

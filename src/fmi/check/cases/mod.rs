@@ -11,12 +11,13 @@ use self::guest::*;
 use self::life::*;
 use self::states::*;
 use self::time::*;
-use crate::fmi::check::child::{Found, Reporter};
+use crate::fmi::check::child::{FRAGILE, Found, Reporter};
 use crate::fmi::check::finding::Level;
 use crate::fmi::check::unit::{self, CallNote, ERROR, Maker, Unit};
 use crate::fmi::import::Description;
 use crate::model::{Causality, Initial, Kind, Value, Variability, VariableInfo};
 use std::ffi::c_int;
+use std::path::PathBuf;
 use std::ptr;
 use std::time::{Duration, Instant};
 
@@ -30,6 +31,12 @@ const NOWHERE: u32 = 0xfffe_fffe;
 const PARTITION_TOLERANCE: f64 = 0.02;
 /// How much directional derivatives may differ from differences, relative to the larger one.
 const DERIVATIVE_TOLERANCE: f64 = 1e-6;
+/// Results that differ by less than this share of a variable's size are the same but for rounding: a run that
+/// is compared takes some 40 steps of some hundred operations each, with an error of 1e-16 each.
+const ROUNDING: f64 = 1e-12;
+/// The relative tolerance of a solver where the description does not name one. Tools' defaults are 1e-4
+/// to 1e-6.
+const SOLVER_TOLERANCE: f64 = 1e-4;
 /// Growth of the memory by more than this, in each half of many cycles, is a leak \[bytes\].
 const LEAK: u64 = 64 << 10;
 
@@ -58,6 +65,18 @@ const fn case(
     Case { name, rule, level: Level::Error, title, applies, run }
 }
 
+/// A case of what the standard forbids to masters: the standard leaves open what comes of it, so that nothing
+/// that the FMU does then is an error by the letter.
+const fn forbidden(
+    name: &'static str,
+    rule: &'static str,
+    title: &'static str,
+    applies: fn(&Description) -> bool,
+    run: fn(&Lab<'_>),
+) -> Case {
+    Case { level: Level::Warning, ..case(name, rule, title, applies, run) }
+}
+
 fn always(_: &Description) -> bool {
     true
 }
@@ -72,6 +91,9 @@ fn many(d: &Description) -> bool {
 }
 fn real_inputs(d: &Description) -> bool {
     d.interface.variables.iter().any(is_real_input)
+}
+fn own_memory(d: &Description) -> bool {
+    d.capabilities.can_not_use_memory_functions
 }
 fn text_parameters(d: &Description) -> bool {
     d.interface.variables.iter().any(is_text_parameter)
@@ -89,30 +111,74 @@ pub(super) static CASES: &[Case] = &[
     case("functions", "M8", "loading the binary", always, functions),
     case("run", "M0", "running the default experiment", always, run),
     case("wrong-guid", "S3", "instantiating with a wrong GUID", always, wrong_guid),
-    case("blank-name", "S3", "instantiating with a blank name", always, blank_name),
-    case("free-nothing", "S6", "freeing NULL", always, free_nothing),
+    forbidden("blank-name", "S3", "instantiating with a blank name", always, blank_name),
+    case("memory", "S5", "running with functions for memory", always, memory_functions),
+    case(
+        "no-memory-functions",
+        "S5",
+        "running without functions for memory",
+        own_memory,
+        no_memory_functions,
+    ),
+    case("location-without-authority", "S7", "passing the resource location as file:/", always, |lab| {
+        located(lab, Location::WithoutAuthority);
+    }),
+    case("location-encoded", "S7", "passing a resource location with percent signs", always, |lab| {
+        located(lab, Location::Encoded);
+    }),
     Case {
         level: Level::Warning,
-        ..case("null-instance", "S6", "calling with a NULL instance", always, null_instance)
+        ..case(
+            "location-localhost",
+            "S7",
+            "passing the resource location as file://localhost/",
+            always,
+            |lab| {
+                located(lab, Location::Localhost);
+            },
+        )
     },
-    case("enter-before-setup", "M1", "initializing without fmi2SetupExperiment", always, enter_before_setup),
-    case("exit-before-enter", "M1", "ending an initialization that was not begun", always, exit_before_enter),
-    case("enter-twice", "M1", "initializing twice", always, enter_twice),
-    case("setup-after-initialization", "M1", "calling fmi2SetupExperiment late", always, late_setup),
-    case("step-before-initialization", "M1", "stepping before the initialization", always, early_step),
-    case("terminate-before-initialization", "M5", "terminating before the initialization", always, early_end),
-    case("step-after-terminate", "M5", "stepping after fmi2Terminate", always, step_after_end),
-    case("get-before-initialization", "M2", "reading before the initialization", always, early_get),
-    case("set-fixed-parameter", "M3", "setting a fixed parameter between steps", always, set_fixed),
-    case("set-output", "M3", "setting an output between steps", always, set_output),
+    forbidden("no-location", "S7", "passing no resource location", always, |lab| {
+        located(lab, Location::Missing);
+    }),
+    case("free-nothing", "S6", "freeing NULL", always, free_nothing),
+    forbidden("null-instance", "S6", "calling with a NULL instance", always, null_instance),
+    forbidden(
+        "enter-before-setup",
+        "M1",
+        "initializing without fmi2SetupExperiment",
+        always,
+        enter_before_setup,
+    ),
+    forbidden(
+        "exit-before-enter",
+        "M1",
+        "ending an initialization that was not begun",
+        always,
+        exit_before_enter,
+    ),
+    forbidden("enter-twice", "M1", "initializing twice", always, enter_twice),
+    forbidden("setup-after-initialization", "M1", "calling fmi2SetupExperiment late", always, late_setup),
+    forbidden("step-before-initialization", "M1", "stepping before the initialization", always, early_step),
+    forbidden(
+        "terminate-before-initialization",
+        "M5",
+        "terminating before the initialization",
+        always,
+        early_end,
+    ),
+    forbidden("step-after-terminate", "M5", "stepping after fmi2Terminate", always, step_after_end),
+    forbidden("get-before-initialization", "M2", "reading before the initialization", always, early_get),
+    forbidden("set-fixed-parameter", "M3", "setting a fixed parameter between steps", always, set_fixed),
+    forbidden("set-output", "M3", "setting an output between steps", always, set_output),
     case("set-constant", "S9", "setting a constant", always, set_constant),
     case("unknown-reference", "S9", "using an unknown value reference", always, unknown_reference),
-    case("step-nan", "D1", "stepping by NaN", always, |lab| bad_step(lab, None, f64::NAN)),
-    case("step-zero", "D1", "stepping by zero", always, |lab| bad_step(lab, None, 0.0)),
-    case("step-negative", "D1", "stepping backwards", always, |lab| bad_step(lab, None, -lab.h())),
-    case("step-infinite", "D1", "stepping for ever", always, |lab| bad_step(lab, None, f64::INFINITY)),
-    case("time-nan", "D1", "stepping from NaN", always, |lab| bad_step(lab, Some(f64::NAN), lab.h())),
-    case("time-wrong", "D1", "stepping from another time", always, |lab| {
+    forbidden("step-nan", "D1", "stepping by NaN", always, |lab| bad_step(lab, None, f64::NAN)),
+    forbidden("step-zero", "D1", "stepping by zero", always, |lab| bad_step(lab, None, 0.0)),
+    forbidden("step-negative", "D1", "stepping backwards", always, |lab| bad_step(lab, None, -lab.h())),
+    forbidden("step-infinite", "D1", "stepping for ever", always, |lab| bad_step(lab, None, f64::INFINITY)),
+    forbidden("time-nan", "D1", "stepping from NaN", always, |lab| bad_step(lab, Some(f64::NAN), lab.h())),
+    forbidden("time-wrong", "D1", "stepping from another time", always, |lab| {
         bad_step(lab, Some(lab.t(0) + 1000.0 * lab.h()), lab.h());
     }),
     case("beyond-stop-time", "D2", "stepping beyond the stop time", always, beyond_stop),
@@ -126,6 +192,13 @@ pub(super) static CASES: &[Case] = &[
             bad_input(lab, f64::INFINITY);
         })
     },
+    case(
+        "final-past",
+        "D5",
+        "stepping with a past that is final, and with one that is not",
+        always,
+        final_past,
+    ),
     case("texts", "S1", "setting a text", text_parameters, texts),
     case("logging", "L2", "switching messages off", always, logging),
     case("reset", "M5", "resetting", always, reset),
@@ -159,8 +232,8 @@ pub(super) static CASES: &[Case] = &[
     ),
     case("two-instances", "S8", "stepping two instances in turn", many, two_instances),
     case("two-threads", "S8", "stepping two instances in two threads", many, two_threads),
-    case("only-one-instance", "S8", "instantiating twice", |d| !many(d), only_one),
-    case("leak", "S10", "making and freeing many instances", always, leak),
+    forbidden("only-one-instance", "S8", "instantiating twice", |d| !many(d), only_one),
+    case("leak", "S10", "making and freeing many instances", many, leak),
     case("unload", "S11", "unloading the binary", always, unload),
 ];
 
@@ -170,7 +243,14 @@ pub(super) struct Lab<'a> {
     pub(super) note: &'a CallNote,
     pub(super) description: &'a Description,
     pub(super) reporter: &'a Reporter,
+    /// How bad what this case finds is.
+    pub(super) level: Level,
+    /// The folder of the resources, as a URI.
     pub(super) resources: String,
+    /// The same as a path.
+    pub(super) folder: PathBuf,
+    /// Where the case may write.
+    pub(super) work: PathBuf,
     pub(super) begin: Instant,
     pub(super) timeout: Duration,
 }
@@ -273,6 +353,77 @@ impl<'a> Lab<'a> {
             bits.extend(self.read(unit)?);
         }
         Some(bits)
+    }
+
+    /// The variables that [`read`](Self::read) reads.
+    fn watched(&self) -> Vec<&'a VariableInfo> {
+        let shown = |v: &&VariableInfo| {
+            matches!(v.causality, Causality::Output | Causality::Local) && v.kind != Kind::Text
+        };
+        self.variables().iter().filter(shown).collect()
+    }
+
+    /// How large each of them is in a run: its largest value, at least its nominal one.
+    fn sizes(&self, bits: &Bits) -> Vec<f64> {
+        let watched = self.watched();
+        let n = watched.len().max(1);
+        let size = |(i, v): (usize, &&VariableInfo)| {
+            let values = bits.iter().skip(i).step_by(n).map(|b| f64::from_bits(*b).abs());
+            let nominal = v.nominal.map_or(0.0, f64::abs);
+            if v.is_real() { values.filter(|x| x.is_finite()).fold(nominal, f64::max) } else { 0.0 }
+        };
+        watched.iter().enumerate().map(size).collect()
+    }
+
+    /// How far the numbers of two runs are apart at most; `None` if they differ in anything else.
+    fn errors(&self, a: &Bits, b: &Bits) -> Option<Vec<f64>> {
+        let watched = self.watched();
+        let mut errors = vec![0.0; watched.len()];
+        if a.len() != b.len() {
+            return None;
+        }
+        for (i, (x, y)) in a.iter().zip(b).enumerate() {
+            let at = i % watched.len();
+            let difference = (f64::from_bits(*x) - f64::from_bits(*y)).abs();
+            if x == y {
+                continue;
+            } else if !watched[at].is_real() || !difference.is_finite() {
+                return None;
+            }
+            errors[at] = difference.max(errors[at]);
+        }
+        Some(errors)
+    }
+
+    /// Whether two runs are the same, but for rounding and for these errors.
+    fn same(&self, a: &Bits, b: &Bits, allowed: Option<&[f64]>) -> bool {
+        let Some(errors) = self.errors(a, b) else { return false };
+        errors.iter().zip(self.sizes(a)).enumerate().all(|(i, (error, size))| {
+            let allowed = allowed.and_then(|all| all.get(i)).copied().unwrap_or(0.0);
+            *error <= allowed.max(ROUNDING * size)
+        })
+    }
+
+    /// True if the same calls give the same results in a fresh instance. If not, that is reported: then no
+    /// difference says anything of what was done between.
+    fn repeatable(&self, expected: &Bits, again: impl Fn() -> Option<Bits>) -> bool {
+        if !many(self.description) {
+            return true;
+        }
+        let Some(bits) = again() else { return true };
+        let same = self.same(expected, &bits, None);
+        if !same {
+            self.reporter.warning(
+                "S12",
+                "the same calls give other results in the next instance, so that results of reset, rollback and instances side by side cannot be compared",
+            );
+        }
+        same
+    }
+
+    /// Brings an instance between steps to an error; `None` where that is known to crash.
+    fn make_error(&self, unit: &mut Unit<'_>) -> Option<c_int> {
+        (!self.work.join(FRAGILE).exists()).then(|| unit.get_real(NOWHERE).0)
     }
 
     /// Reports that a call that had to fail did not.
