@@ -5,6 +5,7 @@
 #![deny(unsafe_code)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod bounded;
 pub mod control;
 #[cfg(feature = "host")]
 pub mod cosimulate;
@@ -28,14 +29,18 @@ pub mod report;
 pub mod rig;
 pub mod road;
 pub mod shipped;
+mod shown;
 #[cfg(feature = "host")]
 pub mod simulate;
 pub mod solver;
+#[cfg(feature = "host")]
+pub mod temporary;
 pub mod tire;
 
 pub use error::{Error, ErrorKind, Result};
 #[cfg(feature = "host")]
-pub use file::write_file;
+pub use file::{read_text, write_file};
+pub use shown::{one_line, printable, printable_json};
 
 /// The version of the library: part of every FMU's GUID.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

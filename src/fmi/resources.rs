@@ -1,6 +1,7 @@
 //! Where an FMU's resources are: from the location that the master gives, else from the library's
 //! own place.
 
+use crate::bounded::{self, MAX_TEXT};
 use crate::{Error, Result};
 use std::path::PathBuf;
 
@@ -18,9 +19,9 @@ pub fn model_file(location: Option<&str>) -> Result<(PathBuf, String)> {
         })?,
     };
     let path = folder.join("model.toml");
-    let text = std::fs::read_to_string(&path).map_err(|e| {
+    let text = bounded::read_own_text(&path, MAX_TEXT).map_err(|e| {
         Error::fmu(format!(
-            "{}: {e}; is the resource location the folder resources of the FMU?",
+            "{}: {e}; is the resource location the folder resources of the FMU, as it was exported?",
             path.display()
         ))
     })?;

@@ -1,6 +1,7 @@
 //! What an FMU tells its master.
 
 use crate::fmi::c::{ComponentEnvironment, Logger, Text};
+use crate::shown::shortened;
 use std::collections::VecDeque;
 use std::ffi::{CStr, c_int};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -97,7 +98,9 @@ unsafe extern "C" fn log(
     let Some(log) = (unsafe { environment.cast::<Log>().as_ref() }) else { return };
     // SAFETY: as demanded of the caller.
     let (category, text) = unsafe { (text(category), text(message)) };
-    log.push(Message { status, category, text: plain(&text) });
+    // many are kept, and each may be of any length
+    let text = plain(&shortened(&text));
+    log.push(Message { status, category: shortened(&category).into_owned(), text });
 }
 
 /// A copy of a C text; empty for null. What is not UTF-8 is replaced.
