@@ -43,7 +43,9 @@ impl All {
                     false => std::fs::remove_file(&path),
                 };
                 match removed {
-                    Err(e) if e.kind() != io::ErrorKind::NotFound => std::thread::sleep(Duration::from_millis(20)),
+                    Err(e) if e.kind() != io::ErrorKind::NotFound => {
+                        std::thread::sleep(Duration::from_millis(20))
+                    }
                     _ => break,
                 }
             }

@@ -49,7 +49,8 @@ pub fn read_system(path: &Path) -> Result<SystemFile> {
                 return Err(Error::file(format!("{name}: there is no {IN_ARCHIVE}: this is no SSP archive")));
             }
             let place = format!("{name}/{IN_ARCHIVE}");
-            let bytes = bounded::read(&description, MAX_TEXT).map_err(|e| Error::file(format!("{place}: {e}")))?;
+            let bytes =
+                bounded::read(&description, MAX_TEXT).map_err(|e| Error::file(format!("{place}: {e}")))?;
             let plan = parse_ssd_in_archive(&bytes, &place, folder.path())?;
             Ok(SystemFile { plan, _folder: Some(folder) })
         }

@@ -251,10 +251,9 @@ impl Plan {
             }
             variables.insert(&component.name, (index, all));
         }
-        let port = |system: &System, name: &PortName| match variables
-            .get(name.component.as_str())
-            .and_then(|(component, all)| Some(Port { component: *component, variable: *all.get(&name.variable)? }))
-        {
+        let port = |system: &System, name: &PortName| match variables.get(name.component.as_str()).and_then(
+            |(component, all)| Some(Port { component: *component, variable: *all.get(&name.variable)? }),
+        ) {
             Some(port) => Ok(port),
             None => system.port(&name.component, &name.variable),
         };

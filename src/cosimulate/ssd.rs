@@ -156,7 +156,10 @@ impl Reader {
             true => Ok(name),
             false => Err(self.wrong(
                 element,
-                &format!("the attribute {attribute} has {} bytes; no more than {MAX_NAME} are read", name.len()),
+                &format!(
+                    "the attribute {attribute} has {} bytes; no more than {MAX_NAME} are read",
+                    name.len()
+                ),
             )),
         }
     }
@@ -217,8 +220,7 @@ impl Reader {
             ([before @ .., "ParameterSet", "Parameters", "Parameter"], _) => {
                 let owner = self.owner(before);
                 let value = self.value(element, name)?;
-                self.assign(owner, value, self.place(element))
-                    .map_err(|what| self.wrong(element, &what))
+                self.assign(owner, value, self.place(element)).map_err(|what| self.wrong(element, &what))
             }
             ([_, "System", "Connections"], "Connection") => self.connection(element),
             ([_, "System", "Connections", "Connection"], "LinearTransformation") => {
@@ -295,7 +297,11 @@ impl Reader {
 
     /// The file that a URI of the description names.
     fn resolve(&self, uri: &str) -> std::result::Result<PathBuf, String> {
-        let outside = || format!("the source {uri:?} is not in the archive; a system in an SSP archive is made of the archive's own files, named relative to {IN_ARCHIVE}");
+        let outside = || {
+            format!(
+                "the source {uri:?} is not in the archive; a system in an SSP archive is made of the archive's own files, named relative to {IN_ARCHIVE}"
+            )
+        };
         let path = match uri.split_once("://") {
             Some(("file", _)) if self.archive => return Err(outside()),
             Some(("file", path)) => path,
@@ -383,10 +389,8 @@ impl Reader {
         let owner = self.owner(path);
         // messages from there name that file
         let outer = std::mem::replace(&mut self.file, file.display().to_string());
-        xml::read(&bytes, |path, element| {
-            self.parameter_file(path, element, owner).map_err(Fault::Wrong)
-        })
-        .map_err(|fault| fault.error(&self.file))?;
+        xml::read(&bytes, |path, element| self.parameter_file(path, element, owner).map_err(Fault::Wrong))
+            .map_err(|fault| fault.error(&self.file))?;
         self.file = outer;
         Ok(())
     }
@@ -406,8 +410,7 @@ impl Reader {
             }
             (["ParameterSet", "Parameters", "Parameter"], _) => {
                 let value = self.value(element, name)?;
-                self.assign(owner, value, self.place(element))
-                    .map_err(|what| self.wrong(element, &what))
+                self.assign(owner, value, self.place(element)).map_err(|what| self.wrong(element, &what))
             }
             _ => Err(self.wrong(element, "this is not supported in a file of parameters")),
         }

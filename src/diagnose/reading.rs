@@ -206,7 +206,10 @@ fn read_folder(folder: &Path, map: &Map) -> Result<(Vec<String>, Vec<hygiene::Ra
     for file in &files {
         // a pipe that nobody writes to would be waited for
         if !file.is_file() {
-            return Err(Error::file(format!("{}: this is no ordinary file; take it out of the folder", file.display())));
+            return Err(Error::file(format!(
+                "{}: this is no ordinary file; take it out of the folder",
+                file.display()
+            )));
         }
         let mut raw = hygiene::read_raw(file)?;
         map.apply(&mut raw.recording);

@@ -342,4 +342,24 @@ mod tests {
         let checked: Vec<usize> = (0..6).filter(|i| split(&same)[*i] == Use::Check).collect();
         assert_eq!(checked, [1, 4]);
     }
+
+    #[test]
+    fn many_runs_are_named_in_time() {
+        const COUNT: usize = 200_000;
+        let folder = tempfile::tempdir().unwrap();
+        let mut text = String::from("[runs]\n");
+        let names: Vec<String> = (0..COUNT).map(|i| format!("run{i}")).collect();
+        for (i, name) in names.iter().enumerate() {
+            let (ending, use_) = if i % 2 == 0 { ("", "fit") } else { (".csv", "check") };
+            text += &format!("\"{name}{ending}\" = \"{use_}\"\n");
+        }
+        std::fs::write(folder.path().join(RUNS_FILE), &text).unwrap();
+        // comparing each with each takes minutes
+        let begin = std::time::Instant::now();
+        let uses = uses(folder.path(), &names, &[]).unwrap();
+        assert!(begin.elapsed() < std::time::Duration::from_secs(10), "{:?}", begin.elapsed());
+        assert!((0..COUNT).all(|i| uses[i] == if i % 2 == 0 { Use::Fit } else { Use::Check }));
+        let error = super::uses(folder.path(), &names[1..], &[]).unwrap_err().to_string();
+        assert!(error.contains("there is no recording \"run0\""), "{error}");
+    }
 }

@@ -21,7 +21,7 @@
 
 use super::{Attachment, Chosen, Effect, Parameter, Signal, Source};
 use crate::model::unit::{Unit, quantity};
-use crate::model::{Causality, Interface, Settings, Lines, VariableInfo, line_of};
+use crate::model::{Causality, Interface, Lines, Settings, VariableInfo, line_of};
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::collections::BTreeMap;

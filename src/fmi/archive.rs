@@ -215,7 +215,8 @@ pub(super) fn documents(page: String) -> Vec<(String, Vec<u8>)> {
 pub(super) fn pack(files: Vec<(String, Vec<u8>)>) -> Result<Vec<u8>> {
     let about = format!("resources/{ORIGINAL_DESCRIPTION}");
     for (name, most) in [("resources/model.toml", MAX_TEXT), (about.as_str(), MAX_ABOUT)] {
-        if let Some((_, content)) = files.iter().find(|(n, content)| n == name && content.len() as u64 > most) {
+        if let Some((_, content)) = files.iter().find(|(n, content)| n == name && content.len() as u64 > most)
+        {
             return Err(Error::fmu(format!(
                 "{name} would have {} bytes, and an FMU reads no more than {most}: shorten the texts among the parameters",
                 content.len()

@@ -128,4 +128,20 @@ mod tests {
             assert!(error.contains(uri), "{error}");
         }
     }
+
+    #[test]
+    fn files_of_any_length_and_pipes_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.toml");
+        let refused = || model_file(folder.path().to_str()).unwrap_err().to_string();
+        std::fs::File::create(&path).unwrap().set_len(1 << 40).unwrap();
+        assert!(refused().contains("model.toml: it has more than 16 MB"), "{}", refused());
+        std::fs::remove_file(&path).unwrap();
+        std::os::unix::fs::symlink("/dev/zero", &path).unwrap();
+        assert!(refused().contains("no ordinary file"), "{}", refused());
+        std::fs::remove_file(&path).unwrap();
+        // nobody writes to it: whoever opens it waits
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        assert!(refused().contains("no ordinary file"), "{}", refused());
+    }
 }

@@ -164,7 +164,9 @@ impl Settings {
         let indices: HashMap<&str, usize> = match self.values.is_empty() {
             true => HashMap::new(),
             // the first of a name, as `find` has it
-            false => interface.variables.iter().enumerate().rev().map(|(i, v)| (v.name.as_str(), i)).collect(),
+            false => {
+                interface.variables.iter().enumerate().rev().map(|(i, v)| (v.name.as_str(), i)).collect()
+            }
         };
         self.values
             .iter()

@@ -58,8 +58,8 @@ pub fn profile_value(name: &str, value: Value, folder: &Path) -> Result<Value> {
 /// A file that cannot be read, or that says something wrong; with its place.
 pub fn read_settings(path: Option<&Path>) -> Result<Settings> {
     let Some(path) = path else { return Ok(Settings::default()) };
-    let text = bounded::read_text(path, MAX_TEXT)
-        .map_err(|e| Error::file(format!("{}: {e}", path.display())))?;
+    let text =
+        bounded::read_text(path, MAX_TEXT).map_err(|e| Error::file(format!("{}: {e}", path.display())))?;
     let mut settings = Settings::parse(&text, &path.display().to_string())?;
     let folder = path.parent().unwrap_or(Path::new(""));
     for setting in &mut settings.values {

@@ -6,12 +6,14 @@
  * otherwise.
  *
  * Defects for the tests of the check: -DHANG_ON_NAN, -DCRASH_IN_RESET, -DFORGETFUL (a restored state lacks
- * the input), -DNOISE (prints), -DNAN_PASSES, -DLEAK. */
+ * the input), -DNOISE (prints), -DNAN_PASSES, -DLEAK, -DHANG (in every step), -DLOUD
+ * (refuses to be instantiated, in 10 MB with an escape sequence at both ends). */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING } Status;
 typedef void (*Logger)(void *, const char *, Status, const char *, const char *, ...);
@@ -77,6 +79,16 @@ void *fmi2Instantiate(const char *name, int type, const char *guid, const char *
         callbacks->logger(callbacks->environment, name, ERROR, "logStatus", "blank name");
         return NULL;
     }
+#ifdef LOUD
+    size_t length = 10000000;
+    char *text = memset(malloc(length + 1), 'x', length + 1);
+    memcpy(text, "\033[31m\nerror: ", 13);
+    memcpy(text + length - 5, "\033[0m", 5);
+    text[length] = 0;
+    callbacks->logger(callbacks->environment, name, ERROR, "logStatus", text);
+    free(text);
+    return NULL;
+#endif
     if (strcmp(guid, "{integrator}")) {
         callbacks->logger(callbacks->environment, name, ERROR, "logStatus", "wrong guid: 100%% of ##1##");
         return NULL;
@@ -231,6 +243,9 @@ Status fmi2SetRealInputDerivatives(void *c, const unsigned *vr, size_t n, const 
 #ifndef WITHOUT_STEP
 Status fmi2DoStep(void *c, double time, double h, int no_rollback) {
     if (!c) return ERROR;
+#ifdef HANG
+    for (;;) sleep(1);
+#endif
 #ifdef HANG_ON_NAN
     for (volatile int i = 0; isnan(h); i++) {}
 #endif

@@ -112,7 +112,9 @@ impl Archive {
         let fail = |what: String| Error::fmu(what).at(&self.name);
         // the same bytes would be unpacked again and again
         if self.zip.has_overlapping_entries().map_err(|e| fail(format!("the archive is damaged: {e}")))? {
-            return Err(fail("entries of the archive overlap each other; such archives are not unpacked".into()));
+            return Err(fail(
+                "entries of the archive overlap each other; such archives are not unpacked".into(),
+            ));
         }
         let folder = Folder::new("latsch-fmu-")
             .map_err(|e| fail(format!("no temporary folder can be made to unpack into: {e}")))?;
@@ -261,8 +263,8 @@ fn check_type(file: &ZipFile<'_, BufReader<File>>) -> std::result::Result<(), &'
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tempfile::TempDir;
     use std::path::PathBuf;
+    use tempfile::TempDir;
     use zip::CompressionMethod;
     use zip::write::{SimpleFileOptions, ZipWriter};
 

@@ -142,7 +142,9 @@ pub(in crate::fmi) fn check(path: &Path) -> Result<(), String> {
         }
         match segment.number(0, 4) as u32 {
             MAPPED if bytes > segment.wide(40, 20) => {
-                return Err("its headers are damaged: a piece has more bytes in the file than in memory".into());
+                return Err(
+                    "its headers are damaged: a piece has more bytes in the file than in memory".into()
+                );
             }
             MAPPED => loaded.push((segment.wide(16, 8), bytes)),
             DYNAMIC => dynamic = Some((start, bytes)),
@@ -157,13 +159,17 @@ pub(in crate::fmi) fn check(path: &Path) -> Result<(), String> {
         }
     }
     // where the names of the functions are: a file of the right length whose end was never written has none
-    let Some((start, bytes)) = dynamic else { return Err("it has no dynamic section, so it is no library".into()) };
+    let Some((start, bytes)) = dynamic else {
+        return Err("it has no dynamic section, so it is no library".into());
+    };
     let dynamic = piece(start, bytes, "the dynamic section")?;
     for needed in [NAMES, SYMBOLS] {
         let found = dynamic.chunks_exact(2 * WORD).map(Fields).find(|entry| entry.number(0, WORD) == needed);
         let address = found.map_or(0, |entry| entry.number(WORD, WORD));
         if !loaded.iter().any(|(first, bytes)| address >= *first && address - first < *bytes && address > 0) {
-            return Err("its dynamic section is damaged: it does not say where the functions' names are".into());
+            return Err(
+                "its dynamic section is damaged: it does not say where the functions' names are".into()
+            );
         }
     }
     Ok(())
