@@ -14,6 +14,7 @@ mod common;
 mod ends;
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod files;
+#[cfg(target_os = "linux")]
 mod sizes;
 
 use common::FlatTrack;
