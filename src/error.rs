@@ -1,5 +1,6 @@
 //! The one error type of the library.
 
+use crate::shown::one_line;
 use std::fmt;
 
 /// What went wrong, where and what to do: a sentence that the user reads as it stands.
@@ -31,8 +32,11 @@ pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
     /// An error of `kind` with the sentence `message`.
+    ///
+    /// The sentence may quote whatever a file or an FMU says: it becomes one line without control characters, and
+    /// without its middle if it is very long.
     pub fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
-        Self { kind, message: message.into() }
+        Self { kind, message: one_line(&message.into()) }
     }
 
     /// See [`ErrorKind::Variable`].
@@ -68,7 +72,7 @@ impl Error {
     /// The same error with `place: ` in front of its message.
     #[must_use]
     pub fn at(self, place: impl fmt::Display) -> Self {
-        Self { message: format!("{place}: {}", self.message), ..self }
+        Self { message: one_line(&format!("{place}: {}", self.message)), ..self }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Files that are either whole or not there.
 
+use crate::bounded::{self, MAX_TEXT};
+use crate::temporary::Mark;
 use crate::{Error, Result};
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -31,7 +33,8 @@ pub(crate) fn write_whole(
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         // errors without the name of the temporary file, which nobody chose
-        let file = builder.tempfile_in(folder).map_err(|e| std::io::Error::from(e.kind()))?;
+        let (file, _mark) =
+            Mark::of(|| builder.tempfile_in(folder)).map_err(|e| std::io::Error::from(e.kind()))?;
         let mut writer = BufWriter::new(&file);
         content(&mut writer)?;
         writer.flush()?;
@@ -40,6 +43,14 @@ pub(crate) fn write_whole(
         Ok(())
     };
     write().map_err(|e| Error::file(format!("{} cannot be written: {e}", path.display())))
+}
+
+/// The text of a file that a user names: settings, effects, a system.
+///
+/// # Errors
+/// A file that cannot be read, is not UTF-8 or too long, with the path.
+pub fn read_text(path: &Path) -> Result<String> {
+    bounded::read_text(path, MAX_TEXT).map_err(|e| Error::file(format!("{}: {e}", path.display())))
 }
 
 /// Writes bytes to a file, whole or not at all.

@@ -9,6 +9,7 @@
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
+mod bounded;
 pub mod control;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only
@@ -39,15 +40,19 @@ pub mod report;
 pub mod rig;
 pub mod road;
 pub mod shipped;
+mod shown;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only
 pub mod simulate;
 pub mod solver;
+#[cfg(feature = "host")]
+pub mod temporary;
 pub mod tire;
 
 pub use error::{Error, ErrorKind, Result};
 #[cfg(feature = "host")]
-pub use file::write_file;
+pub use file::{read_text, write_file};
+pub use shown::{one_line, printable, printable_json};
 
 /// The version of the library: part of every FMU's GUID.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

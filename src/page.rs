@@ -1,5 +1,7 @@
 //! HTML pages that need nothing else: sections of text, tables and figures, and the style that they share.
 
+use crate::shown::printable;
+
 /// A piece of finished HTML. Only this module's parts make one, so that text in it is always escaped.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Html(String);
@@ -26,10 +28,11 @@ impl Html {
     }
 }
 
-/// Text in which nothing is markup any more, inside elements and inside quoted attributes.
+/// Text in which nothing is markup any more, inside elements and inside quoted attributes, and no character turns the
+/// direction of what stands around it.
 pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
-    for c in text.chars() {
+    for c in printable(text).chars() {
         match c {
             '&' => escaped.push_str("&amp;"),
             '<' => escaped.push_str("&lt;"),

@@ -33,6 +33,13 @@ pub struct Args {
     work: Option<PathBuf>,
 }
 
+impl Args {
+    /// This process was started by another check.
+    pub fn is_child(&self) -> bool {
+        self.child.is_some()
+    }
+}
+
 pub fn run(args: &Args) -> Result<ExitCode> {
     let timeout =
         Duration::try_from_secs_f64(args.timeout).ok().filter(|t| !t.is_zero()).ok_or_else(|| {

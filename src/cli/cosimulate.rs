@@ -1,6 +1,6 @@
 //! `latsch cosimulate`: a wired system of models and FMUs.
 
-use super::{check_outputs, print};
+use super::{check_outputs, print, warn};
 use indicatif::{ProgressBar, ProgressStyle};
 use latsch::cosimulate::{Experiment, Outcome, PortName, System, cosimulate, energy_warnings, read_system};
 use latsch::model::Value;
@@ -96,7 +96,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut warnings = system.warnings().to_vec();
     warnings.extend(energy_warnings(&system, experiment.step));
     for warning in &warnings {
-        eprintln!("warning: {warning}");
+        warn(warning);
     }
     write_csv(&args.output, &outcome.recording)?;
     if let Some(report) = &args.report {
@@ -120,7 +120,7 @@ pub fn run(args: &Args) -> Result<()> {
     match outcome.stopped {
         None => print(&format!("{}: {samples} samples", args.output.display())),
         Some(error) => Err(Error::numeric(format!(
-            "stopped at {error}\n{} has the {samples} samples before that",
+            "stopped at {error}; {} has the {samples} samples before that",
             args.output.display()
         ))),
     }

@@ -1,6 +1,6 @@
 //! `latsch diagnose`: what a model leaves out.
 
-use super::{Format, print};
+use super::{Format, print, print_json_text};
 use indicatif::{ProgressBar, ProgressStyle};
 use latsch::cosimulate::write_corrected;
 use latsch::diagnose::{Base, Map, Outcome, Request, diagnose};
@@ -70,7 +70,7 @@ pub fn run(args: &Args) -> Result<()> {
     bar.finish_and_clear();
     write(&args.output, &outcome)?;
     match args.format {
-        Format::Json => print(outcome.diagnosis.to_json()?.trim_end()),
+        Format::Json => print_json_text(outcome.diagnosis.to_json()?.trim_end()),
         Format::Text => print(&text(&outcome)),
     }
 }

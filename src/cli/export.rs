@@ -9,7 +9,8 @@ use latsch::fmi::import::ImportedFmu;
 use latsch::model::{Settings, Slave};
 use latsch::recording::read_settings;
 use latsch::shipped::MODELS;
-use latsch::{Error, Result, write_file};
+use latsch::temporary::Folder;
+use latsch::{Error, Result, read_text, write_file};
 use std::path::{Path, PathBuf};
 
 /// Write a model as an FMU for co-simulation, or an FMU with effects added to it
@@ -85,7 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// The corrections in a file.
 fn read_corrections(path: &Path) -> Result<Corrections> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::file(format!("{}: {e}", path.display())))?;
+    let text = read_text(path)?;
     let corrections = Corrections::parse(&text, &path.display().to_string())?;
     if corrections.original {
         return Err(Error::file(format!(
@@ -108,7 +109,7 @@ fn start(slave: &mut dyn Slave) -> Result<()> {
 /// Starts an FMU that is not written yet.
 fn start_fmu(fmu: &[u8]) -> Result<()> {
     let io = |e: std::io::Error| Error::file(format!("a temporary folder cannot be used: {e}"));
-    let folder = tempfile::tempdir().map_err(io)?;
+    let folder = Folder::new("latsch-export-").map_err(io)?;
     let path = folder.path().join("new.fmu");
     write_file(&path, fmu)?;
     start(&mut ImportedFmu::load(&path)?)

@@ -10,7 +10,8 @@ mod models;
 mod simulate;
 
 use clap::{Parser, Subcommand, ValueEnum};
-use latsch::{Error, ErrorKind, Result};
+use latsch::temporary::{before_the_end, clean_up_on_signals};
+use latsch::{Error, ErrorKind, Result, one_line, printable, printable_json};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -48,7 +49,14 @@ enum Format {
 /// Reads the arguments, runs the subcommand and gives the exit code.
 pub fn run() -> ExitCode {
     let done = |()| ExitCode::SUCCESS;
-    let result = match Cli::parse().command {
+    let command = Cli::parse().command;
+    // a child of `check` runs foreign code and has nothing of its own to remove
+    if !matches!(&command, Command::Check(args) if args.is_child())
+        && let Err(e) = clean_up_on_signals()
+    {
+        warn(&format!("Ctrl-C will leave temporary folders behind: {e}"));
+    }
+    let result = match command {
         Command::Models(args) => models::run(&args).map(done),
         Command::Describe(args) => describe::run(&args).map(done),
         Command::Export(args) => export::run(&args).map(done),
@@ -58,20 +66,21 @@ pub fn run() -> ExitCode {
         Command::Diagnose(args) => diagnose::run(&args).map(done),
         Command::Demo(args) => demo::run(&args).map(done),
     };
-    match result {
+    // an error that comes from being ended is not told
+    before_the_end(|| match result {
         Ok(code) => code,
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(if error.kind() == ErrorKind::Numeric { 1 } else { 2 })
         }
-    }
+    })
 }
 
-/// Prints a line to standard output. A reader that has gone away (`latsch models | head -1`) is no
+/// Prints lines to standard output, with nothing in them that a terminal obeys. A reader that has gone away (`latsch models | head -1`) is no
 /// reason for a message.
 fn print(text: &str) -> Result<()> {
     use std::io::{ErrorKind, Write};
-    match writeln!(std::io::stdout(), "{text}") {
+    match writeln!(std::io::stdout(), "{}", printable(text)) {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => {
             Err(Error::file(format!("standard output cannot be written: {e}")))
         }
@@ -81,7 +90,17 @@ fn print(text: &str) -> Result<()> {
 
 /// Prints a value as JSON.
 fn print_json(value: &serde_json::Value) -> Result<()> {
-    print(&serde_json::to_string_pretty(value).unwrap_or_default())
+    print_json_text(&serde_json::to_string_pretty(value).unwrap_or_default())
+}
+
+/// Prints JSON.
+fn print_json_text(json: &str) -> Result<()> {
+    print(&printable_json(json))
+}
+
+/// Prints a warning.
+fn warn(text: &str) {
+    eprintln!("warning: {}", one_line(text));
 }
 
 /// Checks before a long run that its results can be written: the folders are there, and no result

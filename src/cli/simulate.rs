@@ -1,6 +1,6 @@
 //! `latsch simulate`: a model or FMU along recorded inputs.
 
-use super::{check_outputs, print};
+use super::{check_outputs, print, warn};
 use indicatif::{ProgressBar, ProgressStyle};
 use latsch::fmi::import::ImportedFmu;
 use latsch::fmi::{Entry, guid};
@@ -96,7 +96,7 @@ fn finish(output: &Path, outcome: Outcome) -> Result<()> {
     match outcome.stopped {
         None => print(&format!("{}: {samples} samples", output.display())),
         Some(error) => Err(Error::numeric(format!(
-            "stopped at {error}\n{} has the {samples} samples before that",
+            "stopped at {error}; {} has the {samples} samples before that",
             output.display()
         ))),
     }
@@ -159,7 +159,7 @@ impl Subject {
             if k == 0
                 && let Some(warning) = slave.warning()
             {
-                bar.suspend(|| eprintln!("warning: {warning}"));
+                bar.suspend(|| warn(&warning));
             }
             bar.set_position(k as u64);
         });

@@ -6,6 +6,7 @@ use super::master::Flow;
 use super::system::{Port, Wire};
 use crate::model::unit::Unit;
 use crate::{Error, Result};
+use std::collections::{HashMap, HashSet};
 
 /// How far from 1 the ratio of the factors of a bond's two connections may be.
 const FACTOR_TOLERANCE: f64 = 1e-9;
@@ -189,20 +190,20 @@ impl System {
                 candidates.push((wire.from.component, wire.to.component, rotation, role, wire.from));
             }
         }
+        let mut between: HashMap<(usize, usize, bool), Vec<(Role, Port)>> = HashMap::new();
+        for (a, b, rotation, role, port) in &candidates {
+            between.entry((*a, *b, *rotation)).or_default().push((*role, *port));
+        }
         let pick = |a: usize, b: usize, rotation: bool, role: Role| -> Vec<Port> {
-            candidates
-                .iter()
-                .filter(|c| (c.0, c.1, c.2) == (a, b, rotation) && c.3 == role)
-                .map(|c| c.4)
-                .collect()
+            let all = between.get(&(a, b, rotation)).into_iter().flatten();
+            all.filter(|(r, _)| *r == role).map(|(_, port)| *port).collect()
         };
-        let mut seen = Vec::new();
+        let mut seen = HashSet::new();
         for (a, b, rotation, ..) in candidates.iter().filter(|c| c.3 == Role::Effort && c.0 != c.1) {
             let key = (*a, *b, *rotation);
-            if seen.contains(&key) {
+            if !seen.insert(key) {
                 continue;
             }
-            seen.push(key);
             let efforts = pick(*a, *b, *rotation, Role::Effort);
             let flows = pick(*b, *a, *rotation, Role::Motion(BondKind::Flow));
             let displacements = pick(*b, *a, *rotation, Role::Motion(BondKind::Displacement));
@@ -219,11 +220,11 @@ impl System {
         }
         for (effort, motion, kind) in found {
             if let Err(e) = self.bond(effort, motion, kind) {
-                self.warnings.push(format!("{e}; its energy is not watched"));
+                self.warn(format!("{e}; its energy is not watched"));
             }
         }
         for (a, b) in unclear {
-            self.warnings.push(format!(
+            self.warn(format!(
                 "between {} and {} there are several forces or motions; which of them belong together is not guessed, so the energy of this coupling is not watched unless [[bond]] says it",
                 self.components[a].name, self.components[b].name
             ));

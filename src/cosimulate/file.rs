@@ -1,15 +1,16 @@
 //! Reading a system from a file of any form.
 
 use super::plan::Plan;
-use super::ssd::parse_ssd;
+use super::ssd::{parse_ssd, parse_ssd_in_archive};
 use super::toml::parse_toml;
+use crate::bounded::{self, MAX_TEXT};
 use crate::fmi::import::Archive;
+use crate::temporary::Folder;
 use crate::{Error, Result};
 use std::path::Path;
-use tempfile::TempDir;
 
 /// The name of the description in an SSP archive.
-const IN_ARCHIVE: &str = "SystemStructure.ssd";
+pub(super) const IN_ARCHIVE: &str = "SystemStructure.ssd";
 
 /// What a file says, and where its parts lie.
 #[derive(Debug)]
@@ -17,35 +18,40 @@ pub struct SystemFile {
     /// The system.
     pub plan: Plan,
     /// An unpacked archive, removed with this value.
-    _folder: Option<TempDir>,
+    _folder: Option<Folder>,
 }
 
 /// Reads a system: the short form (`.toml`), a System Structure Description (`.ssd`) or an SSP archive
 /// (`.ssp`).
 ///
 /// # Errors
-/// A file that cannot be read or has another ending; see [`parse_toml`] and [`parse_ssd`].
+/// A file that cannot be read or has another ending; see [`parse_toml`] and [`parse_ssd`]. An archive
+/// whose description names files outside it.
 pub fn read_system(path: &Path) -> Result<SystemFile> {
     let name = path.display().to_string();
-    let io = |e: std::io::Error| Error::file(format!("{name} cannot be read: {e}"));
+    let io = |e: String| Error::file(format!("{name} cannot be read: {e}"));
     let folder = path.parent().unwrap_or(Path::new(""));
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     match ending.as_str() {
         "toml" => {
-            let text = std::fs::read_to_string(path).map_err(io)?;
+            let text = bounded::read_text(path, MAX_TEXT).map_err(io)?;
             Ok(SystemFile { plan: parse_toml(&text, &name, folder)?, _folder: None })
         }
         "ssd" => {
-            let bytes = std::fs::read(path).map_err(io)?;
+            let bytes = bounded::read(path, MAX_TEXT).map_err(io)?;
             Ok(SystemFile { plan: parse_ssd(&bytes, &name, folder)?, _folder: None })
         }
         "ssp" => {
-            std::fs::metadata(path).map_err(io)?;
+            std::fs::metadata(path).map_err(|e| io(e.to_string()))?;
             let folder = Archive::open(path)?.unpack()?;
-            let bytes = std::fs::read(folder.path().join(IN_ARCHIVE)).map_err(|_| {
-                Error::file(format!("{name}: there is no {IN_ARCHIVE}: this is no SSP archive"))
-            })?;
-            let plan = parse_ssd(&bytes, &format!("{name}/{IN_ARCHIVE}"), folder.path())?;
+            let description = folder.path().join(IN_ARCHIVE);
+            if !description.is_file() {
+                return Err(Error::file(format!("{name}: there is no {IN_ARCHIVE}: this is no SSP archive")));
+            }
+            let place = format!("{name}/{IN_ARCHIVE}");
+            let bytes =
+                bounded::read(&description, MAX_TEXT).map_err(|e| Error::file(format!("{place}: {e}")))?;
+            let plan = parse_ssd_in_archive(&bytes, &place, folder.path())?;
             Ok(SystemFile { plan, _folder: Some(folder) })
         }
         _ => Err(Error::file(format!("{name}: a system is a .toml, .ssd or .ssp file"))),

@@ -11,6 +11,7 @@ use crate::model::{Causality, Kind, Slave, Value, VariableInfo};
 use crate::recording::{read_csv, read_settings};
 use crate::shipped::MODELS;
 use crate::{Error, Result};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// A system as a file describes it: by names, with the places of everything for messages.
@@ -233,17 +234,29 @@ impl Plan {
         for warning in &self.warnings {
             system.warn(warning.clone());
         }
+        // a search through all variables for each name would take minutes where there are many of both
+        let mut variables: HashMap<&str, (usize, HashMap<String, usize>)> = HashMap::new();
         for component in &self.components {
             let index = add(&mut system, component).map_err(|e| placed(e, &component.place))?;
+            let all = system.components()[index].interface().variables.iter().enumerate().rev();
+            let all: HashMap<String, usize> = all.map(|(i, v)| (v.name.clone(), i)).collect();
             for assignment in &component.set {
                 let at = |e: Error| placed(e, &assignment.place);
-                let port = system.port(&component.name, &assignment.variable).map_err(at)?;
-                debug_assert_eq!(port.component, index);
+                let port = match all.get(&assignment.variable) {
+                    Some(variable) => Port { component: index, variable: *variable },
+                    None => system.port(&component.name, &assignment.variable).map_err(at)?,
+                };
                 let value = system.info(port).accept_quantity(&assignment.value).map_err(at)?;
                 system.set(port, &value).map_err(at)?;
             }
+            variables.insert(&component.name, (index, all));
         }
-        let port = |system: &System, name: &PortName| system.port(&name.component, &name.variable);
+        let port = |system: &System, name: &PortName| match variables.get(name.component.as_str()).and_then(
+            |(component, all)| Some(Port { component: *component, variable: *all.get(&name.variable)? }),
+        ) {
+            Some(port) => Ok(port),
+            None => system.port(&name.component, &name.variable),
+        };
         for connector in &self.connectors {
             let at = |e: Error| placed(e, &connector.place);
             let port = port(&system, &connector.port).map_err(at)?;

@@ -4,14 +4,16 @@
 //! are passed over, annotations of other tools with a warning. Of the annotations of the Open Simulation
 //! Platform the communication step is used.
 
+use super::file::IN_ARCHIVE;
 use super::plan::{
     Assignment, Plan, PlannedComponent, PlannedConnection, PlannedConnector, PortName, Source,
 };
 use super::system::Transfer;
+use crate::bounded::{self, MAX_TEXT};
 use crate::fmi::import::xml::{self, Broken, Element};
 use crate::model::{Causality, Value};
 use crate::{Error, Result};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// The only version that is read.
@@ -42,6 +44,10 @@ const CONTAINERS: [&str; 8] = [
     "Annotations",
 ];
 
+/// Names longer than this are refused \[bytes\]: everything that belongs to a component keeps a copy of its name, so a
+/// short file with a long name could fill the memory.
+const MAX_NAME: usize = 1000;
+
 /// Reads a System Structure Description; sources are looked for in `folder`, and `place` names the file in
 /// messages.
 ///
@@ -49,7 +55,21 @@ const CONTAINERS: [&str; 8] = [
 /// XML that is broken, another version, constructs that are not supported, connections without connectors,
 /// each with line and column; parameter files that cannot be read.
 pub fn parse_ssd(bytes: &[u8], place: &str, folder: &Path) -> Result<Plan> {
-    let mut reader = Reader { file: place.into(), folder: folder.into(), ..Reader::default() };
+    parse(bytes, place, folder, false)
+}
+
+/// As [`parse_ssd`], for the description in an archive that is unpacked in `folder`: sources outside it are refused, as
+/// whoever sends an archive has no business with other files here.
+///
+/// # Errors
+/// As [`parse_ssd`]; sources that are not in the archive.
+pub(super) fn parse_ssd_in_archive(bytes: &[u8], place: &str, folder: &Path) -> Result<Plan> {
+    parse(bytes, place, folder, true)
+}
+
+fn parse(bytes: &[u8], place: &str, folder: &Path, archive: bool) -> Result<Plan> {
+    let mut reader =
+        Reader { file: place.into(), folder: folder.into(), archive, left: MAX_TEXT, ..Reader::default() };
     xml::read(bytes, |path, element| reader.open(path, element).map_err(Fault::Wrong))
         .map_err(|fault| fault.error(place))?;
     reader.finish()
@@ -72,7 +92,7 @@ impl Fault {
         match self {
             Self::Wrong(error) => error,
             Self::Broken(Broken { place: Some(place), what }) => {
-                let (line, column, _) = place.position();
+                let (line, column) = place.position();
                 Error::file(format!("{file}:{line}:{column}: {what}"))
             }
             Self::Broken(Broken { place: None, what }) => Error::file(format!("{file}: {what}")),
@@ -84,6 +104,10 @@ impl Fault {
 struct Reader {
     file: String,
     folder: PathBuf,
+    /// The folder is an unpacked archive.
+    archive: bool,
+    /// How much more of files of parameters is read \[bytes\]: many bindings may name the same one.
+    left: u64,
     plan: Plan,
     /// Kinds of the connectors, by component and name.
     kinds: HashMap<(String, String), String>,
@@ -112,7 +136,7 @@ struct Link {
 impl Reader {
     fn place(&self, element: &Element) -> String {
         let place = element.place();
-        let (line, column, _) = place.position();
+        let (line, column) = place.position();
         format!("{}:{line}:{column}", self.file)
     }
 
@@ -123,6 +147,21 @@ impl Reader {
     fn required(&self, element: &Element, attribute: &str) -> Result<String> {
         let missing = || self.wrong(element, &format!("the attribute {attribute} is missing"));
         element.text(attribute).map(str::to_owned).ok_or_else(missing)
+    }
+
+    /// A name that many things will keep.
+    fn name(&self, element: &Element, attribute: &str) -> Result<String> {
+        let name = self.required(element, attribute)?;
+        match name.len() <= MAX_NAME {
+            true => Ok(name),
+            false => Err(self.wrong(
+                element,
+                &format!(
+                    "the attribute {attribute} has {} bytes; no more than {MAX_NAME} are read",
+                    name.len()
+                ),
+            )),
+        }
     }
 
     fn number(&self, element: &Element, attribute: &str) -> Result<Option<f64>> {
@@ -179,12 +218,9 @@ impl Reader {
                 Ok(())
             }
             ([before @ .., "ParameterSet", "Parameters", "Parameter"], _) => {
-                let owner = before
-                    .contains(&"Component")
-                    .then(|| self.plan.components.last().map(|c| c.name.clone()));
+                let owner = self.owner(before);
                 let value = self.value(element, name)?;
-                self.assign(owner.flatten(), value, self.place(element))
-                    .map_err(|what| self.wrong(element, &what))
+                self.assign(owner, value, self.place(element)).map_err(|what| self.wrong(element, &what))
             }
             ([_, "System", "Connections"], "Connection") => self.connection(element),
             ([_, "System", "Connections", "Connection"], "LinearTransformation") => {
@@ -237,7 +273,7 @@ impl Reader {
     }
 
     fn component(&mut self, element: &Element) -> Result<()> {
-        let name = self.required(element, "name")?;
+        let name = self.name(element, "name")?;
         let source = self.required(element, "source")?;
         if let Some(other) = element.text("type").filter(|t| *t != "application/x-fmu-sharedlibrary") {
             return Err(self.wrong(element, &format!("{name} is of type {other:?}; only FMUs are supported")));
@@ -261,7 +297,13 @@ impl Reader {
 
     /// The file that a URI of the description names.
     fn resolve(&self, uri: &str) -> std::result::Result<PathBuf, String> {
+        let outside = || {
+            format!(
+                "the source {uri:?} is not in the archive; a system in an SSP archive is made of the archive's own files, named relative to {IN_ARCHIVE}"
+            )
+        };
         let path = match uri.split_once("://") {
+            Some(("file", _)) if self.archive => return Err(outside()),
             Some(("file", path)) => path,
             Some((scheme, _)) => {
                 return Err(format!("the source {uri:?} is on {scheme}; only files are supported"));
@@ -276,11 +318,14 @@ impl Reader {
             rest = if decoded.is_some() { &tail[2..] } else { tail };
         }
         let path = String::from_utf8(bytes).map_err(|_| format!("the source {uri:?} is no text"))?;
+        if self.archive {
+            return Ok(self.folder.join(inside(&path).ok_or_else(outside)?));
+        }
         Ok(self.folder.join(path))
     }
 
     fn connector(&mut self, path: &[&str], element: &Element) -> Result<()> {
-        let name = self.required(element, "name")?;
+        let name = self.name(element, "name")?;
         let kind = self.required(element, "kind")?;
         let owner = match path.contains(&"Component") {
             true => self.plan.components.last().map(|c| c.name.clone()).unwrap_or_default(),
@@ -324,7 +369,10 @@ impl Reader {
     }
 
     fn binding(&mut self, path: &[&str], element: &Element) -> Result<()> {
-        self.prefix = element.text("prefix").unwrap_or_default().into();
+        self.prefix = match element.text("prefix") {
+            Some(_) => self.name(element, "prefix")?,
+            None => String::new(),
+        };
         if let Some(other) = element.text("type").filter(|t| *t != "application/x-ssp-parameter-set") {
             return Err(self.wrong(element, &format!("parameters of type {other:?} are not supported")));
         }
@@ -333,22 +381,22 @@ impl Reader {
         }
         let Some(source) = element.text("source") else { return Ok(()) };
         let file = self.resolve(source).map_err(|what| self.wrong(element, &what))?;
-        let bytes =
-            std::fs::read(&file).map_err(|e| self.wrong(element, &format!("{}: {e}", file.display())))?;
-        let owner = path.contains(&"Component").then(|| self.plan.components.last().map(|c| c.name.clone()));
-        let owner = owner.flatten();
+        let fail = |e: String| self.wrong(element, &format!("the parameters {source:?} cannot be read: {e}"));
+        let bytes = bounded::read(&file, MAX_TEXT).map_err(fail)?;
+        let left = self.left.checked_sub(bytes.len() as u64);
+        let much = || format!("with them, the files of parameters have more than {MAX_TEXT} bytes together");
+        self.left = left.ok_or_else(much).map_err(fail)?;
+        let owner = self.owner(path);
         // messages from there name that file
         let outer = std::mem::replace(&mut self.file, file.display().to_string());
-        xml::read(&bytes, |path, element| {
-            self.parameter_file(path, element, owner.as_deref()).map_err(Fault::Wrong)
-        })
-        .map_err(|fault| fault.error(&self.file))?;
+        xml::read(&bytes, |path, element| self.parameter_file(path, element, owner).map_err(Fault::Wrong))
+            .map_err(|fault| fault.error(&self.file))?;
         self.file = outer;
         Ok(())
     }
 
     /// Takes one element of a file of parameters (.ssv).
-    fn parameter_file(&mut self, path: &[String], element: &Element, owner: Option<&str>) -> Result<()> {
+    fn parameter_file(&mut self, path: &[String], element: &Element, owner: Option<usize>) -> Result<()> {
         let path: Vec<&str> = path.iter().map(|name| local(name)).collect();
         let name = local(element.name());
         if path.iter().chain([&name]).any(|name| WITHOUT_MEANING.contains(name) || *name == "Annotations") {
@@ -362,8 +410,7 @@ impl Reader {
             }
             (["ParameterSet", "Parameters", "Parameter"], _) => {
                 let value = self.value(element, name)?;
-                self.assign(owner.map(Into::into), value, self.place(element))
-                    .map_err(|what| self.wrong(element, &what))
+                self.assign(owner, value, self.place(element)).map_err(|what| self.wrong(element, &what))
             }
             _ => Err(self.wrong(element, "this is not supported in a file of parameters")),
         }
@@ -393,21 +440,25 @@ impl Reader {
         }
     }
 
-    /// Notes a parameter of a component, or, without one, of the one that its name begins with.
+    /// The component that an element with this path belongs to, if not to the system.
+    fn owner(&self, path: &[&str]) -> Option<usize> {
+        path.contains(&"Component").then(|| self.plan.components.len().checked_sub(1)).flatten()
+    }
+
+    /// Notes a parameter of a component, or, without one, of the one that its name begins with. The last one of a name
+    /// counts; see `finish`.
     fn assign(
         &mut self,
-        owner: Option<String>,
+        owner: Option<usize>,
         value: Value,
         place: String,
     ) -> std::result::Result<(), String> {
         let name = self.parameter.clone();
         match owner {
             Some(owner) => {
-                let Some(component) = self.plan.components.iter_mut().find(|c| c.name == owner) else {
-                    return Ok(());
-                };
-                component.set.retain(|a| a.variable != name);
-                component.set.push(Assignment { variable: name, value, place });
+                if let Some(component) = self.plan.components.get_mut(owner) {
+                    component.set.push(Assignment { variable: name, value, place });
+                }
             }
             None => {
                 let port: PortName = name
@@ -445,15 +496,27 @@ impl Reader {
         for link in std::mem::take(&mut self.connections) {
             self.link(link)?;
         }
+        let mut components: HashMap<String, usize> = HashMap::new();
+        for (i, component) in self.plan.components.iter().enumerate() {
+            components.entry(component.name.clone()).or_insert(i);
+        }
         for (port, assignment) in std::mem::take(&mut self.bindings) {
-            let Some(component) = self.plan.components.iter_mut().find(|c| c.name == port.component) else {
-                return Err(Error::file(format!(
-                    "{}: there is no component {:?}",
-                    assignment.place, port.component
-                )));
-            };
-            component.set.retain(|a| a.variable != assignment.variable);
+            let component = components.get(&port.component).and_then(|i| self.plan.components.get_mut(*i));
+            let component = component.ok_or_else(|| {
+                Error::file(format!("{}: there is no component {:?}", assignment.place, port.component))
+            })?;
             component.set.push(assignment);
+        }
+        for component in &mut self.plan.components {
+            let mut seen = HashSet::new();
+            let mut kept: Vec<Assignment> = Vec::new();
+            for assignment in std::mem::take(&mut component.set).into_iter().rev() {
+                if seen.insert(assignment.variable.clone()) {
+                    kept.push(assignment);
+                }
+            }
+            kept.reverse();
+            component.set = kept;
         }
         for (component, hint) in &self.hints {
             if self.plan.step.is_some_and(|step| step != *hint) {
@@ -503,6 +566,22 @@ impl Reader {
         }
         Ok(())
     }
+}
+
+/// The path as one below the folder that it is relative to; `None` if it leads out of it, or would on another system.
+fn inside(path: &str) -> Option<PathBuf> {
+    if path.contains(['\0', '\\', ':']) || path.starts_with('/') {
+        return None;
+    }
+    let mut parts: Vec<&str> = Vec::new();
+    for part in path.split('/') {
+        match part {
+            "" | "." => {}
+            ".." => drop(parts.pop()?),
+            part => parts.push(part),
+        }
+    }
+    Some(parts.iter().collect())
 }
 
 /// A name without its prefix.

@@ -5,7 +5,9 @@ use super::master::{Coupling, Exchange};
 use crate::model::unit::Unit;
 use crate::model::{Causality, Interface, Kind, Slave, Value, VariableInfo};
 use crate::recording::{Recording, interpolate};
+use crate::shown::one_line;
 use crate::{Error, Result};
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 /// Parameters that say how often a component does something by itself, and what that is. An interval of
@@ -23,6 +25,12 @@ pub struct System {
     pub(super) bonds: Vec<Bond>,
     pub(super) exchange: Exchange,
     pub(super) warnings: Vec<String>,
+    /// Components by name.
+    by_name: HashMap<String, usize>,
+    /// Inputs that have or had a wire or a feed: only for them the lists are searched.
+    driven: HashSet<Port>,
+    /// Variables that were set.
+    given: HashSet<Port>,
 }
 
 /// A slave in a system.
@@ -128,6 +136,9 @@ impl System {
             bonds: Vec::new(),
             exchange: Exchange::default(),
             warnings: Vec::new(),
+            by_name: HashMap::new(),
+            driven: HashSet::new(),
+            given: HashSet::new(),
         }
     }
 
@@ -140,9 +151,10 @@ impl System {
         if name.is_empty() || name.contains('.') {
             return Err(Error::file(format!("the component name {name:?} has to be a word without a dot")));
         }
-        if self.components.iter().any(|c| c.name == name) {
+        if self.by_name.contains_key(name) {
             return Err(Error::file(format!("there are two components {name:?}")));
         }
+        self.by_name.insert(name.into(), self.components.len());
         self.components.push(Component {
             name: name.into(),
             about: slave.interface().name.clone(),
@@ -171,7 +183,7 @@ impl System {
 
     /// Adds a warning.
     pub fn warn(&mut self, warning: String) {
-        self.warnings.push(warning);
+        self.warnings.push(one_line(&warning));
     }
 
     /// Index of the component called `name`.
@@ -179,7 +191,7 @@ impl System {
     /// # Errors
     /// None; the message lists those that are there.
     pub fn component(&self, name: &str) -> Result<usize> {
-        self.components.iter().position(|c| c.name == name).ok_or_else(|| {
+        self.by_name.get(name).copied().ok_or_else(|| {
             let names: Vec<&str> = self.components.iter().map(|c| c.name.as_str()).collect();
             Error::variable(format!("there is no component {name:?}; there is {}", names.join(", ")))
         })
@@ -222,9 +234,12 @@ impl System {
             }
         }
         let value = self.info(port).accept(value).map_err(|e| e.at(&name))?;
+        let first = self.given.insert(port);
         let component = &mut self.components[port.component];
         component.assign(port.variable, &value)?;
-        component.set.retain(|(variable, _)| *variable != port.variable);
+        if !first {
+            component.set.retain(|(variable, _)| *variable != port.variable);
+        }
         component.set.push((port.variable, value));
         Ok(())
     }
@@ -279,7 +294,7 @@ impl System {
             Conversion::None => None,
             Conversion::Factor(factor, offset) => Some((factor, offset)),
             Conversion::Unknown(what) => {
-                self.warnings.push(format!("{place}: {what}; the numbers are passed on as they are"));
+                self.warn(format!("{place}: {what}; the numbers are passed on as they are"));
                 None
             }
         };
@@ -290,6 +305,7 @@ impl System {
         };
         // multiplied by one and with nothing added, all bits stay, but for the sign of zero
         let map = map.filter(|map| *map != (1.0, 0.0));
+        self.driven.insert(to);
         self.wires.push(Wire { from, to, derivative: transfer.derivative, real, map });
         Ok(())
     }
@@ -322,6 +338,7 @@ impl System {
             };
             info.accept(&value).map_err(|e| Error::file(format!("{place}: at {time} s {e}")))?;
         }
+        self.driven.insert(to);
         self.feeds.push(Feed {
             to,
             time: recording.time.as_slice().into(),
@@ -379,6 +396,9 @@ impl System {
 
     /// Fails if an input follows an output or a recording.
     fn check_free(&self, to: Port, second: &str) -> Result<()> {
+        if !self.driven.contains(&to) {
+            return Ok(());
+        }
         let first = if let Some(wire) = self.wires.iter().find(|w| w.to == to) {
             format!("the connection from {}", self.name(wire.from))
         } else if self.feeds.iter().any(|f| f.to == to) {
@@ -391,7 +411,7 @@ impl System {
 
     /// Fails if an input has any source.
     fn check_unset(&self, to: Port, second: &str) -> Result<()> {
-        if self.components[to.component].set.iter().any(|(variable, _)| *variable == to.variable) {
+        if self.given.contains(&to) {
             let name = self.name(to);
             return Err(Error::variable(format!("{name} has two sources: a constant value and {second}")));
         }
@@ -436,9 +456,9 @@ impl System {
             if let Some(preferred) = component.preferred_step.filter(|_| component.even_steps_only)
                 && !is_multiple(interval, preferred)
             {
-                self.warnings.push(format!(
+                self.warnings.push(one_line(&format!(
                     "the communication step {interval} s is no whole multiple of the step {preferred} s that the FMU of {name} names, and the FMU does not take any step (canHandleVariableCommunicationStepSize is not true)"
-                ));
+                )));
             }
         }
         Ok(())

@@ -5,7 +5,7 @@ use super::plan::{
     Assignment, Plan, PlannedBond, PlannedComponent, PlannedConnection, PlannedInputs, PortName, Source,
 };
 use super::system::Transfer;
-use crate::model::{Value, line_of};
+use crate::model::{Lines, Value, line_of};
 use crate::recording::profile_value;
 use crate::{Error, Result};
 use serde::Deserialize;
@@ -88,7 +88,8 @@ pub fn parse_toml(text: &str, place: &str, folder: &Path) -> Result<Plan> {
         let line = e.span().map_or(1, |span| line_of(text, span.start));
         Error::file(format!("{place}:{line}: {}", e.message()))
     })?;
-    let at = |offset: usize| format!("{place}:{}", line_of(text, offset));
+    let lines = Lines::new(text);
+    let at = |offset: usize| format!("{place}:{}", lines.of(offset));
     let mut plan = Plan {
         source: place.into(),
         start: file.start,

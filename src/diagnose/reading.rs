@@ -204,6 +204,13 @@ fn read_folder(folder: &Path, map: &Map) -> Result<(Vec<String>, Vec<hygiene::Ra
     }
     let mut recordings = Vec::new();
     for file in &files {
+        // a pipe that nobody writes to would be waited for
+        if !file.is_file() {
+            return Err(Error::file(format!(
+                "{}: this is no ordinary file; take it out of the folder",
+                file.display()
+            )));
+        }
         let mut raw = hygiene::read_raw(file)?;
         map.apply(&mut raw.recording);
         recordings.push(raw);

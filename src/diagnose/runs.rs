@@ -2,13 +2,14 @@
 //! ready to be simulated.
 
 use super::result::Use;
+use crate::bounded::{self, MAX_TEXT};
 use crate::effect::Role;
 use crate::fit::{Channel, Drive, Run};
 use crate::model::{Causality, Interface, Kind};
 use crate::recording::{Recording, Smooth};
 use crate::{Error, Result};
 use serde::Deserialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -48,7 +49,7 @@ impl Map {
     /// A file that cannot be read or is no map.
     pub fn read(path: &Path) -> Result<Self> {
         let place = path.display();
-        let text = std::fs::read_to_string(path).map_err(|e| Error::file(format!("{place}: {e}")))?;
+        let text = bounded::read_text(path, MAX_TEXT).map_err(|e| Error::file(format!("{place}: {e}")))?;
         toml::from_str(&text).map_err(|e| {
             let line = e.span().map_or(1, |s| crate::model::line_of(&text, s.start));
             Error::file(format!("{place}:{line}: {}", e.message()))
@@ -109,18 +110,25 @@ pub fn uses(folder: &Path, names: &[String], courses: &[Vec<&[f64]>]) -> Result<
     let path = folder.join(RUNS_FILE);
     let place = path.display();
     let uses: Vec<Use> = if path.is_file() {
-        let text = std::fs::read_to_string(&path).map_err(|e| Error::file(format!("{place}: {e}")))?;
+        let text =
+            bounded::read_own_text(&path, MAX_TEXT).map_err(|e| Error::file(format!("{place}: {e}")))?;
         let file: RunsFile = toml::from_str(&text).map_err(|e| {
             let line = e.span().map_or(1, |s| crate::model::line_of(&text, s.start));
             Error::file(format!("{place}:{line}: {}", e.message()))
         })?;
-        let same = |given: &str, name: &str| given == name || given.trim_end_matches(".csv") == name;
-        if let Some(stray) = file.runs.keys().find(|given| !names.iter().any(|name| same(given, name))) {
-            return Err(Error::file(format!("{place}: there is no recording {stray:?}")));
+        let recordings: HashSet<&str> = names.iter().map(String::as_str).collect();
+        let mut given = HashMap::new();
+        for (name, use_) in &file.runs {
+            // with the ending or without it
+            let both = [name.as_str(), name.trim_end_matches(".csv")];
+            if !both.iter().any(|name| recordings.contains(name)) {
+                return Err(Error::file(format!("{place}: there is no recording {name:?}")));
+            }
+            for name in both {
+                given.entry(name).or_insert(*use_);
+            }
         }
-        let of =
-            |name: &String| file.runs.iter().find(|(given, _)| same(given, name)).map_or(Use::Fit, |r| *r.1);
-        names.iter().map(of).collect()
+        names.iter().map(|name| given.get(name.as_str()).copied().unwrap_or(Use::Fit)).collect()
     } else {
         split(courses)
     };
@@ -333,5 +341,22 @@ mod tests {
         let same: Vec<Vec<&[f64]>> = (0..6).map(|_| vec![&wave[..]]).collect();
         let checked: Vec<usize> = (0..6).filter(|i| split(&same)[*i] == Use::Check).collect();
         assert_eq!(checked, [1, 4]);
+    }
+
+    #[test]
+    fn runs_are_named_with_and_without_ending() {
+        const COUNT: usize = 1000;
+        let folder = tempfile::tempdir().unwrap();
+        let mut text = String::from("[runs]\n");
+        let names: Vec<String> = (0..COUNT).map(|i| format!("run{i}")).collect();
+        for (i, name) in names.iter().enumerate() {
+            let (ending, use_) = if i % 2 == 0 { ("", "fit") } else { (".csv", "check") };
+            text += &format!("\"{name}{ending}\" = \"{use_}\"\n");
+        }
+        std::fs::write(folder.path().join(RUNS_FILE), &text).unwrap();
+        let given = uses(folder.path(), &names, &[]).unwrap();
+        assert!((0..COUNT).all(|i| given[i] == if i % 2 == 0 { Use::Fit } else { Use::Check }));
+        let error = uses(folder.path(), &names[1..], &[]).unwrap_err().to_string();
+        assert!(error.contains("there is no recording \"run0\""), "{error}");
     }
 }

@@ -21,7 +21,7 @@
 
 use super::{Attachment, Chosen, Effect, Parameter, Signal, Source};
 use crate::model::unit::{Unit, quantity};
-use crate::model::{Causality, Interface, Settings, VariableInfo, line_of};
+use crate::model::{Causality, Interface, Lines, Settings, VariableInfo, line_of};
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -95,7 +95,8 @@ impl Corrections {
             let line = e.span().map_or(1, |span| line_of(text, span.start));
             Error::file(format!("{place}:{line}: {}", e.message()))
         })?;
-        let at = |offset: usize| format!("{place}:{}", line_of(text, offset));
+        let lines = Lines::new(text);
+        let at = |offset: usize| format!("{place}:{}", lines.of(offset));
         let effects = file.effect.into_iter().map(|table| {
             let place = at(table.span().start);
             let table = table.into_inner();

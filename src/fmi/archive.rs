@@ -5,6 +5,8 @@ use super::description::{model_description, model_identifier};
 use super::documentation;
 use super::entry::guid;
 use super::export::Sink;
+use super::make::{MAX_ABOUT, ORIGINAL_DESCRIPTION};
+use crate::bounded::MAX_TEXT;
 use crate::model::{Interface, Settings};
 use crate::{Error, Result};
 use std::ffi::{CString, c_void};
@@ -207,7 +209,20 @@ pub(super) fn documents(page: String) -> Vec<(String, Vec<u8>)> {
 }
 
 /// An archive with these files.
+///
+/// # Errors
+/// Resources that an instance would refuse to read.
 pub(super) fn pack(files: Vec<(String, Vec<u8>)>) -> Result<Vec<u8>> {
+    let about = format!("resources/{ORIGINAL_DESCRIPTION}");
+    for (name, most) in [("resources/model.toml", MAX_TEXT), (about.as_str(), MAX_ABOUT)] {
+        if let Some((_, content)) = files.iter().find(|(n, content)| n == name && content.len() as u64 > most)
+        {
+            return Err(Error::fmu(format!(
+                "{name} would have {} bytes, and an FMU reads no more than {most}: shorten the texts among the parameters",
+                content.len()
+            )));
+        }
+    }
     let broken = |e: &dyn std::fmt::Display| Error::fmu(format!("the archive cannot be written: {e}"));
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
@@ -254,6 +269,8 @@ fn describe(path: &Path) -> std::result::Result<Vec<u8>, String> {
     }
 
     let absolute = path.canonicalize().map_err(|e| e.to_string())?;
+    #[cfg(target_os = "linux")]
+    super::import::elf::check(&absolute).map_err(|why| format!("it cannot be loaded as a library: {why}"))?;
     let name = CString::new(absolute.as_os_str().as_bytes()).map_err(|e| e.to_string())?;
     let name: Text = name.as_ptr();
     // SAFETY: loading runs the library's initialisers; the user named it to be run.

@@ -2,6 +2,7 @@
 //! along, with or without effects.
 
 use super::entry::{Entry, guid};
+use crate::bounded;
 use crate::effect::file::Corrections;
 use crate::effect::{Attached, attached_interface};
 use crate::model::{Interface, Slave};
@@ -12,6 +13,8 @@ use std::path::Path;
 pub const ORIGINAL: &str = "original";
 /// The file in the resources with that FMU's description.
 pub const ORIGINAL_DESCRIPTION: &str = "original.toml";
+/// That file is no longer \[bytes\].
+pub const MAX_ABOUT: u64 = 64 << 20;
 
 /// A slave, its interface as the FMU's description has it, and the GUID that goes with it.
 pub struct Made {
@@ -63,7 +66,7 @@ fn carried(corrections: &Corrections, resources: &Path, text: &str) -> Result<Ma
     use super::import::{Description, ImportedFmu};
     let path = resources.join(ORIGINAL_DESCRIPTION);
     let at = |e: String| Error::fmu(format!("{}: {e}", path.display()));
-    let about = std::fs::read_to_string(&path).map_err(|e| at(e.to_string()))?;
+    let about = bounded::read_own_text(&path, MAX_ABOUT).map_err(at)?;
     let description: Description = toml::from_str(&about).map_err(|e| at(e.message().into()))?;
     let values = corrections.settings.check(&description.interface)?;
     let mut inner = ImportedFmu::carried(description, &resources.join(ORIGINAL))

@@ -26,7 +26,11 @@ mod instance;
 mod log;
 mod make;
 mod resources;
+#[cfg(all(unix, feature = "host"))]
+mod signal;
 mod state;
 
 pub use entry::{Entry, guid};
+#[cfg(all(unix, feature = "host"))]
+pub(crate) use signal::is_ignored;
 pub use state::Function;

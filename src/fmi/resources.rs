@@ -1,6 +1,7 @@
 //! Where an FMU's resources are: from the location that the master gives, else from the library's
 //! own place.
 
+use crate::bounded::{self, MAX_TEXT};
 use crate::{Error, Result};
 use std::path::PathBuf;
 
@@ -18,9 +19,9 @@ pub fn model_file(location: Option<&str>) -> Result<(PathBuf, String)> {
         })?,
     };
     let path = folder.join("model.toml");
-    let text = std::fs::read_to_string(&path).map_err(|e| {
+    let text = bounded::read_own_text(&path, MAX_TEXT).map_err(|e| {
         Error::fmu(format!(
-            "{}: {e}; is the resource location the folder resources of the FMU?",
+            "{}: {e}; is the resource location the folder resources of the FMU, as it was exported?",
             path.display()
         ))
     })?;
@@ -126,5 +127,21 @@ mod tests {
             let error = folder_of_uri(uri).unwrap_err().to_string();
             assert!(error.contains(uri), "{error}");
         }
+    }
+
+    #[test]
+    fn files_of_any_length_and_pipes_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.toml");
+        let refused = || model_file(folder.path().to_str()).unwrap_err().to_string();
+        std::fs::File::create(&path).unwrap().set_len(1 << 40).unwrap();
+        assert!(refused().contains("model.toml: it has more than 16 MB"), "{}", refused());
+        std::fs::remove_file(&path).unwrap();
+        std::os::unix::fs::symlink("/dev/zero", &path).unwrap();
+        assert!(refused().contains("no ordinary file"), "{}", refused());
+        std::fs::remove_file(&path).unwrap();
+        // nobody writes to it: whoever opens it waits
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        assert!(refused().contains("no ordinary file"), "{}", refused());
     }
 }

@@ -279,9 +279,15 @@ impl Interface {
     /// A hint `; did you mean ...?` for a name that is not there, or nothing.
     #[cfg(feature = "host")]
     fn similar(&self, name: &str) -> String {
+        // the comparison takes the product of both lengths; nobody mistypes a name as long as this
+        const LONGEST: usize = 200;
+        if name.len() > LONGEST {
+            return String::new();
+        }
         let mut near: Vec<(f64, &str)> = self
             .variables
             .iter()
+            .filter(|v| v.name.len() <= LONGEST)
             .map(|v| (strsim::jaro_winkler(name, &v.name), v.name.as_str()))
             .filter(|(score, _)| *score > 0.8)
             .collect();

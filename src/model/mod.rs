@@ -15,8 +15,8 @@ mod variable;
 pub use clock::{check_experiment, check_step};
 pub use interface::{Causality, Initial, Interface, Kind, Value, Variability, VariableInfo};
 pub use native::Native;
-pub(crate) use settings::line_of;
 pub use settings::{Free, Setting, Settings};
+pub(crate) use settings::{Lines, line_of};
 pub(crate) use slave::wrong_order;
 pub use slave::{Slave, Snapshot};
 pub use variable::{

@@ -3,7 +3,7 @@
 use super::{Causality, Interface, Value};
 use crate::{Error, Result};
 use serde::Deserialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 use toml::Spanned;
 
@@ -115,11 +115,12 @@ impl Settings {
             let line = e.span().map_or(1, |span| line_of(text, span.start));
             Error::file(format!("{place}:{line}: {}", e.message()))
         })?;
+        let lines = Lines::new(text);
         let mut values = Vec::new();
         for (section, causality) in [(file.parameters, Causality::Parameter), (file.inputs, Causality::Input)]
         {
             for (name, value) in section {
-                let place = format!("{place}:{}", line_of(text, name.span().start));
+                let place = format!("{place}:{}", lines.of(name.span().start));
                 let name = name.into_inner();
                 let value = fitted(&value)
                     .and_then(Value::from_toml)
@@ -129,7 +130,7 @@ impl Settings {
         }
         let mut fit = Vec::new();
         for (name, entry) in file.fit {
-            let place = format!("{place}:{}", line_of(text, name.span().start));
+            let place = format!("{place}:{}", lines.of(name.span().start));
             let name = name.into_inner();
             let range = match entry {
                 FitEntry::Switch(false) => continue,
@@ -160,11 +161,21 @@ impl Settings {
                 interface.name
             )));
         }
+        let indices: HashMap<&str, usize> = match self.values.is_empty() {
+            true => HashMap::new(),
+            // the first of a name, as `find` has it
+            false => {
+                interface.variables.iter().enumerate().rev().map(|(i, v)| (v.name.as_str(), i)).collect()
+            }
+        };
         self.values
             .iter()
             .map(|setting| {
                 let at = |e: Error| Error::file(e.to_string()).at(&setting.place);
-                let index = interface.find(&setting.name).map_err(at)?;
+                let index = match indices.get(setting.name.as_str()) {
+                    Some(index) => *index,
+                    None => interface.find(&setting.name).map_err(at)?,
+                };
                 let variable = &interface.variables[index];
                 if variable.causality != setting.causality {
                     return Err(Error::file(format!(
@@ -244,4 +255,19 @@ impl Value {
 /// The line, from 1, that a byte is in.
 pub(crate) fn line_of(text: &str, offset: usize) -> usize {
     text.as_bytes().iter().take(offset).filter(|b| **b == b'\n').count() + 1
+}
+
+/// The same for many bytes of one text: counting anew for each takes minutes for a long file.
+pub(crate) struct Lines(Vec<usize>);
+
+impl Lines {
+    /// Of this text.
+    pub(crate) fn new(text: &str) -> Self {
+        Self(text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(i, _)| i).collect())
+    }
+
+    /// The line, from 1, that a byte is in.
+    pub(crate) fn of(&self, offset: usize) -> usize {
+        self.0.partition_point(|end| *end < offset) + 1
+    }
 }

@@ -1,12 +1,17 @@
 //! Recordings as CSV: a header line of `name [unit]` cells, the first of them the time.
 
 use super::{Channel, Recording};
+use crate::bounded;
 use crate::model::unit::Unit;
 use crate::{Error, Result};
 use std::collections::HashMap;
 use std::io::Write;
 use std::path::Path;
 
+/// A longer file is not read \[bytes\]: 4 GiB, an hour of a hundred channels at 1 kHz.
+const MAX_LENGTH: u64 = 4 << 30;
+/// Files with more columns are refused: a column takes a hundred bytes in memory, and in the file perhaps one.
+const MAX_COLUMNS: usize = 100_000;
 /// Characters that may separate cells.
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 
@@ -48,7 +53,8 @@ pub(super) fn read_csv_over(axis: &Axis, path: &Path) -> Result<Recording> {
 
 fn read_text(path: &Path) -> Result<(String, String)> {
     let source = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|e| Error::file(format!("{source} cannot be read: {e}")))?;
+    let bytes =
+        bounded::read(path, MAX_LENGTH).map_err(|e| Error::file(format!("{source} cannot be read: {e}")))?;
     let text = String::from_utf8(bytes).map_err(|e| {
         let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
         let line = 1 + valid.iter().filter(|b| **b == b'\n').count();
@@ -104,6 +110,7 @@ fn parse_rows(
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = Lines { text: text.as_bytes(), byte: 0, line: 1 };
     let separator = separator(text.as_bytes());
+    refuse_wide_rows(text.as_bytes(), separator, source)?;
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(separator)
         .has_headers(false)
@@ -170,6 +177,20 @@ fn parse_rows(
         ))),
         _ => Ok(recording),
     }
+}
+
+/// Fails for a line with more cells than a recording may have columns.
+fn refuse_wide_rows(text: &[u8], separator: u8, source: &str) -> Result<()> {
+    for (i, line) in text.split(|byte| *byte == b'\n').enumerate() {
+        let cells = line.iter().filter(|byte| **byte == separator).count() + 1;
+        if cells > MAX_COLUMNS {
+            return Err(Error::file(format!(
+                "{source}:{}: the line has {cells} cells; no more than {MAX_COLUMNS} are read",
+                i + 1
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// What is wrong with `time` as the next one of the recording.

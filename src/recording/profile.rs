@@ -1,6 +1,7 @@
 //! Road profiles from CSV files, and settings that name such files.
 
 use super::csv::{Axis, read_csv_over, shortest};
+use crate::bounded::{self, MAX_TEXT};
 use crate::model::{Settings, Value};
 use crate::road::MAX_POINTS;
 use crate::{Error, Result};
@@ -57,7 +58,8 @@ pub fn profile_value(name: &str, value: Value, folder: &Path) -> Result<Value> {
 /// A file that cannot be read, or that says something wrong; with its place.
 pub fn read_settings(path: Option<&Path>) -> Result<Settings> {
     let Some(path) = path else { return Ok(Settings::default()) };
-    let text = std::fs::read_to_string(path).map_err(|e| Error::file(format!("{}: {e}", path.display())))?;
+    let text =
+        bounded::read_text(path, MAX_TEXT).map_err(|e| Error::file(format!("{}: {e}", path.display())))?;
     let mut settings = Settings::parse(&text, &path.display().to_string())?;
     let folder = path.parent().unwrap_or(Path::new(""));
     for setting in &mut settings.values {

@@ -14,7 +14,8 @@
  * -DPLAIN_LOCATION (reads the resource location as "file://" and a path), -DRANDOM (depends on a global
  * variable). -DOWN_MEMORY: calloc and free instead of the master's functions.
  * -DTHIRD: k starts with 2/3. -DSOLVER: errs a little, and otherwise in the first step after a state
- * was restored, as solvers do that choose their steps. */
+ * was restored, as solvers do that choose their steps. -DHANG (in every step), -DLOUD (refuses to be
+ * instantiated, in 10 MB with an escape sequence at both ends). */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -92,6 +93,16 @@ void *fmi2Instantiate(const char *name, int type, const char *guid, const char *
         callbacks->logger(callbacks->environment, name, ERROR, "logStatus", "blank name");
         return NULL;
     }
+#ifdef LOUD
+    size_t length = 10000000;
+    char *text = memset(malloc(length + 1), 'x', length + 1);
+    memcpy(text, "\033[31m\nerror: ", 13);
+    memcpy(text + length - 5, "\033[0m", 5);
+    text[length] = 0;
+    callbacks->logger(callbacks->environment, name, ERROR, "logStatus", text);
+    free(text);
+    return NULL;
+#endif
     if (strcmp(guid, "{integrator}")) {
         callbacks->logger(callbacks->environment, name, ERROR, "logStatus", "wrong guid: 100%% of ##1##");
         return NULL;
@@ -286,6 +297,9 @@ Status fmi2SetRealInputDerivatives(void *c, const unsigned *vr, size_t n, const 
 #ifndef WITHOUT_STEP
 Status fmi2DoStep(void *c, double time, double h, int no_rollback) {
     if (!c) return ERROR;
+#ifdef HANG
+    for (;;) sleep(1);
+#endif
 #ifdef HANG_ON_NAN
     for (volatile int i = 0; isnan(h); i++) {}
 #endif

@@ -214,7 +214,7 @@ connect = {{ driver_pressure = {driver}, friction_factor = \"corner.friction_fac
         let experiment = Experiment { record_every: 1, ..plan.experiment(&system, None, None, None)? };
         let outcome = cosimulate(&mut system, &experiment, |_| {})?;
         for warning in system.warnings().iter().chain(&energy_warnings(&system, experiment.step)) {
-            eprintln!("warning: {}: {warning}", file.display());
+            crate::cli::warn(&format!("{}: {warning}", file.display()));
         }
         if let Some(error) = outcome.stopped {
             return Err(error.at(file.display()));

@@ -92,6 +92,24 @@ fn flag(node: &Node, attribute: &str) -> bool {
     matches!(node.text(attribute).map(str::trim), Some("true" | "1"))
 }
 
+/// Units and display units by name: there may be as many of them as of variables.
+struct Units<'a> {
+    names: HashSet<&'a str>,
+    display: HashSet<(&'a str, &'a str)>,
+}
+
+impl<'a> Units<'a> {
+    fn new(units: &[&'a Node]) -> Self {
+        let mut known = Self { names: HashSet::new(), display: HashSet::new() };
+        for unit in units {
+            // of two with one name, which is a fault by itself, the first
+            let Some(name) = unit.text("name").filter(|name| known.names.insert(name)) else { continue };
+            known.display.extend(unit.all("DisplayUnit").filter_map(|d| Some((name, d.text("name")?))));
+        }
+        known
+    }
+}
+
 /// Checks all rules.
 pub(super) fn check(root: &Node, findings: &mut Vec<Finding>) {
     let list = |section: &str, element| -> Vec<&Node> {
@@ -104,12 +122,18 @@ pub(super) fn check(root: &Node, findings: &mut Vec<Finding>) {
     check_head(root, findings);
     check_experiment(root, findings);
     check_names(root, &variables, &types, &units, findings);
+    let units = Units::new(&units);
     check_types(&types, &units, findings);
+    let items: HashSet<(*const Node, i32)> = (types.iter().flat_map(|t| &t.children))
+        .flat_map(|kind| {
+            kind.all("Item").filter_map(move |i| Some((std::ptr::from_ref(kind), number(i, "value")?)))
+        })
+        .collect();
     let types: HashMap<&str, &Node> = types.iter().filter_map(|t| Some((t.text("name")?, *t))).collect();
     let co_simulation_only = root.child("ModelExchange").is_none();
     for variable in &variables {
         check_variable(variable, co_simulation_only, findings);
-        check_kind(variable, &types, &units, findings);
+        check_kind(variable, &types, &items, &units, findings);
         check_derivative(variable, &variables, findings);
     }
     check_independent(&variables, findings);
@@ -261,7 +285,7 @@ fn check_names(
     }
 }
 
-fn check_types(types: &[&Node], units: &[&Node], findings: &mut Vec<Finding>) {
+fn check_types(types: &[&Node], units: &Units, findings: &mut Vec<Finding>) {
     for node in types {
         let name = node.text("name").unwrap_or("?");
         for kind in &node.children {
@@ -312,17 +336,10 @@ fn check_limits(who: &str, kind: &Node, declared: Option<&Node>, findings: &mut 
     }
 }
 
-fn check_units(
-    who: &str,
-    kind: &Node,
-    declared: Option<&Node>,
-    units: &[&Node],
-    findings: &mut Vec<Finding>,
-) {
-    let find = |name: &str| units.iter().find(|u| u.text("name") == Some(name));
+fn check_units(who: &str, kind: &Node, declared: Option<&Node>, units: &Units, findings: &mut Vec<Finding>) {
     let unit = kind.text("unit");
     if let Some(unit) = unit
-        && find(unit).is_none()
+        && !units.names.contains(unit)
     {
         let what = format!("{who}: UnitDefinitions has no unit {unit:?}");
         findings.push(Finding::error("X12", at(kind, "unit"), what));
@@ -331,12 +348,10 @@ fn check_units(
     let Some(display) = kind.text("displayUnit") else { return };
     let what = match unit.or_else(|| declared.and_then(|d| d.text("unit"))) {
         None => format!("{who}: there is a displayUnit, but no unit"),
-        Some(unit) => match find(unit) {
-            Some(node) if node.all("DisplayUnit").all(|d| d.text("name") != Some(display)) => {
-                format!("{who}: the unit {unit:?} has no DisplayUnit {display:?}")
-            }
-            _ => return,
-        },
+        Some(unit) if units.names.contains(unit) && !units.display.contains(&(unit, display)) => {
+            format!("{who}: the unit {unit:?} has no DisplayUnit {display:?}")
+        }
+        Some(_) => return,
     };
     findings.push(Finding::error("X12", at(kind, "displayUnit"), what));
 }
@@ -422,7 +437,13 @@ fn check_variable(v: &Variable, co_simulation_only: bool, findings: &mut Vec<Fin
     }
 }
 
-fn check_kind(v: &Variable, types: &HashMap<&str, &Node>, units: &[&Node], findings: &mut Vec<Finding>) {
+fn check_kind(
+    v: &Variable,
+    types: &HashMap<&str, &Node>,
+    items: &HashSet<(*const Node, i32)>,
+    units: &Units,
+    findings: &mut Vec<Finding>,
+) {
     let Some(kind) = v.kind else { return };
     let mut declared = None;
     if let Some(name) = kind.text("declaredType") {
@@ -448,7 +469,7 @@ fn check_kind(v: &Variable, types: &HashMap<&str, &Node>, units: &[&Node], findi
     check_units(&format!("{:?}", v.name), kind, declared, units, findings);
     if kind.name() == "Enumeration"
         && let (Some(declared), Some(start)) = (declared, number::<i32>(kind, "start"))
-        && declared.all("Item").all(|item| number(item, "value") != Some(start))
+        && !items.contains(&(std::ptr::from_ref(declared), start))
     {
         let what = format!("{:?} starts with {start}, which is the value of no item of its type", v.name);
         findings.push(Finding::error("X13", v.at_kind("start"), what));

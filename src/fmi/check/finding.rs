@@ -2,6 +2,7 @@
 
 use super::rules::{Rule, rule};
 use crate::fmi::import::xml;
+use crate::shown::{one_line, visible};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -75,9 +76,11 @@ const EXCERPT: usize = 96;
 impl Place {
     /// The place in the XML with `length` characters marked.
     pub(super) fn xml(place: &xml::Place, length: usize) -> Self {
-        let (line, column, text) = place.position();
-        let characters: Vec<char> = text.chars().map(|c| if c == '\t' { ' ' } else { c }).collect();
-        let at = (column - 1).min(characters.len());
+        let (line, column) = place.position();
+        // no more than an excerpt can need, as a line may be as long as the file
+        let (before, after) = place.around(EXCERPT + 1);
+        let at = before.chars().count();
+        let characters: Vec<char> = before.chars().chain(after.chars()).map(visible).collect();
         // Long lines are cut to a window around the place.
         let from = if characters.len() <= EXCERPT { 0 } else { at.saturating_sub(EXCERPT / 3) };
         let to = (from + EXCERPT).min(characters.len());
@@ -118,7 +121,7 @@ impl Finding {
     /// A finding about the rule called `name`, which has to be in the table of rules.
     pub(super) fn new(level: Level, name: &str, place: Option<Place>, what: impl Into<String>) -> Self {
         let Rule { name, citation, help, .. } = *rule(name);
-        Self { rule: name, level, citation, place, what: what.into(), help, also: Vec::new() }
+        Self { rule: name, level, citation, place, what: one_line(&what.into()), help, also: Vec::new() }
     }
 
     pub(super) fn error(name: &str, place: Option<Place>, what: impl Into<String>) -> Self {
@@ -146,7 +149,7 @@ impl Finding {
                 let _ = writeln!(text, "{margin} | {}{}", " ".repeat(mark.0), "^".repeat(mark.1));
             }
             Some(Place::Entry { entry }) => {
-                let _ = writeln!(text, " --> {entry}");
+                let _ = writeln!(text, " --> {}", one_line(entry));
             }
             None => {}
         }

@@ -71,8 +71,9 @@ pub fn check(path: &Path, options: &Options) -> Result<Report> {
 fn examine(path: &Path, options: &Options) -> Result<Report> {
     let at = |what: String| Error::fmu(what).at(path.display());
     let size = std::fs::metadata(path).map_err(|e| at(format!("the file cannot be read: {e}")))?;
-    if size.is_dir() {
-        return Err(at("this is a folder; an FMU is a zip archive with the ending .fmu".into()));
+    if !size.is_file() {
+        let what = if size.is_dir() { "a folder" } else { "no ordinary file" };
+        return Err(at(format!("this is {what}; an FMU is a zip archive with the ending .fmu")));
     }
     if size.len() > MAX_UNPACKED {
         return Err(at(format!("the file has more than {MAX_UNPACKED} bytes; such files are not read")));

@@ -8,11 +8,12 @@ use super::tree::Node;
 use super::unit::NOTE;
 use crate::fmi::import::Description;
 use crate::fmi::import::library::find;
+use crate::temporary::{Folder, Running};
 use crate::{Error, Result};
 use std::io::{BufRead, BufReader};
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 /// How often a child is looked after.
@@ -27,9 +28,7 @@ pub(super) fn run(
     root: &Node,
     report: &mut Report,
 ) -> Result<()> {
-    let work = tempfile::Builder::new()
-        .prefix("latsch-check-")
-        .tempdir()
+    let work = Folder::new("latsch-check-")
         .map_err(|e| Error::file(format!("no temporary folder can be made: {e}")))?;
     let platform = find(folder, &description.model_identifier).ok().and_then(|(file, _)| {
         let platform = file.strip_prefix("binaries/")?.split_once('/')?.0;
@@ -142,15 +141,15 @@ fn run_case(
 ) -> Result<(Vec<Line>, End)> {
     let io = |e: std::io::Error| Error::file(format!("{}: the check cannot be run: {e}", program.display()));
     std::fs::write(work.join(CALL), [0; NOTE]).map_err(io)?;
-    let mut child = Command::new(program)
+    let mut command = Command::new(program);
+    command
         .args(["check", "--child", case.name, "--timeout", &timeout.as_secs_f64().to_string(), "--work"])
         .args([work, folder])
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .map_err(io)?;
-    let pipe = child.stdout.take();
+        .stderr(Stdio::null());
+    let child = Running::start(&mut command).map_err(io)?;
+    let pipe = child.with(|child| child.stdout.take());
     // A thread of its own, as the child may hang with the pipe open.
     let reader = std::thread::spawn(move || {
         let lines = pipe.into_iter().flat_map(|pipe| BufReader::new(pipe).lines()).map_while(|l| l.ok());
@@ -158,12 +157,11 @@ fn run_case(
     });
     let begin = Instant::now();
     let end = loop {
-        if let Some(status) = child.try_wait().map_err(io)? {
+        if let Some(status) = child.with(Child::try_wait).map_err(io)? {
             break End::of(status);
         }
         if begin.elapsed() > timeout {
-            child.kill().map_err(io)?;
-            child.wait().map_err(io)?;
+            child.with(|child| child.kill().and_then(|()| child.wait())).map_err(io)?;
             break End::Late;
         }
         std::thread::sleep(PAUSE);

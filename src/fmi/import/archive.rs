@@ -1,12 +1,12 @@
 //! Unpacking an FMU that nobody has checked: nothing is written outside the temporary folder, and
 //! no file can fill the disk.
 
+use crate::temporary::{Folder, before_the_end};
 use crate::{Error, Result};
 use std::collections::HashSet;
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
-use tempfile::TempDir;
 use zip::ZipArchive;
 use zip::read::ZipFile;
 use zip::result::ZipError;
@@ -57,10 +57,16 @@ impl Archive {
     pub fn open_within(path: &Path, limits: Limits) -> Result<Self> {
         let name = path.display().to_string();
         let fail = |what: String| Error::fmu(what).at(&name);
-        let file = File::open(path).map_err(|e| fail(format!("the file cannot be opened: {e}")))?;
-        if file.metadata().is_ok_and(|m| m.is_dir()) {
-            return Err(fail("this is a folder; a zip archive is needed, as which an FMU (.fmu) or an SSP system (.ssp) comes".into()));
+        let closed = |e: io::Error| fail(format!("the file cannot be opened: {e}"));
+        // before it is opened, as a pipe that nobody writes to would be waited for
+        let about = fs::metadata(path).map_err(closed)?;
+        if !about.is_file() {
+            let what = if about.is_dir() { "a folder" } else { "no ordinary file" };
+            return Err(fail(format!(
+                "this is {what}; a zip archive is needed, as which an FMU (.fmu) or an SSP system (.ssp) comes"
+            )));
         }
+        let file = File::open(path).map_err(closed)?;
         let zip = ZipArchive::new(BufReader::new(file)).map_err(|e| {
             fail(format!("this is not a complete zip archive: it is something else, or damaged ({e})"))
         })?;
@@ -102,11 +108,15 @@ impl Archive {
     /// # Errors
     /// [`Error::fmu`]: an entry that is damaged, encrypted, a link, or whose path would leave the
     /// folder; more bytes than the limit; a disk that is full.
-    pub fn unpack(&mut self) -> Result<TempDir> {
+    pub fn unpack(&mut self) -> Result<Folder> {
         let fail = |what: String| Error::fmu(what).at(&self.name);
-        let folder = tempfile::Builder::new()
-            .prefix("latsch-fmu-")
-            .tempdir()
+        // the same bytes would be unpacked again and again
+        if self.zip.has_overlapping_entries().map_err(|e| fail(format!("the archive is damaged: {e}")))? {
+            return Err(fail(
+                "entries of the archive overlap each other; such archives are not unpacked".into(),
+            ));
+        }
+        let folder = Folder::new("latsch-fmu-")
             .map_err(|e| fail(format!("no temporary folder can be made to unpack into: {e}")))?;
         let mut left = self.limits.unpacked;
         let mut seen = HashSet::new();
@@ -124,14 +134,17 @@ impl Archive {
             let target = folder.path().join(&entry);
             let io = |e: io::Error| wrong(&format!("it cannot be unpacked: {e}"));
             if file.is_dir() {
-                fs::create_dir_all(&target).map_err(io)?;
+                before_the_end(|| fs::create_dir_all(&target)).map_err(io)?;
                 continue;
             }
-            if let Some(parent) = target.parent() {
-                fs::create_dir_all(parent).map_err(io)?;
-            }
-            // Fails if anything is there already, be it through names that differ only in case.
-            let mut out = File::create_new(&target).map_err(io)?;
+            let mut out = before_the_end(|| {
+                if let Some(parent) = target.parent() {
+                    fs::create_dir_all(parent)?;
+                }
+                // Fails if anything is there already, be it through names that differ only in case.
+                File::create_new(&target)
+            })
+            .map_err(io)?;
             left = match copy(&mut file, &mut out, left) {
                 Ok(Some(left)) => left,
                 Ok(None) => {
@@ -251,6 +264,7 @@ fn check_type(file: &ZipFile<'_, BufReader<File>>) -> std::result::Result<(), &'
 mod tests {
     use super::*;
     use std::path::PathBuf;
+    use tempfile::TempDir;
     use zip::CompressionMethod;
     use zip::write::{SimpleFileOptions, ZipWriter};
 

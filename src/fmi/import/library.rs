@@ -215,6 +215,8 @@ pub(in crate::fmi) struct Handle(*mut c_void);
 
 impl Handle {
     pub(in crate::fmi) fn open(path: &Path, names: Names) -> Result<Self> {
+        #[cfg(target_os = "linux")]
+        super::elf::check(path).map_err(|why| Error::fmu(format!("the binary cannot be loaded: {why}")))?;
         let path = CString::new(path.as_os_str().as_bytes())
             .map_err(|_| Error::fmu("the path of the binary holds a NUL character"))?;
         // SAFETY: the path ends with a zero. The initialisers of the library run: that is what

@@ -3,6 +3,7 @@
 use super::printf::{self, Arguments};
 use crate::fmi::c::{ComponentEnvironment, Logger, Text};
 use crate::model::{Kind, VariableInfo};
+use crate::shown::shortened;
 use std::cell::Cell;
 use std::collections::{HashMap, VecDeque};
 use std::ffi::{CStr, c_int};
@@ -127,8 +128,10 @@ pub(in crate::fmi) trait Listener: Send + Sync {
 impl Listener for Log {
     fn hear(&self, message: Heard) {
         let Heard { status, category, text, .. } = message;
-        let text = resolve(&text, &self.names).trim_end().to_owned();
-        self.push(Message { status, category: category.unwrap_or_default(), text });
+        // many are kept, and each may be of any length
+        let text = resolve(&shortened(&text), &self.names).trim_end().to_owned();
+        let category = shortened(&category.unwrap_or_default()).into_owned();
+        self.push(Message { status, category, text });
     }
 }
 

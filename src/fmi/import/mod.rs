@@ -11,6 +11,8 @@
 #[cfg(feature = "host")]
 pub(super) mod archive;
 mod description;
+#[cfg(target_os = "linux")]
+pub(super) mod elf;
 mod instance;
 pub(super) mod library;
 pub(super) mod log;

@@ -12,6 +12,9 @@ pub const MAX_LENGTH: u64 = 64 << 20;
 const COMMUNICATION_STEP: f64 = 1e-3;
 /// Length of the experiment of an FMU that names none \[s\].
 const EXPERIMENT_LENGTH: f64 = 1.0;
+/// What variables take over from their types has no more bytes than this, all together: each variable has its own copy,
+/// so a short file could ask for any amount. It is four times the longest file.
+const MAX_INHERITED: usize = 4 * MAX_LENGTH as usize;
 
 impl Description {
     /// Reads the bytes of a modelDescription.xml.
@@ -47,6 +50,8 @@ struct Traits {
     max: Option<f64>,
     nominal: Option<f64>,
     items: Vec<Item>,
+    /// What a copy of these takes \[bytes\].
+    size: usize,
 }
 
 #[derive(Debug, Clone)]
@@ -109,9 +114,12 @@ struct Reader {
     identifier: Option<String>,
     capabilities: Capabilities,
     experiment: Experiment,
-    types: HashMap<String, Traits>,
-    /// The name of the type definition that is being read.
-    current_type: String,
+    types: HashMap<String, usize>,
+    /// The type definitions in the order of the file; the last one is being read.
+    traits: Vec<Traits>,
+    /// Names and values of the items of the enumeration that is being read.
+    item_names: HashSet<String>,
+    item_values: HashSet<i32>,
     rows: Vec<Row>,
     names: HashSet<String>,
 }
@@ -139,16 +147,18 @@ impl Reader {
                 Ok(())
             }
             ([_, "TypeDefinitions"], "SimpleType") => {
-                self.current_type = element.required("name")?.to_owned();
-                if self.types.insert(self.current_type.clone(), Traits::default()).is_some() {
-                    return Err(element.wrong(&format!("the type {:?} is defined twice", self.current_type)));
+                let name = element.required("name")?;
+                if self.types.insert(name.into(), self.traits.len()).is_some() {
+                    return Err(element.wrong(&format!("the type {name:?} is defined twice")));
                 }
+                self.traits.push(Traits::default());
                 Ok(())
             }
             ([_, "TypeDefinitions", "SimpleType"], name) => {
-                if let (Some(base), Some(current)) = (Base::of(name), self.types.get_mut(&self.current_type))
-                {
+                if let (Some(base), Some(current)) = (Base::of(name), self.traits.last_mut()) {
                     *current = traits(element, base)?;
+                    self.item_names.clear();
+                    self.item_values.clear();
                 }
                 Ok(())
             }
@@ -214,13 +224,15 @@ impl Reader {
             value: element.required_number("value")?,
             description: element.text("description").unwrap_or_default().into(),
         };
-        let Some(current) = self.types.get_mut(&self.current_type) else { return Ok(()) };
-        if current.items.iter().any(|i| i.name == item.name || i.value == item.value) {
+        let Some(current) = self.traits.last_mut() else { return Ok(()) };
+        let new_name = self.item_names.insert(item.name.clone());
+        if !(self.item_values.insert(item.value) && new_name) {
             return Err(element.wrong(&format!(
-                "the enumeration {:?} has the item {:?} or its value {} twice",
-                self.current_type, item.name, item.value
+                "the enumeration has the item {:?} or its value {} twice",
+                item.name, item.value
             )));
         }
+        current.size += size_of::<Item>() + item.name.len() + item.description.len();
         current.items.push(item);
         Ok(())
     }
@@ -294,8 +306,10 @@ impl Reader {
                 "there is no <CoSimulation>: an FMU for model exchange only has no solver and cannot be run",
             )
         })?;
+        let mut left = MAX_INHERITED;
+        let find = |name: &str| self.types.get(name).and_then(|index| self.traits.get(*index));
         let variables =
-            self.rows.into_iter().map(|row| resolve(row, &self.types)).collect::<Result<Vec<_>>>()?;
+            self.rows.into_iter().map(|row| resolve(row, find, &mut left)).collect::<Result<Vec<_>>>()?;
         let start_time = self.experiment.start.unwrap_or(0.0);
         Ok(Description {
             fmi_version: root.version,
@@ -324,6 +338,7 @@ fn traits(element: &Element, base: Base) -> Result<Traits> {
     match base {
         Base::Real => {
             traits.unit = element.text("unit").map(Into::into);
+            traits.size = traits.unit.as_ref().map_or(0, String::len);
             traits.min = element.real("min")?;
             traits.max = element.real("max")?;
             traits.nominal = element.real("nominal")?;
@@ -338,7 +353,13 @@ fn traits(element: &Element, base: Base) -> Result<Traits> {
 }
 
 /// Fills the gaps of a variable from its declared type and from FMI's defaults.
-fn resolve(row: Row, types: &HashMap<String, Traits>) -> Result<VariableInfo> {
+///
+/// `left` is how much more may be taken over from types \[bytes\].
+fn resolve<'a>(
+    row: Row,
+    find: impl Fn(&str) -> Option<&'a Traits>,
+    left: &mut usize,
+) -> Result<VariableInfo> {
     let wrong = |what: String| row.place.error(&format!("the variable {:?} {what}", row.name));
     let base = row.traits.base.ok_or_else(|| {
         wrong("has no type: one of <Real>, <Integer>, <Boolean>, <String>, <Enumeration> is needed".into())
@@ -349,7 +370,7 @@ fn resolve(row: Row, types: &HashMap<String, Traits>) -> Result<VariableInfo> {
         }
         None => None,
         Some(name) => {
-            let found = types.get(name).ok_or_else(|| {
+            let found = find(name).ok_or_else(|| {
                 wrong(format!("has the declaredType {name:?}, which <TypeDefinitions> does not have"))
             })?;
             if found.base != Some(base) {
@@ -359,6 +380,11 @@ fn resolve(row: Row, types: &HashMap<String, Traits>) -> Result<VariableInfo> {
                     found.base.map_or("empty", Base::name)
                 )));
             }
+            *left = left.checked_sub(found.size).ok_or_else(|| {
+                wrong(format!(
+                    "is one too many with a long type: the variables take more than {MAX_INHERITED} bytes over from their types"
+                ))
+            })?;
             Some(found)
         }
     };

@@ -21,8 +21,6 @@ use std::path::Path;
 #[cfg(feature = "host")]
 use std::path::PathBuf;
 use std::sync::Arc;
-#[cfg(feature = "host")]
-use tempfile::TempDir;
 use uuid::Uuid;
 
 /// A co-simulation FMU of any maker, unpacked, loaded and instantiated.
@@ -45,7 +43,7 @@ pub struct ImportedFmu {
     folder: PathBuf,
     /// Removed after the instance is gone.
     #[cfg(feature = "host")]
-    _temporary: Option<TempDir>,
+    _temporary: Option<crate::temporary::Folder>,
 }
 
 /// Where the run stands; saved with the FMU's state.

@@ -3,17 +3,64 @@
 use crate::{Error, Result};
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
+use std::cell::OnceCell;
+use std::collections::HashSet;
 use std::rc::Rc;
 use std::str::FromStr;
 
 /// Elements nested deeper than this are refused.
 const MAX_DEPTH: usize = 64;
+/// Elements with more attributes than this are refused; those of FMI and SSP have two dozen at most.
+const MAX_ATTRIBUTES: usize = 1000;
+/// Files with more elements than this are refused: as a tree they take 200 bytes each, and a million variables need half
+/// of them.
+const MAX_ELEMENTS: usize = 5_000_000;
+/// Characters are counted once for each piece of so many bytes.
+const PIECE: usize = 1024;
 
 /// Where something is: byte offset in the file.
 #[derive(Clone)]
 pub(crate) struct Place {
-    text: Rc<str>,
+    text: Rc<Text>,
     offset: usize,
+}
+
+/// A file's text, with what it takes to find lines and columns again and again.
+struct Text {
+    text: String,
+    counts: OnceCell<Counts>,
+}
+
+struct Counts {
+    /// Bytes after which a line begins.
+    line_ends: Vec<usize>,
+    /// Characters before each piece.
+    before: Vec<usize>,
+}
+
+impl Text {
+    fn counts(&self) -> &Counts {
+        self.counts.get_or_init(|| {
+            let bytes = self.text.as_bytes();
+            let line_ends = (0..bytes.len()).filter(|i| bytes[*i] == b'\n').collect();
+            let mut before = vec![0];
+            for piece in bytes.chunks(PIECE) {
+                before.push(before.last().copied().unwrap_or(0) + characters(piece));
+            }
+            Counts { line_ends, before }
+        })
+    }
+
+    /// Characters before a byte.
+    fn characters_before(&self, offset: usize) -> usize {
+        let piece = offset / PIECE;
+        self.counts().before[piece] + characters(&self.text.as_bytes()[piece * PIECE..offset])
+    }
+}
+
+/// The characters that begin in a piece of UTF-8.
+fn characters(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|byte| **byte & 0xc0 != 0x80).count()
 }
 
 impl Place {
@@ -26,16 +73,29 @@ impl Place {
         Broken { place: Some(self.clone()), what: what.to_owned() }
     }
 
-    /// Line and column, both from 1, columns in characters; and the text of the line.
-    pub(crate) fn position(&self) -> (usize, usize, &str) {
-        let mut end = self.offset.min(self.text.len());
-        while !self.text.is_char_boundary(end) {
+    /// The offset, at the beginning of a character, and the line's number, from 0, and beginning.
+    fn line(&self) -> (usize, usize, usize) {
+        let mut end = self.offset.min(self.text.text.len());
+        while !self.text.text.is_char_boundary(end) {
             end -= 1;
         }
-        let before = &self.text[..end];
-        let start = before.rfind('\n').map_or(0, |i| i + 1);
-        let line = self.text[start..].split('\n').next().unwrap_or_default();
-        (before.matches('\n').count() + 1, before[start..].chars().count() + 1, line.trim_end_matches('\r'))
+        let ends = &self.text.counts().line_ends;
+        let number = ends.partition_point(|line_end| *line_end < end);
+        (end, number, number.checked_sub(1).map_or(0, |before| ends[before] + 1))
+    }
+
+    /// Line and column, both from 1, columns in characters.
+    pub(crate) fn position(&self) -> (usize, usize) {
+        let (end, number, start) = self.line();
+        (number + 1, self.text.characters_before(end) - self.text.characters_before(start) + 1)
+    }
+
+    /// What stands in the line before and after the place, at most so many characters each.
+    pub(crate) fn around(&self, most: usize) -> (String, String) {
+        let (end, _, start) = self.line();
+        let before: Vec<char> = self.text.text[start..end].chars().rev().take(most).collect();
+        let after: String = self.text.text[end..].chars().take_while(|c| *c != '\n').take(most).collect();
+        (before.into_iter().rev().collect(), after.trim_end_matches('\r').to_owned())
     }
 }
 
@@ -53,7 +113,7 @@ impl From<Broken> for Error {
         match broken.place {
             None => Error::fmu(format!("modelDescription.xml: {what}")),
             Some(place) => {
-                let (line, column, _) = place.position();
+                let (line, column) = place.position();
                 Error::fmu(format!("modelDescription.xml, line {line}, column {column}: {what}"))
             }
         }
@@ -80,15 +140,23 @@ impl Element {
     fn new(tag: &BytesStart<'_>, place: Place) -> std::result::Result<Self, Broken> {
         let name = tag.name().0.to_owned();
         let mut attributes = Vec::new();
-        for attribute in tag.attributes() {
+        let mut seen = HashSet::new();
+        // the reader's own check for duplicates compares each with each
+        for attribute in tag.attributes().with_checks(false) {
             let attribute = attribute.map_err(|e| place.broken(&format!("<{name}>: {e}")))?;
             let key = attribute.key.0;
+            if !seen.insert(key) {
+                return Err(place.broken(&format!("<{name}>: it has the attribute {key} twice")));
+            }
+            if attributes.len() == MAX_ATTRIBUTES {
+                return Err(place.broken(&format!("<{name}>: it has more than {MAX_ATTRIBUTES} attributes")));
+            }
             let value = attribute
                 .normalized_value(XmlVersion::Explicit1_0)
                 .map_err(|e| place.broken(&format!("<{name}>: attribute {key}: {e}")))?;
             // The key is a part of the text; were it a copy, the place of the tag has to do.
-            let offset = (key.as_ptr() as usize).wrapping_sub(place.text.as_ptr() as usize);
-            let offset = if offset < place.text.len() { offset } else { place.offset };
+            let offset = (key.as_ptr() as usize).wrapping_sub(place.text.text.as_ptr() as usize);
+            let offset = if offset < place.text.text.len() { offset } else { place.offset };
             attributes.push(Attribute {
                 name: key.to_owned(),
                 value: value.into_owned(),
@@ -195,13 +263,14 @@ pub(crate) fn read<E: From<Broken>>(
         place: None,
         what: format!("byte {} is not UTF-8, as the standard demands", e.valid_up_to() + 1),
     })?;
-    let text: Rc<str> = text.trim_start_matches('\u{feff}').into();
+    let text = Rc::new(Text { text: text.trim_start_matches('\u{feff}').into(), counts: OnceCell::new() });
     let place =
         |offset: u64| Place { text: text.clone(), offset: usize::try_from(offset).unwrap_or(usize::MAX) };
-    let mut reader = quick_xml::Reader::from_str(&text);
+    let mut reader = quick_xml::Reader::from_str(&text.text);
     reader.config_mut().enable_all_checks(true);
     let mut path: Vec<String> = Vec::new();
     let mut ended = false;
+    let mut elements = 0_usize;
     loop {
         let start = reader.buffer_position();
         let event = reader.read_event().map_err(|e| {
@@ -212,7 +281,13 @@ pub(crate) fn read<E: From<Broken>>(
             Event::Start(_) | Event::Empty(_) if ended => {
                 return Err(place(start).broken("there is an element after the end of the document").into());
             }
+            Event::Start(_) | Event::Empty(_) if elements == MAX_ELEMENTS => {
+                return Err(place(start)
+                    .broken(&format!("there are more than {MAX_ELEMENTS} elements; such files are not read"))
+                    .into());
+            }
             Event::Start(tag) => {
+                elements += 1;
                 let element = Element::new(&tag, place(start))?;
                 open(&path, &element)?;
                 if path.len() == MAX_DEPTH {
@@ -222,6 +297,7 @@ pub(crate) fn read<E: From<Broken>>(
                 path.push(element.name);
             }
             Event::Empty(tag) => {
+                elements += 1;
                 open(&path, &Element::new(&tag, place(start))?)?;
                 ended = path.is_empty();
             }
@@ -245,7 +321,7 @@ pub(crate) fn read<E: From<Broken>>(
     match path.last() {
         Some(name) => {
             let what = format!("the file ends, but <{name}> is not closed");
-            Err(place(text.len() as u64).broken(&what).into())
+            Err(place(text.text.len() as u64).broken(&what).into())
         }
         None => Ok(()),
     }

@@ -45,8 +45,9 @@ pub(super) fn check(root: &Node, variables: &[Variable], findings: &mut Vec<Find
             findings.push(Finding::error("X9", at(node, "index"), what));
         }
     }
+    let listed: HashSet<usize> = outputs.iter().map(|(index, _)| *index).collect();
     for (i, v) in variables.iter().enumerate() {
-        if v.causality == "output" && outputs.iter().all(|(index, _)| *index != i + 1) {
+        if v.causality == "output" && !listed.contains(&(i + 1)) {
             let what = format!("Outputs does not list the output {}", named(i + 1));
             findings.push(Finding::error("X9", v.at("causality"), what));
         }
@@ -96,8 +97,8 @@ pub(super) fn check(root: &Node, variables: &[Variable], findings: &mut Vec<Find
             findings.push(Finding::error("X10", at(node, "index"), what));
         }
     }
-    let missing: Vec<String> =
-        needed.iter().filter(|i| listed.iter().all(|(index, _)| index != *i)).map(|i| named(*i)).collect();
+    let there: BTreeSet<usize> = listed.iter().map(|(index, _)| *index).collect();
+    let missing: Vec<String> = needed.difference(&there).map(|i| named(*i)).collect();
     if !missing.is_empty() {
         let place = Place::tag(&section.unwrap_or(structure).element);
         let what = format!("InitialUnknowns does not list {}", missing.join(", "));

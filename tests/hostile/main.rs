@@ -1,5 +1,6 @@
 //! Bytes that nobody wrote in good faith: saved states, recordings, settings, descriptions, archives.
-//! Whatever comes in, there is a result or an error, soon: no panic, no hang.
+//! Whatever comes in, there is a result or an error, soon: no panic, no hang. `sizes` has files that are long in one way,
+//! `files` such that reach out of their place, `ends` what is left when the program is told to end.
 //!
 //! `HOSTILE_CASES=1000000 cargo test --release --test hostile` makes a long run of it; counts are in
 //! docs/hostile-input.md. The calls of the C interface have a driver of their own, in
@@ -7,7 +8,14 @@
 #![cfg(feature = "host")]
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[path = "../common/mod.rs"]
 mod common;
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+mod ends;
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+mod files;
+#[cfg(target_os = "linux")]
+mod sizes;
 
 use common::FlatTrack;
 use latsch::fmi::import::{Archive, Description};
@@ -217,7 +225,7 @@ fn toml() -> String {
 }
 
 fn xml() -> &'static str {
-    include_str!("../modelDescription/ring-brush-flat-track.xml")
+    include_str!("../../modelDescription/ring-brush-flat-track.xml")
 }
 
 fn archive() -> &'static [u8] {
