@@ -139,7 +139,7 @@ impl Model for RingBrushFlatTrack {
         starting: bool,
         direction: &[(usize, f64)],
         unknowns: &[usize],
-    ) -> Result<Vec<f64>> {
+    ) -> Result<Vec<Option<f64>>> {
         let mut position = self.actuators.map(|a| Dual::<1>::from(a.position));
         let mut commands = self.commands;
         for (index, share) in direction {
@@ -152,9 +152,16 @@ impl Model for RingBrushFlatTrack {
         }
         let velocity = self.actuators.map(|a| Dual::<1>::from(a.velocity));
         let rim = imposed(&self.tire.parameters, &position, &velocity, self.tire.rim.angles.y);
-        let changes =
-            if starting { Changes::stationary(self, &rim)? } else { Changes::side_wall(self, &rim) };
-        unknowns.iter().map(|index| changes.of(Self::VARIABLES[*index].name())).collect()
+        let changes = if starting {
+            match Changes::stationary(self, &rim) {
+                Ok(changes) => changes,
+                // on a slope, or where the stationary state is none
+                Err(_) => return Ok(vec![None; unknowns.len()]),
+            }
+        } else {
+            Changes::side_wall(self, &rim)
+        };
+        Ok(unknowns.iter().map(|index| changes.of(Self::VARIABLES[*index].name())).collect())
     }
 
     fn tune(&mut self) -> Result<()> {

@@ -1,0 +1,157 @@
+//! What a master gains from derivatives of outputs: one that extrapolates with them must not be further from
+//! what the model does next than one that holds the value, for any real output of any shipped model.
+#![allow(missing_docs, clippy::unwrap_used, clippy::panic)]
+
+use latsch::fmi::Entry;
+use latsch::model::{Causality, Settings, Slave, Variability};
+use latsch::shipped::MODELS;
+
+/// The communication step that the shipped models suggest \[s\], and looks at what happens within one.
+const COMMUNICATION_STEP: f64 = 1e-3;
+const LOOKS: usize = 10;
+const STEPS: usize = 1500;
+
+/// A run in which the model moves: start values, and what the inputs are at a time.
+struct Case {
+    model: &'static str,
+    start: &'static [(&'static str, f64)],
+    inputs: fn(f64) -> Vec<(&'static str, f64)>,
+}
+
+/// 0 before `from`, then rising evenly to 1 within `rise` seconds.
+fn ramp(time: f64, from: f64, rise: f64) -> f64 {
+    ((time - from) / rise).clamp(0.0, 1.0)
+}
+
+const CASES: &[Case] = &[
+    Case {
+        model: "ring-brush-flat-track",
+        start: &[],
+        inputs: |t| {
+            vec![
+                ("slip", 0.06 * (9.0 * t).sin()),
+                ("slip_angle", 0.08 * (7.0 * t).sin()),
+                ("camber", 0.03 * (5.0 * t).sin()),
+                ("deflection", 0.02 + 0.004 * (11.0 * t).sin()),
+            ]
+        },
+    },
+    Case {
+        model: "ring-brush-tire",
+        start: &[("rim_z", 0.318)],
+        inputs: |t| {
+            vec![
+                ("rim_x", 10.0 * t),
+                ("rim_y", 0.05 * (8.0 * t).sin()),
+                ("rim_velocity_y", 0.4 * (8.0 * t).cos()),
+                ("rim_z", 0.318 + 0.003 * (12.0 * t).sin()),
+                ("rim_velocity_z", 0.036 * (12.0 * t).cos()),
+                ("rim_spin_rate", 10.0 / 0.328 * (1.0 + 0.05 * (6.0 * t).sin())),
+            ]
+        },
+    },
+    Case {
+        model: "ring-brush-wheel",
+        start: &[("initial_speed", 20.0), ("road_kind", 6.0)],
+        inputs: |t| {
+            vec![
+                ("brake_torque", 900.0 * ramp(t, 0.1, 0.2) * (1.0 - ramp(t, 1.0, 0.1))),
+                ("axle_force_x", 2500.0 * ramp(t, 0.1, 0.2) * (1.0 - ramp(t, 1.0, 0.1))),
+                ("steer", 0.03 * (6.0 * t).sin()),
+                ("camber", 0.02 * (5.0 * t).sin()),
+            ]
+        },
+    },
+    Case {
+        model: "ring-brush-corner",
+        start: &[("road_kind", 6.0)],
+        inputs: |t| vec![("brake_torque", 1000.0 * ramp(t, 0.1, 0.2) * (1.0 - ramp(t, 1.0, 0.1)))],
+    },
+    Case {
+        model: "brake-hydraulics",
+        start: &[],
+        // a driver's foot, and valves that switch every 40 ms
+        inputs: |t| {
+            let dump = t > 0.3 && (t / 0.04).floor() % 3.0 == 0.0;
+            vec![
+                ("driver_pressure", 8e6 * ramp(t, 0.05, 0.2)),
+                ("inlet_valve", if dump { 0.0 } else { 1.0 }),
+                ("outlet_valve", if dump { 1.0 } else { 0.0 }),
+            ]
+        },
+    },
+    Case {
+        model: "abs-controller",
+        start: &[("wheel_speed_1", 60.0), ("wheel_speed_2", 60.0), ("wheel_speed_3", 60.0), ("wheel_speed_4", 60.0)],
+        // wheels that slip and recover, each in a rhythm of its own
+        inputs: |t| {
+            let wheel = |rate: f64| (60.0 - 25.0 * t) * (1.0 - 0.3 * (rate * t).sin().max(0.0));
+            vec![
+                ("wheel_speed_1", wheel(20.0)),
+                ("wheel_speed_2", wheel(23.0)),
+                ("wheel_speed_3", wheel(17.0)),
+                ("wheel_speed_4", wheel(29.0)),
+                ("driver_pressure", 1e7),
+            ]
+        },
+    },
+];
+
+fn set(slave: &mut dyn Slave, values: &[(&str, f64)]) {
+    for (name, value) in values {
+        let index = slave.find(name).unwrap();
+        slave.set(index, *value).unwrap();
+    }
+}
+
+/// For each real output: how far the output moves from the value at the last communication point, and how far from
+/// the line through it (root of the sum of squares), and the largest derivative.
+fn misses(case: &Case) -> Vec<(String, f64, f64, f64)> {
+    let mut slave = Entry::find(MODELS, case.model).unwrap().slave(&Settings::default()).unwrap();
+    set(slave.as_mut(), case.start);
+    set(slave.as_mut(), &(case.inputs)(0.0));
+    slave.start(0.0, None).unwrap();
+    slave.finish_start().unwrap();
+    let outputs: Vec<usize> = {
+        let interface = slave.interface();
+        interface.with(Causality::Output).filter(|i| interface.variables[*i].is_real()).collect()
+    };
+    let mut sums = vec![(0.0_f64, 0.0_f64, 0.0_f64); outputs.len()];
+    let mut known = vec![(0.0, 0.0); outputs.len()];
+    let within = COMMUNICATION_STEP / LOOKS as f64;
+    for k in 0..STEPS * LOOKS {
+        let (begin, end) = (k as f64 * within, (k + 1) as f64 * within);
+        if k % LOOKS == 0 {
+            for (o, known) in outputs.iter().zip(&mut known) {
+                *known = (slave.get(*o).unwrap(), slave.output_derivative(*o).unwrap());
+            }
+        }
+        set(slave.as_mut(), &(case.inputs)(end));
+        slave.step(begin, end - begin).unwrap();
+        let ahead = (k % LOOKS + 1) as f64 * within;
+        for ((o, sum), (value, rate)) in outputs.iter().zip(&mut sums).zip(&known) {
+            let moved = slave.get(*o).unwrap() - value;
+            sum.0 += moved * moved;
+            sum.1 += (moved - rate * ahead).powi(2);
+            sum.2 = sum.2.max(rate.abs());
+        }
+    }
+    let name = |o: &usize| slave.interface().variables[*o].name.clone();
+    outputs.iter().map(name).zip(sums).map(|(n, s)| (n, s.0.sqrt(), s.1.sqrt(), s.2)).collect()
+}
+
+#[test]
+fn extrapolating_with_derivatives_is_never_worse_than_holding() {
+    let mut worse = Vec::new();
+    for entry in MODELS {
+        let case = CASES.iter().find(|c| c.model == entry.name).unwrap_or_else(|| panic!("{}", entry.name));
+        for (name, held, extrapolated, rate) in misses(case) {
+            println!("{:<22} {name:<22} {held:10.3e} {:8.3} {rate:10.3e}", entry.name, extrapolated / held);
+            // rounding of an output that stands
+            if extrapolated > held * (1.0 + 1e-9) {
+                worse.push(format!("{} {name}: {:.2} times as far off", entry.name, extrapolated / held));
+            }
+        }
+    }
+    assert!(worse.is_empty(), "{worse:#?}");
+}
