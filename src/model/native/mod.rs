@@ -16,6 +16,9 @@ const GRID_TOLERANCE: f64 = 1e-6;
 /// Half the width of the differences that stand for a derivative, in sizes of what is varied: the error of a smooth
 /// function, with its square, and that of rounding, with its inverse, are both about 1e-10 of it.
 const DIFFERENCE: f64 = 1e-5;
+/// Slopes to both sides of a point that differ by more than this share of the steeper one mean that something jumps
+/// there: those of a smooth function differ by the share [`DIFFERENCE`].
+const JUMP: f64 = 1e-2;
 /// More grid steps than this in one communication step are taken for a mistake.
 const MAX_TICKS_PER_STEP: f64 = 1e9;
 
@@ -180,19 +183,26 @@ impl<M: Model> Native<M> {
             model.initialize().map_err(|e| e.at("beside the point, for a difference"))?;
             Ok(Some(model))
         };
-        let here = || self.data.grid.clone();
-        let (above, below, width) = match (at(far)?, at(-far)?) {
-            (Some(above), Some(below)) => (above, below, 2.0 * far),
-            // at the end of a range there is one side only
-            (Some(above), None) => (above, here(), far),
-            (None, Some(below)) => (here(), below, far),
-            (None, None) => return Err(Error::call("there is no room beside the point for a difference")),
-        };
+        // at the end of a range there is one side only
+        let (above, below) = (at(far)?, at(-far)?);
+        let here = &self.data.grid;
         unknowns
             .iter()
-            .map(|index| match M::VARIABLES[*index].access() {
-                Access::Real(get, _) | Access::Rated(get, _) => Ok((get(&above) - get(&below)) / width),
-                _ => Err(Error::variable(format!("{} is no real output", M::VARIABLES[*index].name()))),
+            .map(|index| {
+                let (Access::Real(get, _) | Access::Rated(get, _)) = M::VARIABLES[*index].access() else {
+                    return Err(Error::variable(format!("{} is no real output", M::VARIABLES[*index].name())));
+                };
+                let up = above.as_ref().map(|model| (get(model) - get(here)) / far);
+                let down = below.as_ref().map(|model| (get(here) - get(model)) / far);
+                match (up, down) {
+                    (Some(up), Some(down)) if (up - down).abs() <= JUMP * up.abs().max(down.abs()) => {
+                        Ok(0.5 * (up + down))
+                    }
+                    // the side without the jump
+                    (Some(up), Some(down)) => Ok(if up.abs() < down.abs() { up } else { down }),
+                    (Some(slope), None) | (None, Some(slope)) => Ok(slope),
+                    (None, None) => Err(Error::call("there is no room beside the point for a difference")),
+                }
             })
             .collect()
     }
