@@ -82,7 +82,12 @@ const CASES: &[Case] = &[
     },
     Case {
         model: "abs-controller",
-        start: &[("wheel_speed_1", 60.0), ("wheel_speed_2", 60.0), ("wheel_speed_3", 60.0), ("wheel_speed_4", 60.0)],
+        start: &[
+            ("wheel_speed_1", 60.0),
+            ("wheel_speed_2", 60.0),
+            ("wheel_speed_3", 60.0),
+            ("wheel_speed_4", 60.0),
+        ],
         // wheels that slip and recover, each in a rhythm of its own
         inputs: |t| {
             let wheel = |rate: f64| (60.0 - 25.0 * t) * (1.0 - 0.3 * (rate * t).sin().max(0.0));
@@ -172,6 +177,30 @@ fn misses(case: &Case) -> Vec<Misses> {
         }
     }
     found
+}
+
+/// Before the first step the derivative is what the first step brings, also where inputs run on by themselves: a rim
+/// with a velocity moves although nobody set its position anew.
+#[test]
+fn the_first_derivative_is_that_of_the_first_step() {
+    for case in CASES {
+        let mut slave = Entry::find(MODELS, case.model).unwrap().slave(&Settings::default()).unwrap();
+        set(slave.as_mut(), case.start);
+        set(slave.as_mut(), &(case.inputs)(0.0));
+        slave.start(0.0, None).unwrap();
+        slave.finish_start().unwrap();
+        let outputs: Vec<usize> = {
+            let interface = slave.interface();
+            let moves = |i: &usize| interface.variables[*i].variability == Variability::Continuous;
+            interface.with(Causality::Output).filter(moves).collect()
+        };
+        let rates: Vec<f64> = outputs.iter().map(|o| slave.output_derivative(*o).unwrap()).collect();
+        let own_step = slave.own_step().unwrap();
+        slave.step(0.0, own_step).unwrap();
+        for (output, rate) in outputs.iter().zip(rates) {
+            assert_eq!(slave.output_derivative(*output).unwrap(), rate, "{} {output}", case.model);
+        }
+    }
 }
 
 #[test]

@@ -105,21 +105,29 @@ fn capabilities(description: &Description) -> [(&'static str, &'static str, bool
         ("canGetAndSetFMUstate", "saving and restoring the state", can.can_get_and_set_state),
         ("canSerializeFMUstate", "the state as bytes", can.can_serialize_state),
         ("providesDirectionalDerivative", "directional derivatives", can.provides_directional_derivatives),
-        ("canBeInstantiatedOnlyOncePerProcess", "only one instance in a process", can.can_be_instantiated_once),
+        (
+            "canBeInstantiatedOnlyOncePerProcess",
+            "only one instance in a process",
+            can.can_be_instantiated_once,
+        ),
         ("needsExecutionTool", "needs the tool that made it", can.needs_execution_tool),
     ]
 }
 
 fn about(description: &Description, platforms: &BTreeSet<String>) -> String {
     let list = |which: bool| {
-        let words: Vec<&str> =
-            capabilities(description).iter().filter(|(.., yes)| *yes == which).map(|(_, word, _)| *word).collect();
+        let words: Vec<&str> = capabilities(description)
+            .iter()
+            .filter(|(.., yes)| *yes == which)
+            .map(|(_, word, _)| *word)
+            .collect();
         if words.is_empty() { "-".into() } else { words.join(", ") }
     };
     let platforms: Vec<&str> = platforms.iter().map(String::as_str).collect();
     let experiment = description.experiment;
     let mut times = Vec::new();
-    for (word, time) in [("from", experiment.start), ("to", experiment.stop), ("in steps of", experiment.step_size)]
+    for (word, time) in
+        [("from", experiment.start), ("to", experiment.stop), ("in steps of", experiment.step_size)]
     {
         times.extend(time.map(|t| format!("{word} {t} s")));
     }

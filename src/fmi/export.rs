@@ -121,10 +121,10 @@ unsafe fn call(
     instance.enter();
     let status = match catch_unwind(AssertUnwindSafe(|| instance.call(function, body))) {
         Ok(status) => status,
-        Err(_) => catch_unwind(AssertUnwindSafe(|| {
-            instance.fatal(&format!("fmi2{function:?}: {}", about_panic()))
-        }))
-        .unwrap_or(Status::Fatal),
+        Err(_) => {
+            catch_unwind(AssertUnwindSafe(|| instance.fatal(&format!("fmi2{function:?}: {}", about_panic()))))
+                .unwrap_or(Status::Fatal)
+        }
     };
     instance.leave();
     status

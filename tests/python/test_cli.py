@@ -94,6 +94,9 @@ def test_export_finds_its_library_or_says_where_it_looked(fmu, tmp_path):
     assert f"scripts/install --library-only {root}\n" in done.stderr
     for place in (root / "bin", root, root / "lib" / "latsch"):
         assert f"{place}/liblatsch_fmu.so: not there" in done.stderr
+    # what is wrong with the call comes first
+    done = subprocess.run([program, "export", "ring-brush"], capture_output=True, text=True)
+    assert done.returncode == 2 and MODEL in done.stderr and "liblatsch" not in done.stderr
     assert export(LATSCH_LIBRARY=str(library)).returncode == 0
     assert output.read_bytes() == fmu.read_bytes()
     done = export(LATSCH_LIBRARY=str(tmp_path / "no.so"))

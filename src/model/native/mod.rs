@@ -22,6 +22,9 @@ const JUMP: f64 = 1e-2;
 /// More grid steps than this in one communication step are taken for a mistake.
 const MAX_TICKS_PER_STEP: f64 = 1e9;
 
+/// How to read a real variable.
+type Reader<M> = fn(&M) -> f64;
+
 /// A model that runs in this process.
 ///
 /// The model steps on the grid t0 + n h, whatever the master's communication points are: a point on
@@ -37,7 +40,7 @@ pub struct Native<M: Model> {
     interface: Interface,
     settings: Vec<(usize, Value)>,
     /// The real outputs and how to read them: they are looked at after each step.
-    outputs: Vec<(usize, fn(&M) -> f64)>,
+    outputs: Vec<(usize, Reader<M>)>,
     data: Data<M>,
 }
 
@@ -190,7 +193,10 @@ impl<M: Model> Native<M> {
             .iter()
             .map(|index| {
                 let (Access::Real(get, _) | Access::Rated(get, _)) = M::VARIABLES[*index].access() else {
-                    return Err(Error::variable(format!("{} is no real output", M::VARIABLES[*index].name())));
+                    return Err(Error::variable(format!(
+                        "{} is no real output",
+                        M::VARIABLES[*index].name()
+                    )));
                 };
                 let up = above.as_ref().map(|model| (get(model) - get(here)) / far);
                 let down = below.as_ref().map(|model| (get(here) - get(model)) / far);
@@ -383,8 +389,10 @@ impl<M: Model> Slave for Native<M> {
         if past > 0.0 {
             return Ok((get(self.model()) - get(&self.data.before)) / past);
         }
-        // no step yet: look ahead on a copy
-        let Data { clock, signals, grid, between, .. } = &mut self.data;
+        // no step yet: look ahead on a copy, with the inputs on their way as a step would have them
+        let mut ahead = self.data.clone();
+        ahead.find_natural_rates();
+        let Data { clock, signals, grid, between, .. } = &mut ahead;
         between.clone_from(grid);
         feed(between, signals, clock.start + clock.step_size);
         between.step(clock.step_size)?;
@@ -411,7 +419,8 @@ impl<M: Model> Slave for Native<M> {
         let may_vary: &[Causality] =
             if starting { &[Causality::Input, Causality::Parameter] } else { &[Causality::Input] };
         let word = if starting { "input or parameter" } else { "input" };
-        for (list, causalities, word) in [(unknowns, &[Causality::Output][..], "output"), (knowns, may_vary, word)]
+        for (list, causalities, word) in
+            [(unknowns, &[Causality::Output][..], "output"), (knowns, may_vary, word)]
         {
             for &index in list {
                 let info = self.info(index)?;
@@ -433,9 +442,13 @@ impl<M: Model> Slave for Native<M> {
             .into_iter()
             .partition(|(index, _)| self.interface.variables[*index].causality == Causality::Input);
         let formulas = self.model().directional_derivatives(starting, &inputs, unknowns)?;
-        let by_inputs = match formulas.iter().any(Option::is_none) {
-            true if starting => self.differences(&inputs, unknowns)?,
-            _ => vec![0.0; unknowns.len()],
+        let by_inputs = match formulas.iter().position(Option::is_none) {
+            None => vec![0.0; unknowns.len()],
+            Some(_) if starting => self.differences(&inputs, unknowns)?,
+            Some(i) => {
+                let name = &self.interface.variables[unknowns[i]].name;
+                return Err(Error::numeric(format!("{name} has no directional derivative between steps")));
+            }
         };
         let by_parameters = self.differences(&parameters, unknowns)?;
         let parts = formulas.into_iter().zip(by_inputs).zip(by_parameters);
