@@ -41,10 +41,10 @@ pub fn run(args: &Args) -> Result<()> {
     let file = Path::new(&args.model);
     let is_fmu = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) || file.is_file();
     let settings = read_settings(args.parameters.as_deref())?;
-    let library = match &args.library {
-        Some(path) => ModelLibrary::open(path)?,
-        None => ModelLibrary::shipped()?,
-    };
+    if !is_fmu && args.library.is_none() {
+        // a wrong name is the nearer mistake than a library that is missing
+        Entry::find(MODELS, &args.model)?;
+    }
     let suffix = if args.effects.is_some() { "-corrected" } else { "" };
     let stem = if is_fmu {
         file.file_stem().unwrap_or_default().to_string_lossy()
@@ -54,6 +54,10 @@ pub fn run(args: &Args) -> Result<()> {
     let output = args.output.clone().unwrap_or_else(|| format!("{stem}{suffix}.fmu").into());
     let read = [&args.parameters, &args.library, &args.effects].into_iter().flatten().map(PathBuf::as_path);
     check_outputs(&[&output], &read.chain(is_fmu.then_some(file)).collect::<Vec<_>>())?;
+    let library = match &args.library {
+        Some(path) => ModelLibrary::open(path)?,
+        None => ModelLibrary::shipped()?,
+    };
     let fmu = match &args.effects {
         None if is_fmu => {
             return Err(Error::call("an FMU is exported only with something added to it: --effects F.toml"));

@@ -85,39 +85,86 @@ pub fn library_file() -> String {
     format!("{}latsch_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX)
 }
 
+/// Names the library of the shipped models where it is not in its usual places.
+const LIBRARY_VARIABLE: &str = "LATSCH_LIBRARY";
+/// The checkout that this program was built in.
+const CHECKOUT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// Where the library of the shipped models may be for a program at this path. Not in the folders of the checkout:
+/// what cargo left there may be of other sources with the same tables, which nobody would notice.
+fn places(program: &Path) -> [PathBuf; 3] {
+    let beside = program.parent().unwrap_or(Path::new("."));
+    let above = beside.parent().unwrap_or(beside);
+    // tests and benchmarks run one folder below the library
+    [beside.into(), above.into(), above.join("lib/latsch")].map(|folder: PathBuf| folder.join(library_file()))
+}
+
+/// The command that puts the library where a program at this path finds it.
+fn installing(program: &Path) -> String {
+    let root = program.parent().and_then(Path::parent).unwrap_or(Path::new("/usr/local"));
+    // what cargo builds is beside the program already, once it is built
+    let (checkout, built) = (Path::new(CHECKOUT), program.starts_with(Path::new(CHECKOUT).join("target")));
+    if built {
+        return "cargo build --release".into();
+    }
+    let script = match checkout.join("scripts/install").is_file() {
+        true => checkout.join("scripts/install").display().to_string(),
+        false => "scripts/install".into(),
+    };
+    format!("{script} --library-only {}", root.display())
+}
+
 impl ModelLibrary {
-    /// The library of the shipped models, beside the running program.
+    /// The library of the shipped models that belongs to the running program: the one that the environment
+    /// variable `LATSCH_LIBRARY` names, or the first that fits beside the program, one folder up, or in
+    /// `../lib/latsch`.
     ///
     /// # Errors
-    /// It is not there, or it was not built together with this program.
+    /// It is nowhere, or was not built together with this program. The message lists the places and says what to
+    /// do.
     pub fn shipped() -> Result<Self> {
+        if let Some(path) = std::env::var_os(LIBRARY_VARIABLE).filter(|path| !path.is_empty()) {
+            return Self::open(Path::new(&path)).and_then(Self::fitting).map_err(|e| e.at(LIBRARY_VARIABLE));
+        }
         let program =
             std::env::current_exe().map_err(|e| Error::fmu(format!("where is this program? {e}")))?;
-        // tests and benchmarks run one folder below the library
-        let path = program
-            .ancestors()
-            .skip(1)
-            .take(2)
-            .map(|folder| folder.join(library_file()))
-            .find(|path| path.is_file())
-            .ok_or_else(|| {
-                Error::fmu(format!(
-                    "{} is not beside this program; build it with `cargo build --release`, or name a library with --library",
-                    library_file()
-                ))
-            })?;
-        let library = Self::open(&path)?;
+        Self::among(&places(&program), &program)
+    }
+
+    /// The first library that fits this program, which was started as `program`.
+    fn among(places: &[PathBuf], program: &Path) -> Result<Self> {
+        let mut tried = String::new();
+        for path in places {
+            let reason = match path.is_file() {
+                true => match Self::open(path).and_then(Self::fitting) {
+                    Ok(library) => return Ok(library),
+                    Err(error) => error.to_string(),
+                },
+                false => format!("{}: not there", path.display()),
+            };
+            tried += &format!("\n  {reason}");
+        }
+        Err(Error::fmu(format!(
+            "the library {}, which goes into FMUs, is needed beside this program (`cargo install` leaves it out). \
+            This puts it there:\n  {}\nOr name one with --library or {LIBRARY_VARIABLE}. It was looked for here:{tried}",
+            library_file(),
+            installing(program)
+        )))
+    }
+
+    /// The library, if its models are those of this program.
+    fn fitting(self) -> Result<Self> {
         for entry in crate::shipped::MODELS {
             let own = (entry.table)();
-            if library.models.iter().find(|m| m.name == entry.name) != Some(&own) {
+            if self.models.iter().find(|m| m.name == entry.name) != Some(&own) {
                 return Err(Error::fmu(format!(
-                    "{} was not built together with this program: its {} differs; build both with `cargo build --release`",
-                    path.display(),
+                    "{}: not built together with this program, its {} differs",
+                    self.path.display(),
                     entry.name
                 )));
             }
         }
-        Ok(library)
+        Ok(self)
     }
 
     /// The library at `path`, which is loaded to ask it for its models.

@@ -25,12 +25,21 @@ pub fn model_identifier(name: &str) -> String {
 /// # Errors
 /// A variable with a unit that is not known.
 pub fn model_description(interface: &Interface, guid: &str) -> Result<String> {
-    let capabilities =
-        Capabilities { provides_directional_derivatives: interface.directional_derivatives, ..CAPABILITIES };
-    describe(interface, guid, &capabilities, Origin::Own)
+    describe(interface, guid, &capabilities_of(interface), Origin::Own)
 }
 
-/// What every native model can do.
+/// What a native model with this interface can do. Outputs that are held between instants have no derivatives; a
+/// model without others offers none.
+pub(super) fn capabilities_of(interface: &Interface) -> Capabilities {
+    let moves = |i: usize| interface.variables[i].variability == Variability::Continuous;
+    Capabilities {
+        provides_directional_derivatives: interface.directional_derivatives,
+        max_output_derivative_order: u32::from(interface.with(Causality::Output).any(moves)),
+        ..CAPABILITIES
+    }
+}
+
+/// What native models can do.
 pub const CAPABILITIES: Capabilities = Capabilities {
     needs_execution_tool: false,
     can_handle_variable_step: true,

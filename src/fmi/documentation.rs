@@ -139,6 +139,14 @@ fn calls(interface: &Interface) -> Section {
         .iter()
         .map(|(name, meaning)| format!("<li><code>{name}</code>: {}.</li>\n", escape(meaning)))
         .collect();
+    let rates = match super::description::capabilities_of(interface).max_output_derivative_order {
+        0 => "No output has a derivative over time: all are held between the instants at which they change.",
+        _ => {
+            "First derivatives of real outputs are offered (<code>fmi2GetRealOutputDerivatives</code>): over the last
+step of the model's own grid. They are 0 for outputs that such a difference would foretell worse than their last value
+does, and after <code>fmi2Terminate</code> they are those of the last step."
+        }
+    };
     Section::new("Use in a co-simulation").with(Html::raw(format!(
         "<ul>
 <li>A communication step of {step} s suits the model; any positive length is accepted, and it may vary.</li>
@@ -151,8 +159,8 @@ it runs on linearly until its next value or derivative is set.</li>
 instance. Any number of instances run side by side.</li>
 <li>A value that is not a number or out of its range, a call in the wrong order, a step that is not a positive number or
 does not begin where the last one ended: <code>fmi2Error</code> and one message. After a failed step the state can be
-restored or reset.</li>
-<li>First derivatives of real outputs are offered (<code>fmi2GetRealOutputDerivatives</code>).</li>
+restored or reset. So it is with an output that becomes infinite or not a number.</li>
+<li>{rates}</li>
 <li>Not offered: asynchronous steps.</li>
 <li>The binary is for {PLATFORM}.</li>
 </ul>

@@ -12,6 +12,7 @@ use super::instance::{Instance, Saved};
 use super::log::Log;
 use super::state::Function;
 use crate::{Error, Result};
+use std::cell::Cell;
 use std::ffi::{CStr, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::null_mut;
@@ -22,10 +23,45 @@ pub const TYPES_PLATFORM: &CStr = c"default";
 /// fmi2GetVersion.
 pub const FMI_VERSION: &CStr = c"2.0";
 
-/// Makes the panic hook silent: the host's standard error is not ours. Panics become messages.
+/// As much as is kept of what a panic says.
+const PANIC_LENGTH: usize = 500;
+
+thread_local! {
+    /// What the last panic of this thread said, and how long that is. Plain bytes: a value with a destructor
+    /// would keep the library loaded in a host that unloads it.
+    static LAST_PANIC: Cell<([u8; PANIC_LENGTH], usize)> = const { Cell::new(([0; PANIC_LENGTH], 0)) };
+}
+
+/// Makes the panic hook silent: the host's standard error is not ours. Panics become messages; only the hook
+/// knows where one happened.
 fn silence_panics() {
     static ONCE: Once = Once::new();
-    ONCE.call_once(|| std::panic::set_hook(Box::new(|_| {})));
+    ONCE.call_once(|| {
+        std::panic::set_hook(Box::new(|info| {
+            let payload = info.payload();
+            let text = payload
+                .downcast_ref::<&str>()
+                .copied()
+                .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
+                .unwrap_or("no text");
+            let place = info.location().map(|l| format!("{}:{}: ", l.file(), l.line())).unwrap_or_default();
+            let said = format!("{place}{text}");
+            let mut bytes = [0; PANIC_LENGTH];
+            let length = said.len().min(PANIC_LENGTH);
+            bytes[..length].copy_from_slice(&said.as_bytes()[..length]);
+            LAST_PANIC.set((bytes, length));
+        }));
+    });
+}
+
+/// What to tell the master of the panic that was just caught in this thread.
+fn about_panic() -> String {
+    let (bytes, length) = LAST_PANIC.replace(([0; PANIC_LENGTH], 0));
+    let said = match length {
+        0 => "a place unknown".into(),
+        _ => String::from_utf8_lossy(&bytes[..length]),
+    };
+    format!("the model's code panicked at {said}. This is a fault in it: please report it to its author")
 }
 
 /// The text at a pointer that may be null.
@@ -85,10 +121,10 @@ unsafe fn call(
     instance.enter();
     let status = match catch_unwind(AssertUnwindSafe(|| instance.call(function, body))) {
         Ok(status) => status,
-        Err(_) => catch_unwind(AssertUnwindSafe(|| {
-            instance.fatal(&format!("fmi2{function:?}: internal error; please report it"))
-        }))
-        .unwrap_or(Status::Fatal),
+        Err(_) => {
+            catch_unwind(AssertUnwindSafe(|| instance.fatal(&format!("fmi2{function:?}: {}", about_panic()))))
+                .unwrap_or(Status::Fatal)
+        }
     };
     instance.leave();
     status
@@ -138,7 +174,7 @@ pub unsafe fn instantiate(
     let error = match made {
         Ok(Ok(instance)) => return Box::into_raw(Box::new(instance)).cast(),
         Ok(Err(error)) => error,
-        Err(_) => Error::fmu("internal error; please report it"),
+        Err(_) => Error::fmu(about_panic()),
     };
     // SAFETY: null or valid by the caller's promise.
     let name = if name.is_null() { c"" } else { unsafe { CStr::from_ptr(name) } };
@@ -154,7 +190,10 @@ pub unsafe fn free_instance(component: Component) {
     if !component.is_null() {
         // SAFETY: the caller's promise: a pointer from Box::into_raw.
         let instance = unsafe { Box::from_raw(component.cast::<Instance>()) };
-        let _ = catch_unwind(AssertUnwindSafe(|| drop(instance)));
+        let (slave, log) = instance.take_apart();
+        if catch_unwind(AssertUnwindSafe(|| drop(slave))).is_err() {
+            log.error(Status::Fatal, &format!("fmi2FreeInstance: {}", about_panic()));
+        }
     }
 }
 

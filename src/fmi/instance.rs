@@ -67,6 +67,11 @@ impl Instance {
         })
     }
 
+    /// What it runs, and its messages: to end it and still have a say.
+    pub fn take_apart(self) -> (Box<dyn Slave>, Log) {
+        (self.slave, self.log)
+    }
+
     /// Begins a call of an FMI function.
     pub fn enter(&mut self) {
         self.log.enter();

@@ -95,14 +95,18 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
     /// in the table and its share in the direction. Before the first step (`starting`) the state moves
     /// with the inputs, as [`initialize`](Model::initialize) would have it; between steps it stays.
     ///
+    /// `None` stands for an output without a formula. Before the first step [`Native`] then takes differences
+    /// of [`initialize`](Model::initialize): FMI lets a master ask for every output there. Between steps every
+    /// output needs its number.
+    ///
     /// # Errors
-    /// An output that has no derivative, or all of them.
+    /// A model without [`DIRECTIONAL_DERIVATIVES`](Model::DIRECTIONAL_DERIVATIVES).
     fn directional_derivatives(
         &self,
         starting: bool,
         direction: &[(usize, f64)],
         unknowns: &[usize],
-    ) -> Result<Vec<f64>> {
+    ) -> Result<Vec<Option<f64>>> {
         let _ = (starting, direction, unknowns);
         Err(crate::Error::call(format!("{} has no directional derivatives", Self::NAME)))
     }

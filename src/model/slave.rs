@@ -100,8 +100,8 @@ pub trait Slave {
         Err(Error::call(format!("the derivative of {name} is not offered")))
     }
 
-    /// The directional derivatives of outputs: sum over `knowns`, which are inputs, of the partial
-    /// derivative of each of `unknowns` times the number in `seed`.
+    /// The directional derivatives of outputs: sum over `knowns`, which are inputs and before the first step
+    /// also parameters, of the partial derivative of each of `unknowns` times the number in `seed`.
     ///
     /// # Errors
     /// Variables that have none, or a slave that does not offer them.

@@ -39,6 +39,17 @@ pub enum Start {
     None,
 }
 
+/// How a real output moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Change {
+    /// Its difference over a step of the model tells how it goes on.
+    Smooth,
+    /// It goes on, but what it did last does not tell how.
+    Ragged,
+    /// It changes at instants and is held between them.
+    Discrete,
+}
+
 /// One row of a model's variable table.
 pub struct Variable<M: 'static> {
     name: &'static str,
@@ -53,6 +64,7 @@ pub struct Variable<M: 'static> {
     items: &'static [(&'static str, &'static str)],
     tunable: bool,
     runs_on: Option<&'static str>,
+    change: Change,
 }
 
 /// Access to a real field: `real!(tire.belt.mass)`, inside `impl Model`.
@@ -100,6 +112,7 @@ const fn row<M>(
         items: &[],
         tunable: false,
         runs_on: None,
+        change: Change::Smooth,
     }
 }
 
@@ -155,7 +168,7 @@ pub const fn input<M>(
     row(name, unit, Causality::Input, access, description, Start::Real(start))
 }
 
-/// An output. Real outputs are continuous; integer and boolean ones change at steps.
+/// An output. Real outputs are continuous unless marked [`discrete`](Variable::discrete); integer and boolean ones change at steps.
 pub const fn output<M>(
     name: &'static str,
     unit: &'static str,
@@ -205,6 +218,23 @@ impl<M: 'static> Variable<M> {
         self
     }
 
+    /// A real output that changes at instants and is held between them: what a sampled controller sends. Its
+    /// variability is discrete, its derivative over time 0.
+    #[must_use]
+    pub const fn discrete(mut self) -> Self {
+        self.change = Change::Discrete;
+        self
+    }
+
+    /// A real output whose last change does not tell how it goes on, such as a sum over parts that come and go
+    /// within a step. Its derivative over time is given as 0, as FMI has it for an order that is not known: a
+    /// master that extrapolates then holds the value.
+    #[must_use]
+    pub const fn without_derivative(mut self) -> Self {
+        self.change = Change::Ragged;
+        self
+    }
+
     /// Lets a real input that comes without a derivative run on between communication points with the
     /// real input called `rate`: a position with the velocity that comes beside it, x + v t, or, where
     /// the velocity has a derivative a, x + v t + a t²/2.
@@ -229,6 +259,11 @@ impl<M: 'static> Variable<M> {
     /// The input that is its rate between communication points where the master gives none.
     pub const fn natural_rate(&self) -> Option<&'static str> {
         self.runs_on
+    }
+
+    /// Its last change tells how it goes on, so that it has a derivative over time.
+    pub const fn has_derivative(&self) -> bool {
+        matches!(self.change, Change::Smooth)
     }
 
     /// How to reach it.
@@ -257,7 +292,7 @@ impl<M: 'static> Variable<M> {
         let variability = match (self.causality, &kind) {
             (Causality::Parameter, _) if self.tunable => Variability::Tunable,
             (Causality::Parameter, _) => Variability::Fixed,
-            (_, Kind::Real) => Variability::Continuous,
+            (_, Kind::Real) if self.change != Change::Discrete => Variability::Continuous,
             _ => Variability::Discrete,
         };
         let initial = match self.causality {

@@ -37,12 +37,12 @@ macro_rules! tire_table {
                 output("contact_length_left", "m", computed!(m: m.tire.contact_length(0.0)), "Length of the contact stripe with the largest y (l_mat 1)"),
                 output("contact_length_center", "m", computed!(m: m.tire.contact_length(0.5)), "Length of the middle contact stripe"),
                 output("contact_length_right", "m", computed!(m: m.tire.contact_length(1.0)), "Length of the contact stripe with the smallest y (l_mat n)"),
-                output("patch_force_x", "N", real!(tire.state.patch.force.x), "Longitudinal force of the patch on the belt, contact frame (F_LGKx)").nominal(1000.0),
-                output("patch_force_y", "N", real!(tire.state.patch.force.y), "Lateral force of the patch on the belt, contact frame (F_LGKy)").nominal(1000.0),
+                output("patch_force_x", "N", real!(tire.state.patch.force.x), "Longitudinal force of the patch on the belt, contact frame (F_LGKx)").nominal(1000.0).without_derivative(),
+                output("patch_force_y", "N", real!(tire.state.patch.force.y), "Lateral force of the patch on the belt, contact frame (F_LGKy)").nominal(1000.0).without_derivative(),
                 output("patch_force_z", "N", real!(tire.state.patch.force.z), "Normal force of the patch on the belt (F_LGKz)").nominal(1000.0),
-                output("sliding_share", "1", real!(tire.state.patch.sliding_share), "Bristles that slide over bristles in contact"),
+                output("sliding_share", "1", real!(tire.state.patch.sliding_share), "Bristles that slide over bristles in contact").without_derivative(),
                 output("sliding_distance", "m", real!(tire.state.sliding_distance), "Distance slid since the start, mean over the normal force"),
-                output("friction_power", "W", real!(tire.state.patch.friction_power), "Power of the friction of bristles that slide, at this instant; contact_power_loss has all that is lost").nominal(1000.0),
+                output("friction_power", "W", real!(tire.state.patch.friction_power), "Power of the friction of bristles that slide, at this instant; contact_power_loss has all that is lost").nominal(1000.0).without_derivative(),
             $($output,)*
             $($local,)*
                 local("belt_camber", "rad", real!(tire.state.belt.angles.x), "Camber of the belt (phi_G0x)"),
@@ -118,8 +118,8 @@ macro_rules! tire_table {
             $($parameter,)*
             $($road,)*
             parameter("friction_speed_falloff", "s/m", real!(tire.parameters.friction_speed_falloff), 0.0, "Fall of the sliding friction with the speed v at which the patch moves over the road where a bristle is: it is divided by 1 + falloff v. Not in the source (0)").range(0.0, 10.0).tunable(),
-                output("contact_power_loss", "W", real!(tire.state.patch.power_loss), "Power lost in the contact, all of it: sliding, the bristles' dampers, snapping back at break-away, leaving the contact bent; a mean over the last 10 ms").nominal(1000.0),
-                output("contact_energy_loss", "J", real!(tire.state.energy_loss), "Energy lost in the contact since the start").nominal(1e4),
+                output("contact_power_loss", "W", real!(tire.state.patch.power_loss), "Power lost in the contact, all of it: sliding, the bristles' dampers, snapping back at break-away, leaving the contact bent; a mean over the last 10 ms").nominal(1000.0).without_derivative(),
+                output("contact_energy_loss", "J", real!(tire.state.energy_loss), "Energy lost in the contact since the start").nominal(1e4).without_derivative(),
             $($appended,)*
         ]
     }};

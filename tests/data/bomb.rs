@@ -1,5 +1,6 @@
 
-/// Panics in a step for every input but 0: what a mistake in a model must not do to its host.
+/// Panics in a step for every input but 0 and -1, and at the start for 2; not a number for -1: what a mistake in a
+/// model must not do to its host.
 #[derive(Clone, Default, PartialEq, Serialize, Deserialize)]
 struct Bomb { fuse: f64, left: f64 }
 
@@ -13,11 +14,14 @@ impl Model for Bomb {
 
     fn step_size(&self) -> f64 { 1e-4 }
 
-    fn initialize(&mut self) -> Result<()> { Ok(()) }
+    fn initialize(&mut self) -> Result<()> {
+        assert!(self.fuse != 2.0, "boom at the start");
+        Ok(())
+    }
 
     fn step(&mut self, _length: f64) -> Result<()> {
-        assert!(self.fuse == 0.0, "boom");
-        self.left = 1.0;
+        assert!(self.fuse <= 0.0, "boom");
+        self.left = 1.0 + self.fuse.sqrt();
         Ok(())
     }
 }

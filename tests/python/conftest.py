@@ -28,6 +28,10 @@ MODELS = {
 }
 
 
+def pytest_configure(config):
+    config.addinivalue_line("markers", "quick: part of scripts/test --quick; takes no more than a few seconds")
+
+
 def latsch(*arguments, cwd=None):
     """Runs the program; returns the finished process with its texts."""
     return subprocess.run(

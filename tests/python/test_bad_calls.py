@@ -116,6 +116,7 @@ def test_patch_longer_than_the_ring(slaves):
     refuse(slave, slave.raw.exitInitializationMode, "ring of bristles", "more or longer bristles")
 
 
+@pytest.mark.quick
 def test_order_of_calls(slaves):
     slave = slaves()
     refuse(slave, lambda: slave.raw.doStep(0.0, 1e-3), "before initialization")
@@ -169,11 +170,6 @@ def test_what_is_not_offered_says_so(slaves):
     slave.begin(START)
     refuse(slave, lambda: slave.directional(["force_x"], dict(belt_mass=1.0)), "belt_mass", "no real input")
     slave.raw.reset()
-    slave.raw.setupExperiment()
-    slave.raw.enterInitializationMode()
-    refuse(slave, lambda: slave.directional(["friction_power"], dict(slip=1.0)), "friction_power", "bristles")
-    slave.raw.reset()
-    slave.begin(START)
     # status: no asynchronous steps, so most kinds have no answer
     status, time, boolean = ctypes.c_int(), ctypes.c_double(), ctypes.c_int()
     slave.steps(3)
@@ -181,6 +177,31 @@ def test_what_is_not_offered_says_so(slaves):
     assert dll.fmi2GetRealStatus(component, 2, ctypes.byref(time)) == OK and time.value == pytest.approx(3e-3)
     assert dll.fmi2GetBooleanStatus(component, 3, ctypes.byref(boolean)) == OK and boolean.value == 0
     assert dll.fmi2GetRealStatus(component, 0, ctypes.byref(time)) == DISCARD
+
+
+@pytest.mark.quick
+def test_what_is_legal_before_the_start_and_after_the_end(slaves):
+    """The table of FMI 2.0.5, section 4.2.4, where masters lean on it: rates before initialization, everything to be
+    read after the end and, for debugging, after an error."""
+    slave = slaves()
+    slave.rates(slip_angle=0.5)
+    slave.begin(START)
+    slave.steps(3)
+    outputs, along = ("force_y", "moment_z"), (["force_y"], dict(slip_angle=1.0))
+    seen = slave.get(*outputs), slave.derivatives(*outputs), slave.directional(*along)
+    assert all(seen[1]) and all(seen[2]), "the rate moves it"
+    slave.raw.terminate()
+    assert (slave.get(*outputs), slave.derivatives(*outputs), slave.directional(*along)) == seen
+    assert slave.messages == []
+    slave.raw.reset()
+    slave.begin(START)
+    slave.steps(3)
+    seen = slave.get(*outputs), slave.derivatives(*outputs), slave.directional(*along)
+    refuse(slave, lambda: slave.set(slip=math.nan), "finite")
+    assert (slave.get(*outputs), slave.derivatives(*outputs), slave.directional(*along)) == seen
+    # how the last step went is no question after an error
+    dll, component, time = slave.raw.dll, ctypes.c_void_p(slave.raw.component), ctypes.c_double()
+    assert dll.fmi2GetRealStatus(component, 2, ctypes.byref(time)) == ERROR
 
 
 def test_instantiation_is_refused_with_a_reason(fmu, slaves):

@@ -3,6 +3,7 @@
 import json
 import os
 import pty
+import shutil
 import subprocess
 import zipfile
 
@@ -12,6 +13,7 @@ import pytest
 from conftest import INPUTS, MODEL, MODELS, PROGRAM, latsch, read_results
 
 
+@pytest.mark.quick
 def test_models_and_describe():
     done = latsch("models")
     assert done.returncode == 0 and MODEL in done.stdout
@@ -27,9 +29,85 @@ def test_models_and_describe():
     assert variables["stripes"]["default"] == 6 and variables["stripes"]["max"] == 64
 
 
+@pytest.mark.quick
 def test_unknown_model_gets_a_list():
     done = latsch("describe", "ring-brush")
     assert done.returncode == 2 and MODEL in done.stderr
+
+
+@pytest.mark.quick
+def test_describe_shows_an_fmu_as_it_shows_its_model(shipped, tmp_path):
+    model = shipped.stem
+
+    def variables(text):
+        return text[text.index("\nInputs\n"):]
+
+    done = latsch("describe", shipped)
+    assert done.returncode == 0, done.stderr
+    assert variables(done.stdout) == variables(latsch("describe", model).stdout)
+    head = done.stdout[: done.stdout.index("\nInputs\n")]
+    for words in (f"{model}: ", "2.0 for co-simulation", "made by       latsch ", "linux64", "steps of changing length"):
+        assert words in head
+    # the same from the folder that it was unpacked to, and from the file in it
+    with zipfile.ZipFile(shipped) as archive:
+        archive.extractall(tmp_path)
+    for place in (tmp_path, tmp_path / "modelDescription.xml"):
+        assert latsch("describe", place).stdout == done.stdout
+    known = json.loads(latsch("describe", shipped, "--format", "json").stdout)
+    fmu = known.pop("fmu")
+    assert known == json.loads(latsch("describe", model, "--format", "json").stdout)
+    assert fmu["platforms"] == ["linux64"] and fmu["capabilities"]["canGetAndSetFMUstate"] is True
+
+
+@pytest.mark.quick
+def test_describe_refuses_what_is_no_fmu(tmp_path):
+    empty = tmp_path / "empty.fmu"
+    with zipfile.ZipFile(empty, "w") as archive:
+        archive.writestr("readme.txt", "")
+    (tmp_path / "text.fmu").write_text("no archive")
+    for name, words in [
+        (empty, "no modelDescription.xml"),
+        (tmp_path / "text.fmu", "zip"),
+        (tmp_path / "nothing.fmu", "No such file"),
+        (tmp_path, "modelDescription.xml"),
+    ]:
+        done = latsch("describe", name)
+        assert done.returncode == 2 and words in done.stderr and str(name) in done.stderr, done.stderr
+
+
+@pytest.mark.quick
+def test_export_finds_its_library_or_says_where_it_looked(fmu, tmp_path):
+    """What `cargo install` leaves is the program alone."""
+    root = tmp_path / "root"
+    (root / "bin").mkdir(parents=True)
+    program = shutil.copy(PROGRAM, root / "bin")
+    library = PROGRAM.parent / "liblatsch_fmu.so"
+    output = tmp_path / "tire.fmu"
+
+    def export(**environment):
+        output.unlink(missing_ok=True)
+        return subprocess.run([program, "export", MODEL, "--output", output], capture_output=True, text=True,
+                              env=dict(os.environ, **environment))
+
+    done = export()
+    assert done.returncode == 2 and not output.exists()
+    assert f"scripts/install --library-only {root}\n" in done.stderr
+    for place in (root / "bin", root, root / "lib" / "latsch"):
+        assert f"{place}/liblatsch_fmu.so: not there" in done.stderr
+    # what is wrong with the call comes first
+    done = subprocess.run([program, "export", "ring-brush"], capture_output=True, text=True)
+    assert done.returncode == 2 and MODEL in done.stderr and "liblatsch" not in done.stderr
+    assert export(LATSCH_LIBRARY=str(library)).returncode == 0
+    assert output.read_bytes() == fmu.read_bytes()
+    done = export(LATSCH_LIBRARY=str(tmp_path / "no.so"))
+    assert done.returncode == 2 and "LATSCH_LIBRARY" in done.stderr and "no.so" in done.stderr
+    # where scripts/install puts it; what does not fit does not stand in its way
+    (root / "bin" / "liblatsch_fmu.so").write_text("no library")
+    (root / "lib" / "latsch").mkdir(parents=True)
+    shutil.copy(library, root / "lib" / "latsch")
+    done = export()
+    assert done.returncode == 0, done.stderr
+    assert output.read_bytes() == fmu.read_bytes()
 
 
 def write(path, *lines):

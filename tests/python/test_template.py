@@ -1,11 +1,15 @@
 """A user's own model: the template copied out of the repository, with the oscillator of its README."""
 
 import math
+import re
 import zipfile
 
+import fmpy.fmi1
 import pytest
 
 from conftest import Slave, latsch
+
+FATAL = 4
 
 
 def test_oscillator_swings_as_it_should(template_library, tmp_path):
@@ -44,6 +48,44 @@ def test_the_authors_documentation_is_in_the_fmu(template_library, tmp_path):
     assert "<h2>Equations</h2>" in page and "<mi>x</mi>" in page
     for name in ["mass", "stiffness", "force", "position"]:
         assert f"<code>{name}</code>" in page
+
+
+def test_a_panic_says_what_and_where(template_library, tmp_path):
+    path = tmp_path / "bomb.fmu"
+    assert latsch("export", "bomb", "--library", template_library, "--output", path).returncode == 0
+    slave = Slave(path)
+    slave.begin(dict(fuse=0.0))
+    slave.raw.doStep(0.0, 1e-3)
+    slave.set(fuse=1.0)
+    for call, name, words, before in [
+        (lambda: slave.raw.doStep(1e-3, 1e-3), "fmi2DoStep", "boom", None),
+        (lambda: slave.begin(dict(fuse=2.0)), "fmi2ExitInitializationMode", "boom at the start", "new"),
+    ]:
+        if before:
+            slave.close()
+            slave = Slave(path)
+        with pytest.raises(fmpy.fmi1.FMICallException):
+            call()
+        (status, _, message), = slave.messages
+        assert status == FATAL and message.startswith(f"{name}: ") and f": {words}." in message
+        assert re.search(r"src/lib\.rs:\d+: ", message), message
+    slave.close()
+    # a master's user sees it too
+    done = latsch("simulate", path, "--set", "fuse=1", "--output", tmp_path / "x.csv")
+    assert done.returncode != 0 and "boom" in done.stderr and "src/lib.rs:" in done.stderr
+
+
+def test_an_output_that_is_no_number_is_an_error_that_names_it(template_library, tmp_path):
+    path = tmp_path / "bomb.fmu"
+    assert latsch("export", "bomb", "--library", template_library, "--output", path).returncode == 0
+    slave = Slave(path)
+    slave.begin(dict(fuse=0.0))
+    slave.set(fuse=-1.0)
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        slave.raw.doStep(0.0, 1e-3)
+    (status, _, message), = slave.messages
+    assert status == 3 and message.startswith("fmi2DoStep: left = NaN after the step to 0.001 s"), message
+    slave.close()
 
 
 def test_an_fmu_with_several_binaries(template_library, tmp_path):

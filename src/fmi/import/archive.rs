@@ -83,6 +83,11 @@ impl Archive {
         Ok(Self { name, zip, limits })
     }
 
+    /// The names of the entries, as far as they are text.
+    pub fn names(&self) -> impl Iterator<Item = String> {
+        self.zip.file_names().filter_map(|name| Some(name.ok()?.into_owned()))
+    }
+
     /// The bytes of the entry called `entry`; `None` if there is none.
     ///
     /// # Errors

@@ -13,8 +13,17 @@ use uuid::Uuid;
 
 /// How far from a grid point, in steps, a communication point still counts as lying on it.
 const GRID_TOLERANCE: f64 = 1e-6;
+/// Half the width of the differences that stand for a derivative, in sizes of what is varied: the error of a smooth
+/// function, with its square, and that of rounding, with its inverse, are both about 1e-10 of it.
+const DIFFERENCE: f64 = 1e-5;
+/// Slopes to both sides of a point that differ by more than this share of the steeper one mean that something jumps
+/// there: those of a smooth function differ by the share [`DIFFERENCE`].
+const JUMP: f64 = 1e-2;
 /// More grid steps than this in one communication step are taken for a mistake.
 const MAX_TICKS_PER_STEP: f64 = 1e9;
+
+/// How to read a real variable.
+type Reader<M> = fn(&M) -> f64;
 
 /// A model that runs in this process.
 ///
@@ -30,6 +39,8 @@ const MAX_TICKS_PER_STEP: f64 = 1e9;
 pub struct Native<M: Model> {
     interface: Interface,
     settings: Vec<(usize, Value)>,
+    /// The real outputs and how to read them: they are looked at after each step.
+    outputs: Vec<(usize, Reader<M>)>,
     data: Data<M>,
 }
 
@@ -58,7 +69,12 @@ impl<M: Model> Native<M> {
             interface.variables[*index].start = Some(value.clone());
         }
         let data = Data::new(&settings);
-        Ok(Self { interface, settings, data })
+        let outputs = interface.with(Causality::Output).filter_map(|i| match M::VARIABLES[i].access() {
+            Access::Real(get, _) | Access::Rated(get, _) => Some((i, get)),
+            _ => None,
+        });
+        let outputs = outputs.collect();
+        Ok(Self { interface, settings, outputs, data })
     }
 
     /// The model at the last communication point.
@@ -125,9 +141,84 @@ impl<M: Model> Native<M> {
     fn refresh(&mut self) -> Result<()> {
         if self.data.clock.stale {
             self.data.grid.initialize()?;
+            self.all_finite("after initialization")?;
             self.data.clock.stale = false;
         }
         Ok(())
+    }
+
+    /// Fails where the model computed something that is no number: it would only turn up elsewhere.
+    fn all_finite(&self, when: impl std::fmt::Display) -> Result<()> {
+        let model = self.model();
+        match self.outputs.iter().find(|(_, get)| !get(model).is_finite()) {
+            None => Ok(()),
+            Some((index, get)) => Err(Error::numeric(format!(
+                "{} = {} {when}: the model {} left what it can compute",
+                self.interface.variables[*index].name,
+                get(model),
+                M::NAME
+            ))),
+        }
+    }
+
+    /// The derivatives of the outputs `unknowns` along a change of inputs and parameters before the first step:
+    /// differences of what the model initializes to.
+    fn differences(&self, direction: &[(usize, f64)], unknowns: &[usize]) -> Result<Vec<f64>> {
+        // The variable that may move least decides how far all go.
+        let longest = direction.iter().filter(|(_, share)| *share != 0.0).map(|(index, share)| {
+            let (info, value) = (&self.interface.variables[*index], self.real_value(*index));
+            let width = info.max.unwrap_or(f64::INFINITY) - info.min.unwrap_or(f64::NEG_INFINITY);
+            DIFFERENCE * value.abs().max(info.nominal.unwrap_or(1.0).min(width)) / share.abs()
+        });
+        let far = longest.fold(f64::INFINITY, f64::min);
+        if !(far.is_finite() && far > 0.0) {
+            return Ok(vec![0.0; unknowns.len()]);
+        }
+        let at = |far: f64| -> Result<Option<M>> {
+            let mut model = self.data.grid.clone();
+            for (index, share) in direction {
+                let value = Value::Real(self.real_value(*index) + far * share);
+                if self.interface.variables[*index].accept(&value).is_err() {
+                    return Ok(None);
+                }
+                put(&mut model, *index, &value);
+            }
+            model.initialize().map_err(|e| e.at("beside the point, for a difference"))?;
+            Ok(Some(model))
+        };
+        // at the end of a range there is one side only
+        let (above, below) = (at(far)?, at(-far)?);
+        let here = &self.data.grid;
+        unknowns
+            .iter()
+            .map(|index| {
+                let (Access::Real(get, _) | Access::Rated(get, _)) = M::VARIABLES[*index].access() else {
+                    return Err(Error::variable(format!(
+                        "{} is no real output",
+                        M::VARIABLES[*index].name()
+                    )));
+                };
+                let up = above.as_ref().map(|model| (get(model) - get(here)) / far);
+                let down = below.as_ref().map(|model| (get(here) - get(model)) / far);
+                match (up, down) {
+                    (Some(up), Some(down)) if (up - down).abs() <= JUMP * up.abs().max(down.abs()) => {
+                        Ok(0.5 * (up + down))
+                    }
+                    // the side without the jump
+                    (Some(up), Some(down)) => Ok(if up.abs() < down.abs() { up } else { down }),
+                    (Some(slope), None) | (None, Some(slope)) => Ok(slope),
+                    (None, None) => Err(Error::call("there is no room beside the point for a difference")),
+                }
+            })
+            .collect()
+    }
+
+    /// The value of a real variable before the first step; 0 of any other.
+    fn real_value(&self, index: usize) -> f64 {
+        match M::VARIABLES[index].access() {
+            Access::Real(get, _) | Access::Rated(get, _) => get(&self.data.grid),
+            _ => 0.0,
+        }
     }
 
     /// The model to read from; brings it up to date during initialization.
@@ -291,12 +382,17 @@ impl<M: Model> Slave for Native<M> {
                 _ => wrong_order(&what, "before the end of initialization or after a failed step"),
             });
         };
+        if !M::VARIABLES[variable].has_derivative() {
+            return Ok(0.0);
+        }
         let past = clock.time - clock.time_before;
         if past > 0.0 {
             return Ok((get(self.model()) - get(&self.data.before)) / past);
         }
-        // no step yet: look ahead on a copy
-        let Data { clock, signals, grid, between, .. } = &mut self.data;
+        // no step yet: look ahead on a copy, with the inputs on their way as a step would have them
+        let mut ahead = self.data.clone();
+        ahead.find_natural_rates();
+        let Data { clock, signals, grid, between, .. } = &mut ahead;
         between.clone_from(grid);
         feed(between, signals, clock.start + clock.step_size);
         between.step(clock.step_size)?;
@@ -319,12 +415,16 @@ impl<M: Model> Slave for Native<M> {
                 ));
             }
         };
-        for (list, causality, word) in
-            [(unknowns, Causality::Output, "output"), (knowns, Causality::Input, "input")]
+        // between steps parameters are no unknown's business (FMI 2.0.5, section 2.2.8)
+        let may_vary: &[Causality] =
+            if starting { &[Causality::Input, Causality::Parameter] } else { &[Causality::Input] };
+        let word = if starting { "input or parameter" } else { "input" };
+        for (list, causalities, word) in
+            [(unknowns, &[Causality::Output][..], "output"), (knowns, may_vary, word)]
         {
             for &index in list {
                 let info = self.info(index)?;
-                if info.causality != causality || !info.is_real() {
+                if !causalities.contains(&info.causality) || !info.is_real() {
                     return Err(Error::variable(format!("{} is no real {word}", info.name)));
                 }
             }
@@ -338,7 +438,21 @@ impl<M: Model> Slave for Native<M> {
                 "the direction has the number {number}; finite ones are needed"
             )));
         }
-        self.model().directional_derivatives(starting, &direction, unknowns)
+        let (inputs, parameters): (Vec<_>, Vec<_>) = direction
+            .into_iter()
+            .partition(|(index, _)| self.interface.variables[*index].causality == Causality::Input);
+        let formulas = self.model().directional_derivatives(starting, &inputs, unknowns)?;
+        let by_inputs = match formulas.iter().position(Option::is_none) {
+            None => vec![0.0; unknowns.len()],
+            Some(_) if starting => self.differences(&inputs, unknowns)?,
+            Some(i) => {
+                let name = &self.interface.variables[unknowns[i]].name;
+                return Err(Error::numeric(format!("{name} has no directional derivative between steps")));
+            }
+        };
+        let by_parameters = self.differences(&parameters, unknowns)?;
+        let parts = formulas.into_iter().zip(by_inputs).zip(by_parameters);
+        Ok(parts.map(|((formula, difference), rest)| formula.unwrap_or(difference) + rest).collect())
     }
 
     fn own_step(&self) -> Option<f64> {
@@ -387,7 +501,8 @@ impl<M: Model> Slave for Native<M> {
         if !clock.off_grid {
             self.data.between.clone_from(&self.data.grid);
         }
-        let result = self.advance(target);
+        let result =
+            self.advance(target).and_then(|()| self.all_finite(format_args!("after the step to {target} s")));
         if result.is_err() {
             self.data.clock.phase = Phase::Failed;
             self.data.clock.off_grid = true;

@@ -83,21 +83,24 @@ impl Changes {
         Self { force: change(&on_rim.force), moment: change(&on_rim.moment), inside, sliding_changes: false }
     }
 
-    /// The derivative of the output called `name`.
-    pub(super) fn of(&self, name: &str) -> Result<f64> {
-        let from_inside = |f: fn(&Inside) -> f64| Ok(self.inside.as_ref().map_or(0.0, f));
-        match name {
+    /// The derivative of the output called `name`, if there is a formula for it.
+    ///
+    /// # Errors
+    /// It has none.
+    pub(super) fn of(&self, name: &str) -> Result<Option<f64>> {
+        let from_inside = |f: fn(&Inside) -> f64| self.inside.as_ref().map_or(0.0, f);
+        Ok(Some(match name {
             "patch_force_x" | "patch_force_y" | "sliding_share" | "friction_power" if self.sliding_changes => {
-                Err(Error::call(format!(
+                return Err(Error::call(format!(
                     "{name} has no derivative by friction_factor between steps: bristles that slide follow the friction at once, and how much that is only the next step tells"
-                )))
+                )));
             }
-            "force_x" => Ok(self.force.x),
-            "force_y" => Ok(self.force.y),
-            "force_z" => Ok(self.force.z),
-            "moment_x" => Ok(self.moment.x),
-            "moment_y" => Ok(self.moment.y),
-            "moment_z" => Ok(self.moment.z),
+            "force_x" => self.force.x,
+            "force_y" => self.force.y,
+            "force_z" => self.force.z,
+            "moment_x" => self.moment.x,
+            "moment_y" => self.moment.y,
+            "moment_z" => self.moment.z,
             "belt_deflection" => from_inside(|i| i.penetration),
             "contact_length_left" => from_inside(|i| i.lengths[0]),
             "contact_length_center" => from_inside(|i| i.lengths[1]),
@@ -107,11 +110,10 @@ impl Changes {
             "patch_force_z" => from_inside(|i| i.patch_force.z),
             "contact_power_loss" => from_inside(|i| i.power_loss),
             // they count from the start
-            "sliding_distance" | "wheel_angle" => Ok(0.0),
-            _ if self.inside.is_none() => Ok(0.0),
-            _ => Err(Error::call(format!(
-                "{name} has no derivative at the start: it is a sum over single bristles, which stick or slide"
-            ))),
-        }
+            "sliding_distance" | "contact_energy_loss" | "wheel_angle" => 0.0,
+            _ if self.inside.is_none() => 0.0,
+            // a sum over single bristles, which stick or slide
+            _ => return Ok(None),
+        }))
     }
 }

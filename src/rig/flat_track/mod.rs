@@ -142,7 +142,7 @@ impl Model for RingBrushFlatTrack {
         starting: bool,
         direction: &[(usize, f64)],
         unknowns: &[usize],
-    ) -> Result<Vec<f64>> {
+    ) -> Result<Vec<Option<f64>>> {
         let mut position = self.actuators.map(|a| Dual::<1>::from(a.position));
         let mut friction = Dual::<1>::from(self.friction_factor);
         for (index, share) in direction {
@@ -157,8 +157,15 @@ impl Model for RingBrushFlatTrack {
         }
         let velocity = self.actuators.map(|a| Dual::<1>::from(a.velocity));
         let rim = imposed(&self.tire.parameters, &position, &velocity, self.tire.rim.angles.y);
-        let changes =
-            if starting { Changes::stationary(self, &rim, friction)? } else { Changes::side_wall(self, &rim, friction) };
+        let changes = if starting {
+            match Changes::stationary(self, &rim, friction) {
+                Ok(changes) => changes,
+                // on a slope, or where the stationary state is none
+                Err(_) => return Ok(vec![None; unknowns.len()]),
+            }
+        } else {
+            Changes::side_wall(self, &rim, friction)
+        };
         unknowns.iter().map(|index| changes.of(Self::VARIABLES[*index].name())).collect()
     }
 
