@@ -88,6 +88,10 @@ impl Model for RingBrushTire {
         self.step_size
     }
 
+    fn step_work(&self) -> f64 {
+        self.tire.step_work()
+    }
+
     fn initialize(&mut self) -> Result<()> {
         self.tire.mount()?;
         self.place = [self.rim.position.x, self.rim.position.y];

@@ -341,6 +341,11 @@ impl<M: Model> Slave for Native<M> {
         self.model().directional_derivatives(starting, &direction, unknowns)
     }
 
+    fn work(&self) -> Option<f64> {
+        let model = &self.data.grid;
+        Some(model.step_work() / model.step_size())
+    }
+
     fn own_step(&self) -> Option<f64> {
         Some(self.data.grid.step_size())
     }
