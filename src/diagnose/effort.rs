@@ -118,7 +118,6 @@ fn twin(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{Bench, Setup};
     use std::sync::Arc;
 
     fn subject(model: &str, parameters: &str) -> Subject {
@@ -131,25 +130,58 @@ mod tests {
         Run { name: String::new(), drive: Arc::new(drive), time: Vec::new(), channels: Vec::new() }
     }
 
+    fn word(subject: &Subject, step: f64) -> Effort {
+        let fixed = subject.coarse().pop().unwrap_or_else(|| subject.fixed.clone());
+        Work::of(subject, &fixed).effort(&run(step), None).0
+    }
+
     #[test]
-    fn measure() {
-        for model in ["brake-hydraulics", "abs-controller", "ring-brush-flat-track", "ring-brush-corner"] {
-            let s = subject(model, "");
-            let fixed = s.coarse().pop().unwrap_or(s.fixed.clone());
-            let bench = Bench::new(&s.factory, &fixed, 1).unwrap();
+    fn tires_take_long_and_small_models_do_not() {
+        for model in MODELS {
+            let is_tire = model.name.starts_with("ring-brush");
+            let expected = if is_tire { Effort::Low } else { Effort::Full };
             for step in [1e-3, 1e-2] {
-                let r = run(step);
-                let watch: Arc<[usize]> = s.interface.with(Causality::Output).take(2).collect();
-                let drive = Arc::new(Drive { inputs: s.interface.with(Causality::Input).take(2).map(|v| {
-                    let Some(Value::Real(x)) = s.interface.variables[v].start else { panic!() };
-                    (v, (0..r.drive.points).map(|k| x * (1.0 + 1e-3 * (k as f64 * 0.1).sin())).collect()) }).collect(), ..(*r.drive).clone() });
-                for _ in 0..2 {
-                let t = std::time::Instant::now();
-                let a = bench.run(&[Arc::new(Setup::default())], &[Arc::clone(&drive)], &watch);
-                let e = t.elapsed().as_secs_f64();
-                println!("{model} {step} {} {:.3} ms/s, counted {:.3}", a[0].is_ok(), e * 100.0, 100.0 * Work::of(&s, &fixed).cost(&drive));
-                }
+                assert_eq!(word(&subject(model.name, ""), step), expected, "{} {step}", model.name);
             }
         }
+        // what it depends on: parts, steps, samples
+        let few = subject("ring-brush-flat-track", "[parameters]\nstripes = 1\nbristles_per_stripe = 10\n");
+        assert_eq!(word(&few, 1e-2), Effort::Full);
+        let short = subject("brake-hydraulics", "[parameters]\nstep_size = 1e-5\n");
+        assert_eq!(word(&short, 1e-2), Effort::Low);
+        assert_eq!(word(&subject("brake-hydraulics", ""), 1e-4), Effort::Low);
+    }
+
+    #[test]
+    fn an_fmu_costs_what_its_model_costs() {
+        let parameters = "[parameters]\nstripes = 4\nstep_size = 2e-4\n";
+        let native = subject("ring-brush-flat-track", parameters);
+        let expected = Work::of(&native, &native.fixed);
+        assert_eq!(expected, Work { per_second: (SMALL_STEP + 4.0 * 30.0) / 2e-4, is_known: true });
+        // as an FMU has it: its parameters are start values of its description, and effects add variables
+        let mut fmu = subject("ring-brush-flat-track", "");
+        fmu.base = Base::Fmu("tire.fmu".into());
+        for (variable, value) in &native.fixed {
+            fmu.interface.variables[*variable].start = Some(value.clone());
+        }
+        let mut delay = fmu.interface.variables[0].clone();
+        delay.name = "sensor_delay.delay".into();
+        fmu.interface.variables.push(delay);
+        assert_eq!(Work::of(&fmu, &[]), expected);
+        // one that lacks a variable is another model, of which nothing is known
+        fmu.interface.variables.retain(|v| v.name != "belt_mass");
+        let unknown = Work::of(&fmu, &[]);
+        assert_eq!(unknown, Work { per_second: 8.0 / 1e-3, is_known: false });
+        let (effort, why) = unknown.effort(&run(1e-2), None);
+        assert_eq!(effort, Effort::Full);
+        assert!(why.contains("is not known") && why.contains("--effort low"), "{why}");
+        assert_eq!(unknown.effort(&run(1e-2), Some(Effort::Low)).0, Effort::Low);
+        // in a system its parts cost, and meeting them at every step of the system
+        let mut system = native;
+        system.base = Base::System("system.toml".into());
+        system.interface.variables.iter_mut().for_each(|v| v.name = format!("tire.{}", v.name));
+        system.interface.communication_step = 1e-3;
+        let part = Work::of(&system, &system.fixed);
+        assert!((part.per_second - expected.per_second - POINT / 1e-3).abs() < 1e-6 && part.is_known);
     }
 }
