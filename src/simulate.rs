@@ -1,7 +1,7 @@
 //! Runs a slave along a recording of its inputs and records what comes out.
 
 use crate::model::unit::Unit;
-use crate::model::{Causality, Interface, Kind, Slave, Value};
+use crate::model::{Causality, Interface, Kind, Slave, Value, VariableInfo};
 use crate::recording::{Channel, Recording, interpolate};
 use crate::{Error, Result};
 
@@ -9,6 +9,42 @@ use crate::{Error, Result};
 const MAX_VALUES: f64 = 5e8;
 /// How far a last step may be from a whole one, in steps, to count as whole.
 const STEP_TOLERANCE: f64 = 1e-6;
+
+/// The parameter of a rig that says whether its commands pass its actuators.
+pub const ACTUATORS: &str = "command_actuators";
+
+/// Values that switch off the actuators of what recordings drive: these hold the motions that a rig made, and its
+/// actuators must not follow them once more.
+///
+/// `recorded` are the inputs that recordings hold. What switches an actuator is a boolean parameter called
+/// [`ACTUATORS`], in a wired system `part.command_actuators`. It is left alone if it is off anyway, if it `is_given` by
+/// the user, or if no input of its part is recorded.
+pub fn follow_recorded_motions(
+    interface: &Interface,
+    recorded: &[usize],
+    is_given: impl Fn(usize) -> bool,
+) -> Vec<(usize, Value)> {
+    let drives = |part: &str| {
+        let mut names = recorded.iter().filter_map(|v| interface.variables.get(*v)).map(|v| &v.name);
+        (part.is_empty() || part.ends_with('.')) && names.any(|name| name.starts_with(part))
+    };
+    let is_switch = |(variable, info): &(usize, &VariableInfo)| {
+        info.name.strip_suffix(ACTUATORS).is_some_and(drives)
+            && info.causality == Causality::Parameter
+            && info.kind == Kind::Boolean
+            && info.start != Some(Value::Boolean(false))
+            && !is_given(*variable)
+    };
+    let switches = interface.variables.iter().enumerate().filter(is_switch);
+    switches.map(|(variable, _)| (variable, Value::Boolean(false))).collect()
+}
+
+/// What to say to the user if [`follow_recorded_motions`] has switched off the parameter called `name`.
+pub fn motions_are_followed(name: &str) -> String {
+    format!(
+        "{name} is false in these runs: recorded inputs are taken for the motions themselves and do not pass the actuators. If they are commands, set {name} = true."
+    )
+}
 
 /// What to run.
 #[derive(Debug, Clone, Default)]
@@ -260,5 +296,98 @@ impl Recorder {
         {
             *last = value;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Access, Model, Native, Settings, Variable, boolean_parameter, input, output, parameter};
+    use crate::real;
+    use serde::{Deserialize as De, Serialize as Ser};
+
+    /// A drive whose position follows its command by a lag, or is the command.
+    #[derive(Clone, Default, PartialEq, Ser, De)]
+    struct Rig {
+        command: f64,
+        position: f64,
+        frequency: f64,
+        command_actuators: bool,
+    }
+
+    impl Model for Rig {
+        const NAME: &'static str = "rig";
+        const DESCRIPTION: &'static str = "A rig";
+        const VARIABLES: &'static [Variable<Self>] = &[
+            input("command", "m", real!(command), 0.0, "Command"),
+            output("position", "m", real!(position), "Position"),
+            parameter("actuator_frequency", "rad/s", real!(frequency), 10.0, "Corner").range(1.0, 1e3),
+            boolean_parameter(
+                "command_actuators",
+                Access::Boolean(|m: &Self| m.command_actuators, |m: &mut Self, v| m.command_actuators = v),
+                true,
+                "Commands pass the actuators",
+            ),
+        ];
+
+        fn step_size(&self) -> f64 {
+            1e-3
+        }
+
+        fn initialize(&mut self) -> Result<()> {
+            self.position = self.command;
+            Ok(())
+        }
+
+        fn step(&mut self, length: f64) -> Result<()> {
+            let share = if self.command_actuators { 1.0 - (-self.frequency * length).exp() } else { 1.0 };
+            self.position += share * (self.command - self.position);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn recorded_motions_do_not_pass_the_actuators_once_more() {
+        let interface = Native::<Rig>::table();
+        let (command, switch) = (0, 3);
+        let off = |recorded: &[usize]| follow_recorded_motions(&interface, recorded, |_| false);
+        assert_eq!(off(&[command]), [(switch, Value::Boolean(false))]);
+        assert!(motions_are_followed("command_actuators").contains("command_actuators = true"));
+        // nothing is recorded that it drives, or somebody has set it
+        assert_eq!(off(&[]), []);
+        assert_eq!(follow_recorded_motions(&interface, &[command], |v| v == switch), []);
+        // or it is off
+        let mut is_off = interface.clone();
+        is_off.variables[switch].start = Some(Value::Boolean(false));
+        assert_eq!(follow_recorded_motions(&is_off, &[command], |_| false), []);
+        // it is a number, or belongs to another part
+        let mut number = interface.clone();
+        number.variables[switch].kind = Kind::Real;
+        assert_eq!(follow_recorded_motions(&number, &[command], |_| false), []);
+        let mut system = interface.clone();
+        for (name, variable) in
+            ["left.command", "left.position", "right.actuator_frequency", "right.command_actuators"]
+                .iter()
+                .zip(&mut system.variables)
+        {
+            variable.name = (*name).into();
+        }
+        assert_eq!(follow_recorded_motions(&system, &[command], |_| false), []);
+        system.variables[switch].name = "left.command_actuators".into();
+        assert_eq!(follow_recorded_motions(&system, &[command], |_| false).len(), 1);
+
+        // a recorded ramp is the motion then, and lags by 1 / frequency otherwise
+        let time: Vec<f64> = (0..=200).map(|k| 0.01 * f64::from(k)).collect();
+        let ramp = Channel { name: "command".into(), unit: "m".into(), values: time.clone() };
+        let recording = Recording { source: "ramp".into(), time, channels: vec![ramp] };
+        let last = |values: Vec<(usize, Value)>| {
+            let mut slave = Native::<Rig>::new(&Settings::default()).unwrap();
+            let experiment = Experiment { inputs: Some(&recording), values, ..Experiment::default() };
+            let outcome = simulate(&mut slave, &experiment, |_, _| {}).unwrap();
+            *outcome.recording.channel("position").unwrap().values.last().unwrap()
+        };
+        assert!((last(off(&[command])) - 2.0).abs() < 1e-9);
+        // a lag of first order on a ramp, which it meets at the ends of its steps: late by the lag, less half a step
+        assert!((last(Vec::new()) - (2.0 - 0.1)).abs() < 1e-3, "{}", last(Vec::new()));
     }
 }

@@ -9,7 +9,9 @@ use latsch::recording::{Recording, profile_value, read_csv, read_settings, write
 use latsch::report::{PatchFrame, patch_caption, simulation_report, write_html};
 use latsch::rig::RingBrushFlatTrack;
 use latsch::shipped::MODELS;
-use latsch::simulate::{Experiment, Outcome, Schedule, simulate};
+use latsch::simulate::{
+    Experiment, Outcome, Schedule, follow_recorded_motions, motions_are_followed, simulate,
+};
 use latsch::{Error, Result, VERSION};
 use std::path::{Path, PathBuf};
 
@@ -81,6 +83,19 @@ pub fn run(args: &Args) -> Result<()> {
         }
         experiment.values.push(value);
     }
+    let settings = read_settings(args.parameters.as_deref())?;
+    let switched = {
+        let interface = subject.slave.interface();
+        let is_given = |variable: usize| {
+            experiment.values.iter().any(|(v, _)| *v == variable)
+                || settings.values.iter().any(|s| s.name == interface.variables[variable].name)
+        };
+        follow_recorded_motions(interface, &recorded(interface, inputs.as_ref()), is_given)
+    };
+    for (variable, _) in &switched {
+        eprintln!("note: {}", motions_are_followed(&subject.slave.interface().variables[*variable].name));
+    }
+    experiment.values.extend(switched);
     let outcome = subject.run(&experiment, &args.model)?;
     write_csv(&args.output, &selected(subject.slave.interface(), &outcome.recording, args.all))?;
     if let Some(report) = &args.report {
@@ -88,6 +103,12 @@ pub fn run(args: &Args) -> Result<()> {
         write_html(report, &page)?;
     }
     finish(&args.output, outcome)
+}
+
+/// The inputs that a recording holds.
+fn recorded(interface: &Interface, inputs: Option<&Recording>) -> Vec<usize> {
+    let variables = inputs.iter().flat_map(|r| &r.channels).filter_map(|c| interface.index(&c.name));
+    variables.filter(|v| interface.variables[*v].causality == Causality::Input).collect()
 }
 
 /// Says what was written, or why the run ended early.

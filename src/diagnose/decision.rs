@@ -1,4 +1,5 @@
-//! The decision of one round: which candidate is right by the check runs, and what cannot be told from it.
+//! The decision of one round: which candidates count, by what the check runs gain from them; which of those is named, by
+//! how likely it makes fit runs and check runs together; and what cannot be told from it.
 
 use super::blocks::{bootstrap_shares, differences, sign_flip};
 use super::candidates::Tried;
@@ -91,11 +92,29 @@ impl<'a> Round<'a> {
         }
     }
 
-    /// Whether the check runs have gained from an effect what chance does not make, of so many that were tried.
+    /// Whether the check runs have gained from an effect what chance does not make, of so many that were tried, and both
+    /// sets of runs a share that matters.
     fn counts(&self, t: &Tried) -> bool {
+        self.why_not(t).is_none()
+    }
+
+    /// Why an effect does not count, if it does not.
+    fn why_not(&self, t: &Tried) -> Option<String> {
         let level = LEVEL / self.tried.len().max(1) as f64;
         let least = if self.study.slow { MIN_GAIN_SLOW } else { MIN_GAIN };
-        t.p <= level && t.check_gain.min(t.fit_gain) > least && visible(self.study, t, self.before)
+        let enough = |gain: f64| gain > least;
+        let little = |runs: &str| format!("takes away less than {} % of the error of the {runs} runs", 100.0 * least);
+        match t {
+            _ if t.p > level || t.p.is_nan() => {
+                Some("no gain on the check runs that chance does not make".into())
+            }
+            _ if !enough(t.check_gain) => Some(little("check")),
+            _ if !enough(t.fit_gain) => Some(little("fit")),
+            _ if !visible(self.study, t, self.before) => {
+                Some("takes away too little of the error of any one channel".into())
+            }
+            _ => None,
+        }
     }
 
     /// Counts, and is not refuted as a name.
@@ -193,7 +212,7 @@ impl<'a> Round<'a> {
         match &t.refuted {
             Some(why) => why.clone(),
             None if chosen == Some(i) => "chosen".into(),
-            None if !self.counts(t) => "no gain on the check runs that chance does not make".into(),
+            None if !self.counts(t) => self.why_not(t).unwrap_or_default(),
             None if rivals.contains(&i) => {
                 "as good as the one chosen: these recordings do not separate them".into()
             }

@@ -15,7 +15,6 @@ use super::study::{Fitted, Model, Rest, Study, negligible};
 use crate::fit::{Drive, Run, Setup};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 /// Rivals that differ by less than so many times the noise are not separated.
 const ENOUGH: f64 = 2.0;
@@ -27,11 +26,12 @@ const NEARLY: f64 = 0.9;
 const MAX_RIVALS: usize = 5;
 /// Programmes that are simulated together.
 const TOGETHER: usize = 4;
-/// Time for all of it \[s\], and the share of it after which no more programmes are begun; models that take long
-/// get more time, but only for a few short programmes, and fewer of them are looked at closely.
-const TIME: f64 = 1.0;
+/// What all simulations may cost together, as [`Work`](super::effort::Work) counts it \[s\], and the share of it after
+/// which no more programmes are begun; models that take long may cost more, but get only a few short programmes, and
+/// fewer of them are looked at closely.
+const BUDGET: f64 = 2.0;
 const FIRST_LOOK: f64 = 0.6;
-const SLOW_TIME: f64 = 20.0;
+const SLOW_BUDGET: f64 = 40.0;
 const SLOW_PROGRAMMES: usize = 5;
 const SLOW_LONGEST: f64 = 2.0;
 const SLOW_CLOSELY: usize = 2;
@@ -85,8 +85,8 @@ impl Rival {
 /// The experiment that separates the first rival from the others, as far as there is one. `left` is what the
 /// last model leaves of the check runs. `None` if there is nothing to separate, or no programme can be run.
 pub(super) fn propose(study: &Study<'_>, roles: &Roles, rivals: &[Rival], left: &Rest) -> Option<Experiment> {
-    let seconds = if study.slow { SLOW_TIME } else { TIME };
-    propose_within(study, roles, rivals, &noises(study, left), Duration::from_secs_f64(seconds))
+    let budget = if study.slow { SLOW_BUDGET } else { BUDGET };
+    propose_within(study, roles, rivals, &noises(study, left), budget)
 }
 
 /// Noise of every measured channel, in its unit: what is left of it where it cannot be told from that, and never
@@ -110,9 +110,8 @@ fn propose_within(
     roles: &Roles,
     rivals: &[Rival],
     noise: &[f64],
-    time: Duration,
+    budget: f64,
 ) -> Option<Experiment> {
-    let began = Instant::now();
     let stand = Stand { study, rivals: &rivals[..rivals.len().min(MAX_RIVALS)], noise };
     let (chosen, others) = stand.rivals.split_first().filter(|(_, others)| !others.is_empty())?;
     let runs: Vec<&Run> = study.fit_runs.iter().chain(&study.check_runs).copied().collect();
@@ -121,12 +120,15 @@ fn propose_within(
 
     // a fit never makes rivals differ more: what they differ by as they are is the most that is possible
     let mut bounds: Vec<(Score, &Programme)> = Vec::new();
-    let mut tried = 0;
+    let (mut tried, mut spent) = (0, 0.0);
+    let close_points: usize = stand.rivals.iter().map(|r| 1 + r.steps.len()).sum();
+    let cost = |programme: &Programme| study.work.cost(&programme.drive);
     for some in programmes.chunks(TOGETHER) {
-        if tried > 0 && began.elapsed() > time.mul_f64(FIRST_LOOK) {
+        if tried > 0 && spent > FIRST_LOOK * budget {
             break;
         }
         tried += some.len();
+        spent += stand.rivals.len() as f64 * some.iter().map(cost).sum::<f64>();
         let differences = stand.differ(some).into_iter().zip(some);
         bounds.extend(differences.filter_map(|(d, programme)| Some((Score::of(&d?), programme))));
     }
@@ -134,10 +136,11 @@ fn propose_within(
     let mut close: Vec<(Score, &Programme, Vec<Shown>)> = Vec::new();
     let mut best: Option<Score> = None;
     for (bound, programme) in &bounds {
-        let late = began.elapsed() > time || (study.slow && close.len() == SLOW_CLOSELY);
+        let late = spent > budget || (study.slow && close.len() == SLOW_CLOSELY);
         if best.is_some_and(|best| late || !bound.is_near(&best)) {
             break;
         }
+        spent += close_points as f64 * cost(programme);
         let Some(shown) = stand.differ_refitted(programme) else { continue };
         let score = Score::of(&shown);
         if best.is_none_or(|best| score.order(&best).is_gt()) {
@@ -147,8 +150,8 @@ fn propose_within(
     }
     let best = best?;
     close.retain(|(score, ..)| score.is_near(&best));
-    let cost = |programme: &Programme| (programme.beyond, programme.drive.points);
-    let (_, programme, shown) = close.into_iter().min_by_key(|(_, programme, _)| cost(programme))?;
+    let length = |programme: &Programme| (programme.beyond, programme.drive.points);
+    let (_, programme, shown) = close.into_iter().min_by_key(|(_, programme, _)| length(programme))?;
 
     // the hardest of those that are separated, or of all
     let separated = |s: &&Shown| best.count == 0 || s.by >= ENOUGH;

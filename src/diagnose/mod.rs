@@ -4,8 +4,10 @@ mod begin;
 mod blocks;
 mod candidates;
 mod decision;
+mod effort;
 mod excerpt;
 mod experiment;
+mod given;
 pub mod hygiene;
 mod left;
 pub mod loads;
@@ -25,10 +27,12 @@ pub mod spectrum;
 mod study;
 mod subject;
 mod tables;
+#[cfg(test)]
+mod tests;
 mod wander;
 mod witnesses;
 
 pub use pipeline::{CheckTraces, Outcome, Request, diagnose};
 pub use result::*;
 pub use runs::Map;
-pub use subject::{Base, Subject};
+pub use subject::{Base, FreeParameter, LeftOut, Subject};

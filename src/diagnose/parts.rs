@@ -107,7 +107,11 @@ impl<'a> Opened<'a> {
         if inputs.is_empty() {
             return Ok(None);
         }
-        let bench = Bench::new(&factory(file, component), &subject.fixed, threads)?;
+        // what comes from a recording now is a motion, too
+        let now_recorded: Vec<usize> = inputs.iter().map(|i| i.input).collect();
+        let switched = subject.actuators_of(&now_recorded);
+        let fixed: Vec<_> = subject.fixed.iter().cloned().chain(switched).collect();
+        let bench = Bench::new(&factory(file, component), &fixed, threads)?;
         Ok(Some(Self { name: name.into(), whole, bench, inputs }))
     }
 

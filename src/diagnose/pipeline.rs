@@ -2,12 +2,13 @@
 
 use super::blocks::{differences, sign_flip};
 use super::decision::LEVEL;
+use super::effort::Work;
 use super::excerpt::finer;
 use super::left::NOISE_MARGIN;
 use super::parts::errors_of_parts;
 use super::placement::Placement;
 use super::reading::{Recorded, fault, shortest_interval, with};
-use super::result::{Diagnosis, Estimate, Finding, Use, Verdict};
+use super::result::{Diagnosis, Effort, Estimate, Finding, Use, Verdict};
 use super::roles::Roles;
 use super::runs::{Map, some_like_all};
 use super::search::{Found, search};
@@ -19,6 +20,7 @@ use crate::Result;
 use crate::fit::{Bench, Run};
 use crate::model::Settings;
 use crate::recording::Recording;
+use crate::simulate::motions_are_followed;
 use std::path::PathBuf;
 
 /// Iterations of the fits before the channels have their weights, and of those after, which end by
@@ -43,8 +45,10 @@ pub struct Request {
     pub map: Map,
     /// Communication step \[s\], if not the one that suits model and recording.
     pub step: Option<f64>,
-    /// Runs at the same time; 0: as many as there are cores.
+    /// Runs at the same time; 0: as many as there are cores. It changes no answer.
     pub threads: usize,
+    /// How much is tried, if not what suits the model.
+    pub effort: Option<Effort>,
 }
 
 /// What came out.
@@ -84,9 +88,12 @@ fn is_fatal(fault: &hygiene::Fault) -> bool {
 /// Files that cannot be read or do not fit each other, a model that cannot be run.
 pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Result<Outcome> {
     progress("reading", 0.0);
-    let subject = Subject::load(&request.model, &request.settings)?;
+    let mut subject = Subject::load(&request.model, &request.settings)?;
     let roles = Roles::of(&subject.interface, &request.map.roles())?;
     let (recorded, mut faults) = Recorded::read(request, &subject, &roles)?;
+    let switched = subject.follow_recorded_motions(&recorded.inputs())?;
+    let mut notes: Vec<String> =
+        switched.iter().map(|v| motions_are_followed(&subject.interface.variables[*v].name)).collect();
     let threads = if request.threads > 0 {
         request.threads
     } else {
@@ -106,12 +113,14 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         weights: Vec::new(),
         redundancy: 1.0,
         slow: false,
+        work: Work::of(&subject, subject.coarse().last().unwrap_or(&subject.fixed)),
     };
     study.weights = first_weights(&study.fit_runs);
     study.lag = RECORDER_LAG * shortest_interval(&study.fit_runs);
 
     progress("fitting the model's own parameters", 0.05);
-    study.time_it()?;
+    let (effort, why) = study.choose_effort(request.effort)?;
+    notes.push(why);
     if study.slow {
         study.fit_runs = some_of(&study.fit_runs);
     }
@@ -218,6 +227,8 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         parts,
         faults: faults.iter().filter(|f| f.counts()).map(fault).collect(),
         runs: recorded.used(shared.as_ref()),
+        effort,
+        notes,
         ..Diagnosis::default()
     };
     let total = (nominal_rest.total, base_rest.total, current_check.total);

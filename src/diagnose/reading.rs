@@ -13,6 +13,7 @@ use crate::fit::Run;
 use crate::model::Causality;
 use crate::recording::Recording;
 use crate::{Error, Result};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// A gap of more intervals is long: hygiene takes five for a gap, which inputs that are bridged survive.
@@ -73,6 +74,12 @@ impl Recorded {
         same_channels(subject, &runs)?;
         let are_given = are_given(&request.recordings);
         Ok((Self { names, recordings, uses, are_given, runs }, faults))
+    }
+
+    /// The inputs that recordings hold.
+    pub fn inputs(&self) -> Vec<usize> {
+        let inputs = self.runs.iter().flat_map(|(run, _)| run.drive.inputs.iter().map(|(v, _)| *v));
+        inputs.collect::<BTreeSet<usize>>().into_iter().collect()
     }
 
     /// All runs that are used.

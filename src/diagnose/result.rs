@@ -36,6 +36,23 @@ pub struct Diagnosis {
     /// What is wrong with the recordings.
     #[serde(default)]
     pub faults: Vec<Fault>,
+    /// How much was tried.
+    #[serde(default)]
+    pub effort: Effort,
+    /// What a reader has to know of how it was done: why so much was tried, which parameters were changed for it.
+    #[serde(default)]
+    pub notes: Vec<String>,
+}
+
+/// How much is tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Effort {
+    /// All that a diagnosis does.
+    #[default]
+    Full,
+    /// Less, for models that take long.
+    Low,
 }
 
 /// The kind of answer.

@@ -1,9 +1,11 @@
 //! [`Study`]: a model, its runs, and the fits of the model with effects to them.
 
 use super::blocks::redundancy;
+use super::effort::Work;
 use super::excerpt::beginning;
 use super::locate;
 use super::placement::Placement;
+use super::result::Effort;
 use super::subject::FreeParameter;
 use crate::effect::Parameter;
 use crate::fit::{Bench, Fit, Knob, Options, OutputError, Problem, Run, Traces, Unknown, least_squares};
@@ -28,8 +30,6 @@ const MAX_FREE: usize = 14;
 const SLOW_PIECE: f64 = 2.0;
 /// Steps of a fit at most, then.
 const SLOW_STEPS: usize = 12;
-/// A model that needs more time for a second of a recording takes long \[s\].
-const SLOW: f64 = 5e-3;
 /// A model is as good as another if it leaves at most so many times the error. What it makes may differ more, where
 /// chance decides which of many bristles hold.
 const AS_GOOD: f64 = 1.2;
@@ -57,6 +57,8 @@ pub struct Study<'a> {
     pub redundancy: f64,
     /// The model takes long: derivatives are updated where they can be, and less is tried.
     pub slow: bool,
+    /// What its simulations cost.
+    pub work: Work,
 }
 
 /// Effects at places with their fitted parameters, and the fitted parameters of the model.
@@ -342,20 +344,18 @@ impl Study<'_> {
         (samples as f64 / self.redundancy).max(2.0)
     }
 
-    /// Finds out whether the model takes long.
+    /// Decides whether the model is treated as one that takes long, and says why: by what its simulations cost, unless
+    /// the user `asked` for something.
     ///
     /// # Errors
     /// It cannot be run with its nominal values.
-    pub fn time_it(&mut self) -> Result<()> {
-        let Some(run) = self.fit_runs.first().copied() else { return Ok(()) };
+    pub fn choose_effort(&mut self, asked: Option<Effort>) -> Result<(Effort, String)> {
+        let Some(run) = self.fit_runs.first().copied() else { return Ok((Effort::Full, String::new())) };
         let model = self.nominal();
-        // the first time it may have to be loaded
         self.rest(&model, &[run]).map_err(|_| self.why_not(&self.problem(&model, vec![run])))?;
-        let began = std::time::Instant::now();
-        self.rest(&model, &[run])?;
-        let simulated = run.drive.time(run.drive.points.saturating_sub(1)) - run.drive.start;
-        self.slow = began.elapsed().as_secs_f64() > SLOW * simulated;
-        Ok(())
+        let (effort, why) = self.work.effort(run, asked);
+        self.slow = effort == Effort::Low;
+        Ok((effort, why))
     }
 
     /// The parameters that matter: those with the most effect on the outputs, the most important first. If they are

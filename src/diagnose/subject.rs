@@ -1,12 +1,15 @@
 //! What is diagnosed: a shipped model, an FMU or a wired system, how to make slaves of it, and which of
 //! its parameters a fit may change.
 
-use crate::cosimulate::{System, SystemSlave, read_system};
+use super::given::why_given;
+use crate::cosimulate::{Source, System, SystemSlave, read_system};
 use crate::fit::Factory;
 use crate::fmi::Entry;
 use crate::fmi::import::ImportedFmu;
-use crate::model::{Causality, Interface, Kind, Settings, Slave, Value, Variability, VariableInfo};
+use crate::model::{Causality, Interface, Kind, Settings, Slave, Value, VariableInfo};
+use crate::recording::read_settings;
 use crate::shipped::MODELS;
+use crate::simulate::{ACTUATORS, follow_recorded_motions};
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,20 +18,12 @@ use std::sync::Arc;
 const REACH: f64 = 0.5;
 /// How many times as long as its own the steps of a model may be while effects are looked for.
 const COARSER: [f64; 2] = [2.0, 4.0];
-/// Parameters of the numerics, which no recording is fitted with: parts of their names.
-const NUMERICAL: &[&str] = &[
-    "step_size",
-    "sample_time",
-    "tolerance",
-    "initial",
-    "start",
-    "actuator",
-    "reference",
-    "seed",
-    "number_of",
-    "gravity",
-    "road_",
-];
+/// The filter of a rig's actuators.
+const FILTER: &str = "actuator_frequency";
+/// Why a parameter is left out, if not by what it is.
+const PASSED_BY: &str = "recorded motions are followed as they are and do not pass the actuators";
+const ZERO: &str = "it is zero, so nothing is known of its size: [fit] can give it a range";
+const NO_ROOM: &str = "it has no value, or its range leaves no room";
 
 /// What the user has in hand.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,6 +53,15 @@ pub struct FreeParameter {
     pub asked: bool,
 }
 
+/// A parameter that is not fitted unless the user asks for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeftOut {
+    /// Index of the variable.
+    pub variable: usize,
+    /// Why.
+    pub why: &'static str,
+}
+
 /// A model under diagnosis.
 pub struct Subject {
     /// What it is.
@@ -70,9 +74,54 @@ pub struct Subject {
     pub fixed: Vec<(usize, Value)>,
     /// What may be fitted.
     pub free: Vec<FreeParameter>,
+    /// What is left out of that, if the user did not say what may be fitted.
+    pub left_out: Vec<LeftOut>,
+    /// Values of the wired system's file, by the names of its variables.
+    set_in_system: Vec<String>,
 }
 
 impl Subject {
+    /// Switches actuators off that would follow the motions in recordings once more; `recorded` are the inputs that
+    /// recordings hold. Gives the switches that were turned.
+    ///
+    /// # Errors
+    /// The user asked for a fit of what then has no effect.
+    pub fn follow_recorded_motions(&mut self, recorded: &[usize]) -> Result<Vec<usize>> {
+        let off = self.actuators_of(recorded);
+        self.fixed.extend(off.iter().cloned());
+        let off: Vec<usize> = off.into_iter().map(|(variable, _)| variable).collect();
+        for switch in &off {
+            let name = &self.interface.variables[*switch].name;
+            let filter = format!("{}{FILTER}", name.strip_suffix(ACTUATORS).unwrap_or_default());
+            let Some(variable) = self.interface.index(&filter) else { continue };
+            if self.free.iter().any(|p| p.variable == variable && p.asked) {
+                return Err(Error::file(format!(
+                    "[fit]: {filter} does nothing while recorded motions are followed as they are; set {name} = true under [parameters] if the recordings hold commands"
+                )));
+            }
+            self.free.retain(|p| p.variable != variable);
+            if !self.left_out.iter().any(|l| l.variable == variable) {
+                self.left_out.push(LeftOut { variable, why: PASSED_BY });
+            }
+        }
+        Ok(off)
+    }
+
+    /// Switches of actuators, turned off, of what these inputs drive, where nobody has set them.
+    pub(super) fn actuators_of(&self, recorded: &[usize]) -> Vec<(usize, Value)> {
+        let own = match &self.base {
+            Base::Shipped(_, settings) => &settings.values[..],
+            _ => &[],
+        };
+        let is_given = |variable: usize| {
+            let name = &self.interface.variables[variable].name;
+            self.fixed.iter().any(|(v, _)| *v == variable)
+                || own.iter().any(|s| s.name == *name)
+                || self.set_in_system.contains(name)
+        };
+        follow_recorded_motions(&self.interface, recorded, is_given)
+    }
+
     /// What is fixed in copies with longer and longer steps of the model's own, if it has such a parameter and the
     /// user has left it alone.
     pub fn coarse(&self) -> Vec<Vec<(usize, Value)>> {
@@ -141,9 +190,27 @@ impl Subject {
         };
         let interface = factory()?.interface().clone();
         let fixed = Settings { model: None, ..settings.clone() }.check(&interface)?;
-        let free = free_parameters(&interface, &fixed, settings)?;
-        Ok(Self { base, factory, interface, fixed, free })
+        let (free, left_out) = free_parameters(&interface, &fixed, settings)?;
+        let set_in_system = match &base {
+            Base::System(file) => names_set(file)?,
+            _ => Vec::new(),
+        };
+        Ok(Self { base, factory, interface, fixed, free, left_out, set_in_system })
     }
+}
+
+/// The names of the variables that a system's file sets.
+fn names_set(file: &Path) -> Result<Vec<String>> {
+    let components = read_system(file)?.plan.components;
+    let mut names = Vec::new();
+    for component in components {
+        names.extend(component.set.iter().map(|s| format!("{}.{}", component.name, s.variable)));
+        if let Source::Model(_, parameters) = &component.source {
+            let settings = read_settings(parameters.as_deref())?;
+            names.extend(settings.values.iter().map(|s| format!("{}.{}", component.name, s.name)));
+        }
+    }
+    Ok(names)
 }
 
 /// A wired system from its file, with its communication step \[s\].
@@ -172,7 +239,7 @@ fn free_parameters(
     interface: &Interface,
     fixed: &[(usize, Value)],
     settings: &Settings,
-) -> Result<Vec<FreeParameter>> {
+) -> Result<(Vec<FreeParameter>, Vec<LeftOut>)> {
     let parameter = |variable: usize, range: Option<(f64, f64)>| {
         let info = &interface.variables[variable];
         let nominal = value_of(info, variable, fixed)?;
@@ -185,17 +252,21 @@ fn free_parameters(
         Some(FreeParameter { variable, nominal: nominal.clamp(low, high.max(low)), scale, low, high, asked })
     };
     if settings.fit.is_empty() {
-        let names = |name: &str| NUMERICAL.iter().any(|part| name.to_ascii_lowercase().contains(part));
-        let all = interface.variables.iter().enumerate().filter(|(_, info)| {
-            info.causality == Causality::Parameter
-                && matches!(info.variability, Variability::Fixed | Variability::Tunable)
-                && info.kind == Kind::Real
-                && !names(&info.name)
-        });
-        return Ok(all
-            .filter_map(|(variable, _)| parameter(variable, None))
-            .filter(|p| p.nominal != 0.0 && p.high > p.low)
-            .collect());
+        let (mut free, mut left_out) = (Vec::new(), Vec::new());
+        for (variable, info) in interface.variables.iter().enumerate() {
+            if info.causality != Causality::Parameter {
+                continue;
+            }
+            let why = why_given(info).or_else(|| why_passed_by(interface, info, fixed));
+            let found = parameter(variable, None);
+            match (why, found) {
+                (Some(why), _) => left_out.push(LeftOut { variable, why }),
+                (None, Some(p)) if p.nominal != 0.0 && p.high > p.low => free.push(p),
+                (None, Some(p)) if p.nominal == 0.0 => left_out.push(LeftOut { variable, why: ZERO }),
+                (None, _) => left_out.push(LeftOut { variable, why: NO_ROOM }),
+            }
+        }
+        return Ok((free, left_out));
     }
     let mut free = Vec::new();
     for entry in &settings.fit {
@@ -211,12 +282,165 @@ fn free_parameters(
             at(Error::variable(format!("{}: its start value and range leave nothing to fit", entry.name)))
         })?);
     }
-    Ok(free)
+    Ok((free, Vec::new()))
+}
+
+/// Why the filter of a rig's actuators has no effect on recorded motions, if so: they come with derivatives, and with
+/// those, or without actuators, they are followed as they are.
+fn why_passed_by(
+    interface: &Interface,
+    info: &VariableInfo,
+    fixed: &[(usize, Value)],
+) -> Option<&'static str> {
+    let part = info.name.strip_suffix(FILTER)?;
+    if !(part.is_empty() || part.ends_with('.')) {
+        return None;
+    }
+    let Some(switch) = interface.index(&format!("{part}{ACTUATORS}")) else { return Some(PASSED_BY) };
+    let set = fixed.iter().find(|(v, _)| *v == switch).map(|(_, value)| value);
+    let is_on = set.or(interface.variables[switch].start.as_ref()) == Some(&Value::Boolean(true));
+    (!is_on).then_some(PASSED_BY)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The real parameters of a shipped model with the inputs that a recording holds: those that may be fitted, and
+    /// those that are left out, with the reason.
+    fn shares(model: &str) -> (Vec<String>, Vec<(String, &'static str)>) {
+        let mut subject = Subject::load(model, &Settings::default()).unwrap();
+        let inputs: Vec<usize> = subject.interface.with(Causality::Input).collect();
+        subject.follow_recorded_motions(&inputs).unwrap();
+        let info = |variable: usize| &subject.interface.variables[variable];
+        let left = subject.left_out.iter().filter(|l| info(l.variable).is_real());
+        for other in subject.left_out.iter().filter(|l| !info(l.variable).is_real()) {
+            assert_eq!(other.why, "it is no real number", "{}", info(other.variable).name);
+        }
+        let parameters = subject.interface.with(Causality::Parameter).count();
+        assert_eq!(subject.free.len() + subject.left_out.len(), parameters, "{model}");
+        (
+            subject.free.iter().map(|p| info(p.variable).name.clone()).collect(),
+            left.map(|l| (info(l.variable).name.clone(), l.why)).collect(),
+        )
+    }
+
+    const TIRE: &[&str] = &[
+        "tire_radius",
+        "tire_width",
+        "cross_section_radius",
+        "rolling_radius",
+        "belt_mass",
+        "belt_inertia_diametral",
+        "belt_inertia_polar",
+        "vertical_stiffness",
+        "vertical_stiffness_quadratic",
+        "vertical_damping",
+        "sidewall_radial_stiffness",
+        "sidewall_lateral_stiffness",
+        "sidewall_tilt_stiffness",
+        "sidewall_windup_stiffness",
+        "sidewall_radial_damping",
+        "sidewall_lateral_damping",
+        "sidewall_tilt_damping",
+        "sidewall_windup_damping",
+        "bristle_length",
+        "bristle_stiffness",
+        "bristle_damping",
+        "stripe_length_factor",
+        "patch_compliance_x",
+        "patch_compliance_y",
+        "patch_compliance_twist",
+        "patch_lag_x",
+        "patch_lag_y",
+        "patch_lag_twist",
+        "pressure_exponent_long_0",
+        "pressure_exponent_long_1",
+        "pressure_exponent_long_2",
+        "pressure_exponent_lat_0",
+        "pressure_exponent_lat_1",
+        "pressure_exponent_lat_2",
+        "rolling_resistance_lever",
+        "friction_static_zero",
+        "friction_static_reference",
+        "friction_sliding_zero",
+        "friction_sliding_reference",
+        "friction_pressure",
+        "friction_pressure_scale",
+    ];
+    const NUMERICS: &str = "it belongs to the numerics";
+    const START: &str = "it is a state at the start, which runs do not share";
+    const GRAVITY: (&str, &str) = ("gravity", "it is a known constant of nature");
+    const STEP: (&str, &str) = ("step_size", NUMERICS);
+    const FALLOFF: (&str, &str) = ("friction_speed_falloff", ZERO);
+    const ROAD: &[&str] = &[
+        "road_start",
+        "road_height",
+        "road_length",
+        "road_bevel",
+        "road_spacing",
+        "road_roughness",
+        "road_direction",
+    ];
+
+    /// A tire's parameters and others are fitted; what is left out stands in the order of the table.
+    fn check_tire(model: &str, fitted: &[&str], before: &[(&str, &str)], has_road: bool) {
+        let (free, left) = shares(model);
+        let road = if has_road { ROAD } else { &[] };
+        // how the tire feels the road is the tire's
+        let filter = has_road.then_some("road_filter_length");
+        assert_eq!(free, [TIRE, fitted, filter.as_slice()].concat(), "{model}");
+        let road = road.iter().map(|name| (*name, "the road that was driven on is given"));
+        let expected: Vec<(&str, &str)> =
+            before.iter().copied().chain([STEP]).chain(road).chain([FALLOFF]).collect();
+        let left: Vec<(&str, &str)> = left.iter().map(|(name, why)| (name.as_str(), *why)).collect();
+        // a switch that was turned says so at the end
+        let mut sorted = (left, expected);
+        sorted.0.sort_unstable();
+        sorted.1.sort_unstable();
+        assert_eq!(sorted.0, sorted.1, "{model}");
+    }
+
+    #[test]
+    fn of_every_shipped_model_it_is_known_what_is_fitted_and_why_not() {
+        let filter = (FILTER, PASSED_BY);
+        check_tire("ring-brush-flat-track", &[], &[GRAVITY, filter], true);
+        check_tire("ring-brush-tire", &[], &[GRAVITY], false);
+        let hub = ["hub_mass", "hub_inertia"];
+        let before = [GRAVITY, ("initial_speed", START), ("initial_load", START), filter];
+        check_tire("ring-brush-wheel", &hub, &before, true);
+        let vehicle = ["vehicle_mass", "sprung_mass", "hub_mass", "hub_inertia"];
+        let springs =
+            ["suspension_stiffness", "suspension_damping", "fore_aft_stiffness", "fore_aft_damping"];
+        let before = [GRAVITY, ("initial_speed", START)];
+        check_tire("ring-brush-corner", &[vehicle, springs].concat(), &before, true);
+
+        let (free, left) = shares("brake-hydraulics");
+        let all = [
+            "piston_area",
+            "friction_radius",
+            "friction",
+            "onset_friction_share",
+            "onset_time",
+            "contact_pressure",
+            "caliper_lag",
+            "build_rate",
+            "dump_rate",
+            "release_rate",
+        ];
+        assert_eq!((free, left), (all.map(String::from).to_vec(), vec![("step_size".into(), NUMERICS)]));
+        // thresholds of a controller have units; its reference speed is no reference of anything else
+        let (free, left) = shares("abs-controller");
+        assert_eq!(left, [("sample_time".to_string(), NUMERICS)]);
+        assert_eq!(free.len(), 30);
+        assert!(["speed_tolerance", "reference_ascent"].iter().all(|n| free.iter().any(|f| f == n)), "{free:?}");
+    }
+
+    /// What `shipped::MODELS` has beside those above would be tested by nobody.
+    #[test]
+    fn no_shipped_model_is_forgotten() {
+        assert_eq!(MODELS.len(), 6);
+    }
 
     #[test]
     fn a_copy_with_longer_steps_is_made_unless_the_user_has_chosen_one() {

@@ -79,6 +79,10 @@ impl Model for RingBrushTire {
         self.step_size
     }
 
+    fn step_work(&self) -> f64 {
+        self.tire.step_work()
+    }
+
     fn initialize(&mut self) -> Result<()> {
         self.tire.mount()?;
         self.last = (self.place(), self.plane);

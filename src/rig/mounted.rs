@@ -1,6 +1,7 @@
 //! A tire on a rim whose motion somebody else decides: a rig's imposed motion, a hub, a master.
 
 use super::stability::Link;
+use crate::model::SMALL_STEP;
 use crate::tire::ring_brush::{Parameters, State, Stationary, Tire, Vertical, stationary};
 use crate::tire::{Ground, Motion, Plane};
 use crate::{Result, clone_in_place};
@@ -66,6 +67,12 @@ impl MountedTire {
     /// Parameters that contradict each other.
     pub fn tune(&mut self) -> Result<()> {
         self.tire.tune(&self.parameters)
+    }
+
+    /// How much work a step is, as [`Model::step_work`](crate::model::Model::step_work) counts it: all bristles are
+    /// looked at in every step, whether or not they are in contact.
+    pub fn step_work(&self) -> f64 {
+        SMALL_STEP + f64::from(self.parameters.stripes) * f64::from(self.parameters.bristles_per_stripe)
     }
 
     /// Checks a value that was read from bytes.

@@ -122,6 +122,10 @@ impl Model for RingBrushWheel {
         self.step_size
     }
 
+    fn step_work(&self) -> f64 {
+        self.tire.step_work()
+    }
+
     fn initialize(&mut self) -> Result<()> {
         self.tire.mount()?;
         self.road = Road::new(&self.road_parameters)?;

@@ -1,5 +1,6 @@
 //! Rivals on a plain spring, where it is known by hand how far they differ.
 
+use super::super::effort::Work;
 use super::*;
 use crate::effect::{Port, Signal, Source, find};
 use crate::fit::{Bench, Channel, Factory};
@@ -76,6 +77,7 @@ fn study<'a>(bench: &'a Bench, runs: &'a [Run]) -> Study<'a> {
         weights: vec![1.0],
         redundancy: 1.0,
         slow: false,
+        work: Work::assumed(bench.interface()),
     }
 }
 
@@ -99,7 +101,7 @@ fn rival(id: &str, drivers: Vec<Signal>, values: &[f64], known_to: &[f64]) -> Ri
 
 fn proposed(study: &Study<'_>, rivals: &[Rival], noise: f64) -> Option<Experiment> {
     // as long as it takes
-    propose_within(study, &Roles::default(), rivals, &[noise], Duration::from_secs(3600))
+    propose_within(study, &Roles::default(), rivals, &[noise], f64::INFINITY)
 }
 
 /// How far rivals differ on the programme whose words begin so: as they are, and after refits.

@@ -45,10 +45,16 @@ pub fn diagnosis_report(diagnosis: &Diagnosis, runs: &[CheckRun]) -> Result<Stri
         tables::unexplained(diagnosis, &compared),
         next(diagnosis),
         tables::recordings(diagnosis),
+        notes(diagnosis),
     ] {
         page = page.section(section);
     }
     Ok(page.html())
+}
+
+fn notes(diagnosis: &Diagnosis) -> Section {
+    let section = Section::new("How it was done");
+    diagnosis.notes.iter().fold(section, |section, note| section.with(Html::text(note)))
 }
 
 fn next(diagnosis: &Diagnosis) -> Section {

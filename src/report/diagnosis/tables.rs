@@ -71,7 +71,10 @@ pub(super) fn candidates(diagnosis: &Diagnosis) -> Section {
     html.push_str("</tbody></table></div>\n");
     section.with(Html::raw(html)).with(Html::note(
         "Gain is the share of the squared error that the effect takes away, beyond a refit of the model's own \
-         parameters; only the check runs decide. Chance is the probability that chance gains as much.",
+         parameters. An effect counts only if the check runs gain from it what chance does not make, and both sets a \
+         share that matters; of those that count, the one that fit runs and check runs together make likeliest is chosen, \
+         less a price for its parameters and places. Chance is the probability that chance gains as much on the check \
+         runs.",
     ))
 }
 

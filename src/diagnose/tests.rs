@@ -1,0 +1,165 @@
+//! Whole diagnoses of small models: what their answers must not depend on, and what is fitted.
+
+use super::blocks::Dice;
+use super::effort::Work;
+use super::study::Study;
+use super::*;
+use crate::fit::{Bench, Channel, Drive, Run, Setup};
+use crate::model::Settings;
+use crate::recording::{Channel as Recorded, Recording, write_csv};
+use crate::report::{CheckRun, diagnosis_report};
+use std::f64::consts::TAU;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Four seconds of a shipped brake, whose torque gauge lags by 12 ms: which lag or delay that is, slow pressures do not
+/// tell.
+fn record_brake(folder: &Path) {
+    let subject = Subject::load("brake-hydraulics", &Settings::default()).unwrap();
+    let find = |name: &str| subject.interface.index(name).unwrap();
+    let bench = Bench::new(&subject.factory, &subject.fixed, 1).unwrap();
+    let mut dice = Dice::new(5);
+    for number in 0..5 {
+        let mut uniform = || dice.bits() as f64 / u64::MAX as f64;
+        let sines: Vec<[f64; 3]> = (0..4)
+            .map(|_| [6e5 * (0.5 + uniform()), 0.4 + 1.6 * uniform(), TAU * uniform()])
+            .collect();
+        let pressure = |t: f64| 4e6 + sines.iter().map(|[a, f, p]| a * (TAU * f * t + p).sin()).sum::<f64>();
+        let fine: Vec<f64> = (0..=4000).map(|k| pressure(1e-3 * f64::from(k))).collect();
+        let inputs = vec![(find("driver_pressure"), fine)];
+        let drive = Arc::new(Drive { start: 0.0, step: 1e-3, inputs, points: 4001 });
+        let setup = Arc::new(Setup { values: vec![(find("friction"), 0.43)], attachments: Vec::new() });
+        let watch: Arc<[usize]> = Arc::from([find("brake_torque"), find("driver_pressure")]);
+        let traces = bench.run(&[setup], &[drive], &watch).pop().unwrap().unwrap();
+        let mut late = traces[0][0];
+        let torque: Vec<f64> = traces[0]
+            .iter()
+            .map(|now| {
+                late += (now - late) * (1.0 - (-1e-3_f64 / 12e-3).exp());
+                late
+            })
+            .collect();
+        let every = |values: &[f64]| values.iter().step_by(10).copied().collect::<Vec<f64>>();
+        let noisy = every(&torque).iter().map(|v| v + 8.0 * (uniform() - 0.5)).collect();
+        let channel = |name: &str, unit: &str, values: Vec<f64>| Recorded { name: name.into(), unit: unit.into(), values };
+        let recording = Recording {
+            source: format!("run {number}"),
+            time: (0..=400).map(|k| 0.01 * f64::from(k)).collect(),
+            channels: vec![
+                channel("driver_pressure", "Pa", every(&traces[1])),
+                channel("brake_torque", "N.m", noisy),
+            ],
+        };
+        write_csv(&folder.join(format!("run-{number}.csv")), &recording).unwrap();
+    }
+}
+
+/// All that a diagnosis writes for people and for machines, and the answer itself.
+fn written(request: &Request) -> (String, String, Diagnosis) {
+    let outcome = diagnose(request, &mut |_, _| {}).unwrap();
+    let runs: Vec<CheckRun> = (outcome.check.iter())
+        .map(|run| CheckRun {
+            name: run.measured.source.clone(),
+            recording: run.measured.clone(),
+            before: run.before.clone(),
+            after: run.after.clone(),
+        })
+        .collect();
+    let page = diagnosis_report(&outcome.diagnosis, &runs).unwrap();
+    (outcome.diagnosis.to_json().unwrap(), page, outcome.diagnosis)
+}
+
+/// Keeps all cores busy while something is done.
+fn under_load<T>(something: impl FnOnce() -> T) -> T {
+    let done = AtomicBool::new(false);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..2 * cores {
+            scope.spawn(|| {
+                while !done.load(Ordering::Relaxed) {
+                    std::hint::spin_loop();
+                }
+            });
+        }
+        let result = something();
+        done.store(true, Ordering::Relaxed);
+        result
+    })
+}
+
+#[test]
+fn the_speed_of_the_machine_and_the_number_of_threads_change_no_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    record_brake(folder.path());
+    let request = |threads: usize| Request {
+        model: "brake-hydraulics".into(),
+        recordings: folder.path().into(),
+        threads,
+        ..Request::default()
+    };
+    let (json, page, diagnosis) = written(&request(1));
+    let (again, same_page, _) = under_load(|| written(&request(3)));
+    assert_eq!(json, again);
+    assert!(page == same_page, "the pages differ");
+    // rivals were simulated: the part that a clock once ended
+    assert!(diagnosis.experiment.as_ref().is_some_and(|e| e.tried > 4), "{json}");
+    assert_eq!(diagnosis.effort, Effort::Full);
+    assert!(diagnosis.notes[0].starts_with("Effort: full, by its steps"), "{:?}", diagnosis.notes);
+    // what the user wants is done, and said
+    let (_, page, low) = written(&Request { effort: Some(Effort::Low), ..request(2) });
+    assert_eq!(low.effort, Effort::Low);
+    assert!(page.contains("Effort: low, as was asked for."));
+}
+
+#[test]
+fn friction_at_the_reference_pressure_is_fitted() {
+    let subject = Subject::load("ring-brush-flat-track", &Settings::default()).unwrap();
+    let find = |name: &str| subject.interface.index(name).unwrap();
+    let bench = Bench::new(&subject.factory, &subject.coarse()[1], 2).unwrap();
+    // one second from free rolling to a wheel that nearly locks, at two loads
+    let truth = 0.8;
+    let setup = Setup { values: vec![(find("friction_sliding_reference"), truth)], attachments: Vec::new() };
+    let measured: Vec<usize> = vec![find("force_x"), find("force_z")];
+    let watch: Arc<[usize]> = measured.clone().into();
+    let runs: Vec<Run> = [0.015, 0.02]
+        .iter()
+        .map(|deflection| {
+            let points = 501;
+            let slip = (0..points).map(|k| -0.8 * k as f64 / (points - 1) as f64).collect();
+            let mut inputs = vec![
+                (find("deflection"), vec![*deflection; points]),
+                (find("path_speed"), vec![10.0; points]),
+                (find("slip"), slip),
+            ];
+            inputs.sort_by_key(|i| i.0);
+            let drive = Arc::new(Drive { start: 0.0, step: 2e-3, inputs, points });
+            let traces = bench.run(&[Arc::new(setup.clone())], &[Arc::clone(&drive)], &watch).pop().unwrap().unwrap();
+            let channels = measured.iter().zip(traces).map(|(v, values)| Channel { variable: *v, values, counts: false });
+            Run {
+                name: deflection.to_string(),
+                time: (0..points).map(|k| drive.time(k)).collect(),
+                drive,
+                channels: channels.collect(),
+            }
+        })
+        .collect();
+    let all: Vec<&Run> = runs.iter().collect();
+    let mut study = Study {
+        bench: &bench,
+        weights: super::study::first_weights(&all),
+        fit_runs: all.clone(),
+        check_runs: all,
+        free: Vec::new(),
+        lag: 0.0,
+        redundancy: 1.0,
+        slow: false,
+        work: Work::of(&subject, &subject.coarse()[1]),
+    };
+    assert_eq!(study.choose_effort(None).unwrap().0, Effort::Low);
+    study.choose_free(&subject.free).unwrap();
+    let place = study.free.iter().position(|p| p.variable == find("friction_sliding_reference"));
+    let fitted = study.fit(&study.nominal(), 8).unwrap();
+    let value = fitted.model.parameters[place.unwrap()];
+    assert!((value - truth).abs() < 0.1, "{value}");
+}
