@@ -65,11 +65,20 @@ fn meet<M: Model>(start: &[(&str, f64)], courses: &[Course<'_>], steps: &[f64], 
     let size = rms(&reference, &vec![0.0; reference.len()]);
     let mut last = [f64::INFINITY; 2];
     for &step in steps {
-        let errors = [Pass::Held, Pass::WithDerivative].map(|pass| {
-            rms(&run::<M>(start, courses, pass, step, end, output), &reference)
-        });
-        println!("{} {output}: {size:.0} N, at {step} s held {:.2}, with derivatives {:.2}", M::NAME, errors[0], errors[1]);
-        assert!(errors[0] < 0.7 * last[0] || errors[0] < 1e-3 * size, "held: {} after {}", errors[0], last[0]);
+        let errors = [Pass::Held, Pass::WithDerivative]
+            .map(|pass| rms(&run::<M>(start, courses, pass, step, end, output), &reference));
+        println!(
+            "{} {output}: {size:.0} N, at {step} s held {:.2}, with derivatives {:.2}",
+            M::NAME,
+            errors[0],
+            errors[1]
+        );
+        assert!(
+            errors[0] < 0.7 * last[0] || errors[0] < 1e-3 * size,
+            "held: {} after {}",
+            errors[0],
+            last[0]
+        );
         assert!(errors[1] <= errors[0].max(1e-3 * size), "with derivatives it is no worse: {errors:?}");
         last = errors;
     }
@@ -83,7 +92,13 @@ fn a_command_moves_the_flat_track_alike_however_it_is_passed() {
     for (frequency, end) in [(1.0, 1.0), (5.0, 0.4)] {
         for actuators in [1.0, 0.0] {
             let start = [("path_speed", 20.0), ("command_actuators", actuators)];
-            meet::<RingBrushFlatTrack>(&start, &[("slip_angle", &sine(0.03, frequency))], &STEPS, end, "force_y");
+            meet::<RingBrushFlatTrack>(
+                &start,
+                &[("slip_angle", &sine(0.03, frequency))],
+                &STEPS,
+                end,
+                "force_y",
+            );
         }
     }
     // a motion with a velocity of its own
@@ -128,7 +143,8 @@ fn a_plane_moves_the_bare_tire_alike_however_it_is_passed() {
 #[test]
 fn a_pose_runs_on_with_the_derivative_of_its_velocity() {
     let mut tire: Native<RingBrushTire> = started(&[("rim_velocity_x", 10.0)]);
-    let [velocity, place, spin] = ["rim_velocity_x", "rim_x", "rim_spin"].map(|name| tire.find(name).unwrap());
+    let [velocity, place, spin] =
+        ["rim_velocity_x", "rim_x", "rim_spin"].map(|name| tire.find(name).unwrap());
     tire.set(velocity, 10.0).unwrap();
     tire.set_rate(velocity, 6.0).unwrap();
     // any cut of the time gives the same bits
@@ -177,7 +193,8 @@ fn slip_and_slip_angle_mean_the_same_forward_and_in_reverse_on_all_rigs() {
         assert_eq!((get(&mut wheel, "wheel_speed"), get(&mut wheel, "slip")), (0.0, locked));
         assert!(get(&mut rig, "force_x") * speed < 0.0 && get(&mut wheel, "force_x") * speed < 0.0);
         // a wheel that is pushed to its left
-        let mut wheel: Native<RingBrushWheel> = started(&[("initial_speed", speed), ("axle_force_y", 1000.0)]);
+        let mut wheel: Native<RingBrushWheel> =
+            started(&[("initial_speed", speed), ("axle_force_y", 1000.0)]);
         common::advance(&mut wheel, 1e-3, 0, 1500);
         let angle = get(&mut wheel, "slip_angle");
         assert!(angle > 0.0 && get(&mut wheel, "force_y") < -500.0, "{speed}: {angle}");
@@ -189,6 +206,9 @@ fn slip_and_slip_angle_mean_the_same_forward_and_in_reverse_on_all_rigs() {
             ("deflection", 0.338 - get(&mut wheel, "position_z")),
         ]);
         let [there, here] = [get(&mut wheel, "force_y"), get(&mut rig, "force_y")];
-        assert!((there / here - 1.0).abs() < 0.1, "{speed}: {there} N on the wheel, {here} N on the flat track");
+        assert!(
+            (there / here - 1.0).abs() < 0.1,
+            "{speed}: {there} N on the wheel, {here} N on the flat track"
+        );
     }
 }

@@ -22,7 +22,9 @@ fn assert_law(slave: &mut dyn Slave) -> f64 {
 fn a_lightly_loaded_wheel_on_the_flat_track_has_no_more_friction_than_the_law_allows() {
     let mut light = 0;
     for deflection in [0.0008, 0.001, 0.002, 0.004, 0.008, 0.012] {
-        for (slip, slip_angle) in [(-0.5, 0.0), (-0.05, 0.0), (0.3, 0.0), (0.0, 0.2), (-0.1, -0.1), (-1.0, 0.3)] {
+        for (slip, slip_angle) in
+            [(-0.5, 0.0), (-0.05, 0.0), (0.3, 0.0), (0.0, 0.2), (-0.1, -0.1), (-1.0, 0.3)]
+        {
             let mut rig = flat_track(&[
                 ("path_speed", 20.0),
                 ("deflection", deflection),
@@ -41,7 +43,8 @@ fn a_lightly_loaded_wheel_on_the_flat_track_has_no_more_friction_than_the_law_al
 
 #[test]
 fn a_braked_corner_and_wheel_on_a_bad_road_have_no_more_friction_than_the_law_allows() {
-    let road = [("road_kind", 6.0), ("road_roughness", 4096e-6), ("road_start", 1.0), ("initial_speed", 25.0)];
+    let road =
+        [("road_kind", 6.0), ("road_roughness", 4096e-6), ("road_start", 1.0), ("initial_speed", 25.0)];
     let mut corner: Native<RingBrushCorner> = started(&road);
     let mut wheel: Native<RingBrushWheel> = started(&road);
     let kinds = corner.interface().variables[corner.find("road_kind").unwrap()].kind.clone();
@@ -131,8 +134,10 @@ fn the_power_at_the_rim_is_lost_in_the_contact_the_rolling_resistance_and_the_si
         let (vx, vy) = (speed * slip_angle.cos(), speed.abs() * slip_angle.sin());
         let rim = -(fx * vx + fy * vy + (my * camber.cos() + mz * camber.sin()) * spin);
         let rolling = 0.01 * normal * spin.abs();
-        let side_wall = spin * spin
-            * (449.0 * (offset_x.powi(2) + offset_z.powi(2)) + 9.61 * ((tilt - camber).powi(2) + yaw.powi(2)));
+        let side_wall = spin
+            * spin
+            * (449.0 * (offset_x.powi(2) + offset_z.powi(2))
+                + 9.61 * ((tilt - camber).powi(2) + yaw.powi(2)));
         let expected = rim - rolling - side_wall;
         let [mean] = means_of_power(&mut rig);
         println!(
@@ -140,7 +145,10 @@ fn the_power_at_the_rim_is_lost_in_the_contact_the_rolling_resistance_and_the_si
             get(&mut rig, "friction_power")
         );
         for (what, value) in [("mean", mean), ("energy", energy / 1.5), ("at the start", at_start)] {
-            assert!((value - expected).abs() < 0.01 * rim, "{what}: {value} W instead of {expected} W of {rim} W");
+            assert!(
+                (value - expected).abs() < 0.01 * rim,
+                "{what}: {value} W instead of {expected} W of {rim} W"
+            );
         }
         // what the patch takes from the belt: the side wall as printed does not conserve power between
         // a rim and a belt that spin about different axes

@@ -433,7 +433,10 @@ mod tests {
         let (free, left) = shares("abs-controller");
         assert_eq!(left, [("sample_time".to_string(), NUMERICS)]);
         assert_eq!(free.len(), 30);
-        assert!(["speed_tolerance", "reference_ascent"].iter().all(|n| free.iter().any(|f| f == n)), "{free:?}");
+        assert!(
+            ["speed_tolerance", "reference_ascent"].iter().all(|n| free.iter().any(|f| f == n)),
+            "{free:?}"
+        );
     }
 
     /// What `shipped::MODELS` has beside those above would be tested by nobody.

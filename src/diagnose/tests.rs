@@ -22,9 +22,8 @@ fn record_brake(folder: &Path) {
     let mut dice = Dice::new(5);
     for number in 0..5 {
         let mut uniform = || dice.bits() as f64 / u64::MAX as f64;
-        let sines: Vec<[f64; 3]> = (0..4)
-            .map(|_| [6e5 * (0.5 + uniform()), 0.4 + 1.6 * uniform(), TAU * uniform()])
-            .collect();
+        let sines: Vec<[f64; 3]> =
+            (0..4).map(|_| [6e5 * (0.5 + uniform()), 0.4 + 1.6 * uniform(), TAU * uniform()]).collect();
         let pressure = |t: f64| 4e6 + sines.iter().map(|[a, f, p]| a * (TAU * f * t + p).sin()).sum::<f64>();
         let fine: Vec<f64> = (0..=4000).map(|k| pressure(1e-3 * f64::from(k))).collect();
         let inputs = vec![(find("driver_pressure"), fine)];
@@ -42,7 +41,11 @@ fn record_brake(folder: &Path) {
             .collect();
         let every = |values: &[f64]| values.iter().step_by(10).copied().collect::<Vec<f64>>();
         let noisy = every(&torque).iter().map(|v| v + 8.0 * (uniform() - 0.5)).collect();
-        let channel = |name: &str, unit: &str, values: Vec<f64>| Recorded { name: name.into(), unit: unit.into(), values };
+        let channel = |name: &str, unit: &str, values: Vec<f64>| Recorded {
+            name: name.into(),
+            unit: unit.into(),
+            values,
+        };
         let recording = Recording {
             source: format!("run {number}"),
             time: (0..=400).map(|k| 0.01 * f64::from(k)).collect(),
@@ -134,8 +137,13 @@ fn friction_at_the_reference_pressure_is_fitted() {
             ];
             inputs.sort_by_key(|i| i.0);
             let drive = Arc::new(Drive { start: 0.0, step: 2e-3, inputs, points });
-            let traces = bench.run(&[Arc::new(setup.clone())], &[Arc::clone(&drive)], &watch).pop().unwrap().unwrap();
-            let channels = measured.iter().zip(traces).map(|(v, values)| Channel { variable: *v, values, counts: false });
+            let traces =
+                bench.run(&[Arc::new(setup.clone())], &[Arc::clone(&drive)], &watch).pop().unwrap().unwrap();
+            let channels = measured.iter().zip(traces).map(|(v, values)| Channel {
+                variable: *v,
+                values,
+                counts: false,
+            });
             Run {
                 name: deflection.to_string(),
                 time: (0..points).map(|k| drive.time(k)).collect(),

@@ -1,8 +1,8 @@
 //! `ring-brush-tire`: the ring-and-brush tire by itself. Pose and velocity of the rim in, force and
 //! moment on the rim out; the road is a plane that the master gives.
 
-use super::table::tire_table;
 use super::MountedTire;
+use super::table::tire_table;
 use crate::model::{Model, Variable, input};
 use crate::tire::{Ground, Motion, Plane};
 use crate::{Result, clone_in_place};

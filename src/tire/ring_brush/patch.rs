@@ -123,7 +123,8 @@ impl<T: Real> Tops<T> {
     #[inline]
     pub fn power(&self, x: T, y: T, [force_x, force_y]: [T; 2]) -> T {
         let [velocity_x, velocity_y] = self.velocity(x, y);
-        let led = (self.deformation.twist - self.deformation.bend * x * 2.0) * self.feed + self.camber_spin * x;
+        let led =
+            (self.deformation.twist - self.deformation.bend * x * 2.0) * self.feed + self.camber_spin * x;
         -(force_x * velocity_x + force_y * (velocity_y - led))
     }
 

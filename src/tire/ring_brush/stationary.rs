@@ -110,12 +110,7 @@ impl<T: Real> Unknowns<T> {
 /// # Errors
 /// No stationary state was found: the source does not promise one, and far from straight rolling
 /// there may be none.
-pub fn stationary(
-    tire: &Tire,
-    rim: &Motion<f64>,
-    vertical: Vertical,
-    friction: f64,
-) -> Result<Stationary> {
+pub fn stationary(tire: &Tire, rim: &Motion<f64>, vertical: Vertical, friction: f64) -> Result<Stationary> {
     stationary_refined(tire, rim, vertical, friction, INTERVALS)
 }
 
@@ -536,8 +531,7 @@ impl Stationary {
             rates: rim.rates.map(Real::value),
         };
         let variables: [Dual<10>; 10] = std::array::from_fn(|i| Dual::variable(x[i], i));
-        let by_x =
-            residual(tire, &fixed.constant(), held, friction.value.into(), self.intervals, &variables);
+        let by_x = residual(tire, &fixed.constant(), held, friction.value.into(), self.intervals, &variables);
         let by_rim = residual(tire, rim, held, friction, self.intervals, &x.map(Dual::<1>::from));
         let jacobian = DMatrix::from_fn(10, 10, |i, j| by_x[i].gradient[j]);
         let change = jacobian.lu().solve(&DVector::from_fn(10, |i, _| -by_rim[i].gradient[0]))?;
