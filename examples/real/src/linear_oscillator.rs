@@ -39,8 +39,11 @@ impl LinearOscillator {
     fn step_of(&self, h: f64) -> Step {
         // so many halvings that an exponent is below 1/4, and few for anything that a run can resolve
         let fastest = (self.damping / self.mass).max((self.stiffness / self.mass).sqrt());
-        let halvings = (4.0 * fastest * h).max(1.0).log2().ceil().min(60.0);
-        let part = h / halvings.exp2();
+        let (mut halvings, mut parts) = (0, 1.0);
+        while halvings < 60 && parts < 4.0 * fastest * h {
+            (halvings, parts) = (halvings + 1, 2.0 * parts);
+        }
+        let part = h / parts;
         // scaled to the time unit `part`, so that all entries are of one size
         let (k, d) = (self.stiffness / self.mass * part * part, self.damping / self.mass * part);
         let z: Matrix =
@@ -55,7 +58,7 @@ impl LinearOscillator {
                 }
             }
         }
-        for _ in 0..halvings as u32 {
+        for _ in 0..halvings {
             sum = product(&sum, &sum);
         }
         // back to seconds: z was (x, v part, a part^2 / m, b part^3 / m)
