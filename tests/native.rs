@@ -75,10 +75,10 @@ fn an_output_that_is_no_number_is_an_error_that_names_it() {
 /// and Real inputs and variables that start with an exact value.
 #[test]
 fn before_the_first_step_every_output_has_a_derivative_by_every_known() {
-    // level and rolling at combined slip; on a slope, where there are no formulas
+    // level and rolling at combined slip; on a ramp, where there are no formulas
     for values in [
-        vec![("slip", 0.05), ("slip_angle", 0.06), ("deflection", 0.021)],
-        vec![
+        &[("slip", 0.05), ("slip_angle", 0.06), ("deflection", 0.021)][..],
+        &[
             ("slip", 0.02),
             ("road_kind", 3.0),
             ("road_start", -2.0),
@@ -87,7 +87,7 @@ fn before_the_first_step_every_output_has_a_derivative_by_every_known() {
         ],
     ] {
         let mut slave = Native::<RingBrushFlatTrack>::new(&Settings::default()).unwrap();
-        set(&mut slave, &values);
+        set(&mut slave, values);
         slave.start(0.0, None).unwrap();
         let variables = slave.interface().variables.clone();
         let of = |fits: &dyn Fn(usize) -> bool| (0..variables.len()).filter(|i| fits(*i)).collect::<Vec<_>>();
@@ -97,6 +97,8 @@ fn before_the_first_step_every_output_has_a_derivative_by_every_known() {
             v.is_real() && (v.causality == Causality::Input || v.initial == Some(Initial::Exact))
         });
         assert!(unknowns.len() == 17 && knowns.len() >= 60, "{} {}", unknowns.len(), knowns.len());
+        // a ramp does not come again, nor would it at a spacing beside 0: there is no difference to take
+        let knowns = knowns.into_iter().filter(|i| values.len() == 3 || variables[*i].name != "road_spacing");
         for known in knowns {
             let derivatives = slave.directional_derivatives(&unknowns, &[known], &[1.0]);
             let derivatives = derivatives.unwrap_or_else(|e| panic!("{}: {e}", variables[known].name));

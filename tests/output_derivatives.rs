@@ -38,13 +38,13 @@ const CASES: &[Case] = &[
     },
     Case {
         model: "ring-brush-tire",
-        start: &[("rim_z", 0.318)],
+        start: &[("rim_z", 0.317)],
         inputs: |t| {
             vec![
                 ("rim_x", 10.0 * t),
                 ("rim_y", 0.05 * (8.0 * t).sin()),
                 ("rim_velocity_y", 0.4 * (8.0 * t).cos()),
-                ("rim_z", 0.318 + 0.003 * (12.0 * t).sin()),
+                ("rim_z", 0.317 + 0.003 * (12.0 * t).sin()),
                 ("rim_velocity_z", 0.036 * (12.0 * t).cos()),
                 ("rim_spin_rate", 10.0 / 0.328 * (1.0 + 0.05 * (6.0 * t).sin())),
             ]

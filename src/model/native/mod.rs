@@ -174,20 +174,22 @@ impl<M: Model> Native<M> {
         if !(far.is_finite() && far > 0.0) {
             return Ok(vec![0.0; unknowns.len()]);
         }
-        let at = |far: f64| -> Result<Option<M>> {
+        let at = |far: f64| -> Result<M> {
             let mut model = self.data.grid.clone();
             for (index, share) in direction {
                 let value = Value::Real(self.real_value(*index) + far * share);
-                if self.interface.variables[*index].accept(&value).is_err() {
-                    return Ok(None);
-                }
-                put(&mut model, *index, &value);
+                put(&mut model, *index, &self.interface.variables[*index].accept(&value)?);
             }
-            model.initialize().map_err(|e| e.at("beside the point, for a difference"))?;
-            Ok(Some(model))
+            model.initialize()?;
+            Ok(model)
         };
-        // at the end of a range there is one side only
-        let (above, below) = (at(far)?, at(-far)?);
+        // at the end of a range, or of what the model accepts, there is one side only
+        let (above, below) = match (at(far), at(-far)) {
+            (Err(error), Err(_)) => {
+                return Err(error.at("a difference stands for the derivative; beside the point"));
+            }
+            (above, below) => (above.ok(), below.ok()),
+        };
         let here = &self.data.grid;
         unknowns
             .iter()
@@ -207,7 +209,7 @@ impl<M: Model> Native<M> {
                     // the side without the jump
                     (Some(up), Some(down)) => Ok(if up.abs() < down.abs() { up } else { down }),
                     (Some(slope), None) | (None, Some(slope)) => Ok(slope),
-                    (None, None) => Err(Error::call("there is no room beside the point for a difference")),
+                    (None, None) => Ok(0.0),
                 }
             })
             .collect()
