@@ -302,7 +302,9 @@ impl Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Access, Model, Native, Settings, Variable, boolean_parameter, input, output, parameter};
+    use crate::model::{
+        Access, Model, Native, Settings, Variable, boolean_parameter, input, output, parameter,
+    };
     use crate::real;
     use serde::{Deserialize as De, Serialize as Ser};
 

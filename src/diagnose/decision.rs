@@ -103,7 +103,8 @@ impl<'a> Round<'a> {
         let level = LEVEL / self.tried.len().max(1) as f64;
         let least = if self.study.slow { MIN_GAIN_SLOW } else { MIN_GAIN };
         let enough = |gain: f64| gain > least;
-        let little = |runs: &str| format!("takes away less than {} % of the error of the {runs} runs", 100.0 * least);
+        let little =
+            |runs: &str| format!("takes away less than {} % of the error of the {runs} runs", 100.0 * least);
         match t {
             _ if t.p > level || t.p.is_nan() => {
                 Some("no gain on the check runs that chance does not make".into())

@@ -126,7 +126,8 @@ mod tests {
 
     /// Ten seconds at a communication step.
     fn run(step: f64) -> Run {
-        let drive = Drive { start: 0.0, step, inputs: Vec::new(), points: (10.0 / step).round() as usize + 1 };
+        let drive =
+            Drive { start: 0.0, step, inputs: Vec::new(), points: (10.0 / step).round() as usize + 1 };
         Run { name: String::new(), drive: Arc::new(drive), time: Vec::new(), channels: Vec::new() }
     }
 

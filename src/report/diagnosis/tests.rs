@@ -390,7 +390,8 @@ fn text_stays_text() {
     fn spoil(value: &mut serde_json::Value, bad: &str) {
         match value {
             serde_json::Value::Object(map) => {
-                for (key, value) in map.iter_mut().filter(|(k, _)| !["verdict", "use", "effort"].contains(&k.as_str()))
+                for (key, value) in
+                    map.iter_mut().filter(|(k, _)| !["verdict", "use", "effort"].contains(&k.as_str()))
                 {
                     let fixed = key == "kind" && value.as_str().is_some_and(|k| k != "spikes");
                     let unit = key == "unit";
