@@ -439,6 +439,38 @@ mod tests {
         );
     }
 
+    /// A subject with a switch of its actuators, which is on by default, and the number of that.
+    fn with_actuators(settings: &Settings) -> (Subject, usize) {
+        let subject = Subject::load("ring-brush-flat-track", settings).unwrap();
+        let switch = subject.interface.index(ACTUATORS).unwrap();
+        (subject, switch)
+    }
+
+    #[test]
+    fn recorded_motions_are_followed_and_the_filter_is_not_fitted_then() {
+        let (mut subject, switch) = with_actuators(&Settings::default());
+        let filter = subject.interface.index(FILTER).unwrap();
+        let slip = subject.interface.index("slip").unwrap();
+        let is_fitted = |subject: &Subject| subject.free.iter().any(|p| p.variable == filter);
+        // commands pass it as long as nothing is recorded
+        assert_eq!(subject.follow_recorded_motions(&[]).unwrap(), [0; 0]);
+        assert!(is_fitted(&subject) && subject.fixed.is_empty());
+        assert_eq!(subject.follow_recorded_motions(&[slip]).unwrap(), [switch]);
+        assert_eq!(subject.fixed, [(switch, Value::Boolean(false))]);
+        assert!(!is_fitted(&subject));
+        assert!(subject.left_out.contains(&LeftOut { variable: filter, why: PASSED_BY }));
+        // who says that recordings hold commands is believed
+        let (mut subject, switch) = with_actuators(&Settings::default());
+        subject.fixed.push((switch, Value::Boolean(true)));
+        assert_eq!(subject.follow_recorded_motions(&[slip]).unwrap(), [0; 0]);
+        assert!(is_fitted(&subject));
+        // and who asks for a fit of what does nothing is told
+        let file = "[fit]\nactuator_frequency = true\n";
+        let (mut subject, _) = with_actuators(&Settings::parse(file, "own.toml").unwrap());
+        let message = subject.follow_recorded_motions(&[slip]).unwrap_err().to_string();
+        assert!(message.contains("command_actuators = true under [parameters]"), "{message}");
+    }
+
     /// What `shipped::MODELS` has beside those above would be tested by nobody.
     #[test]
     fn no_shipped_model_is_forgotten() {

@@ -13,8 +13,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Four seconds of a shipped brake, whose torque gauge lags by 12 ms: which lag or delay that is, slow pressures do not
-/// tell.
+/// Four seconds of a shipped brake, whose torque gauge lags by 12 ms.
 fn record_brake(folder: &Path) {
     let subject = Subject::load("brake-hydraulics", &Settings::default()).unwrap();
     let find = |name: &str| subject.interface.index(name).unwrap();
@@ -105,8 +104,8 @@ fn the_speed_of_the_machine_and_the_number_of_threads_change_no_answer() {
     let (again, same_page, _) = under_load(|| written(&request(3)));
     assert_eq!(json, again);
     assert!(page == same_page, "the pages differ");
-    // rivals were simulated: the part that a clock once ended
-    assert!(diagnosis.experiment.as_ref().is_some_and(|e| e.tried > 4), "{json}");
+    // something was looked for, found and fitted
+    assert!(diagnosis.candidates.len() > 1 && !diagnosis.findings.is_empty(), "{json}");
     assert_eq!(diagnosis.effort, Effort::Full);
     assert!(diagnosis.notes[0].starts_with("Effort: full, by its steps"), "{:?}", diagnosis.notes);
     // what the user wants is done, and said
@@ -120,18 +119,19 @@ fn friction_at_the_reference_pressure_is_fitted() {
     let subject = Subject::load("ring-brush-flat-track", &Settings::default()).unwrap();
     let find = |name: &str| subject.interface.index(name).unwrap();
     let bench = Bench::new(&subject.factory, &subject.coarse()[1], 2).unwrap();
-    // one second from free rolling to a wheel that nearly locks, at two loads
+    // one second from free rolling to a wheel that nearly locks, under a load that moves
     let truth = 0.8;
     let setup = Setup { values: vec![(find("friction_sliding_reference"), truth)], attachments: Vec::new() };
     let measured: Vec<usize> = vec![find("force_x"), find("force_z")];
     let watch: Arc<[usize]> = measured.clone().into();
-    let runs: Vec<Run> = [0.015, 0.02]
+    let runs: Vec<Run> = [0.016, 0.02]
         .iter()
         .map(|deflection| {
             let points = 501;
             let slip = (0..points).map(|k| -0.8 * k as f64 / (points - 1) as f64).collect();
+            let load = |k: usize| deflection + 0.004 * (TAU * 4e-3 * k as f64).sin();
             let mut inputs = vec![
-                (find("deflection"), vec![*deflection; points]),
+                (find("deflection"), (0..points).map(load).collect()),
                 (find("path_speed"), vec![10.0; points]),
                 (find("slip"), slip),
             ];
@@ -169,5 +169,6 @@ fn friction_at_the_reference_pressure_is_fitted() {
     let place = study.free.iter().position(|p| p.variable == find("friction_sliding_reference"));
     let fitted = study.fit(&study.nominal(), 8).unwrap();
     let value = fitted.model.parameters[place.unwrap()];
-    assert!((value - truth).abs() < 0.1, "{value}");
+    // from 1.0 at least half of the way: friction at no pressure does a part of the same
+    assert!(value < 0.9 && value > 0.7, "{value}");
 }

@@ -253,6 +253,25 @@ fn rivals_that_nothing_separates_are_said_to_be_alike() {
 }
 
 #[test]
+fn a_budget_is_counted_in_simulations() {
+    let (bench, runs) = (bench(10.0), [run(1e-2, 20.0)]);
+    let study = study(&bench, &runs);
+    let rivals =
+        [rival("sensor-lag", vec![], &[0.02], &[0.0]), rival("sensor-delay", vec![], &[0.02], &[0.0])];
+    let tried = |budget: f64| {
+        propose_within(&study, &Roles::default(), &rivals, &[0.01], budget).map(|found| found.tried)
+    };
+    let all = library(bench.interface(), &Roles::default(), &[&runs[0]], None);
+    // without any budget the first are tried, with enough all of them, and in between what it pays for
+    assert_eq!((tried(0.0), tried(f64::INFINITY)), (Some(TOGETHER), Some(all.len())));
+    let cost = |some: &[Programme]| -> f64 {
+        rivals.len() as f64 * some.iter().map(|p| study.work.cost(&p.drive)).sum::<f64>()
+    };
+    assert_eq!(tried(0.99 * cost(&all[..TOGETHER]) / FIRST_LOOK), Some(TOGETHER));
+    assert_eq!(tried(1.01 * cost(&all[..TOGETHER]) / FIRST_LOOK), Some(2 * TOGETHER));
+}
+
+#[test]
 fn programmes_that_cannot_be_run_are_left_out() {
     let runs = [run(1e-2, 20.0)];
     let rivals = || {
