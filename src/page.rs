@@ -305,6 +305,11 @@ mod tests {
     }
 
     #[test]
+    fn nothing_turns_the_direction_of_writing() {
+        assert_eq!(escape("a\u{202e}<b\u{9b}\n"), "a\\u{202e}&lt;b\\u{9b}\n");
+    }
+
+    #[test]
     fn text_stays_text_everywhere() {
         let table = Table::new(&[ATTACK]).row([ATTACK]);
         let section =

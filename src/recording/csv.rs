@@ -524,7 +524,7 @@ mod tests {
     fn lines_are_counted_as_an_editor_does() {
         refuse("time [s],a [N]\r\n0,1\r\n\r\n\r\n1,x\r\n", &["rig.csv:5:a"]);
         refuse("time [s],a [N]\r0,1\r1,x\r", &["rig.csv:3:a"]);
-        refuse("time [s],\"a\nb [N]\"\n0,1\n1,x\n", &["rig.csv:4:a\nb"]);
+        refuse("time [s],\"a\nb [N]\"\n0,1\n1,x\n", &["rig.csv:4:a b"]);
     }
 
     #[test]
