@@ -165,6 +165,22 @@ fn small_amplitudes_act_in_proportion() {
     }
 }
 
+/// A parameter stands still by itself: an effect that sits at one has to make something of its drivers or of time.
+#[test]
+fn what_sits_at_a_parameter_moves_it() {
+    let sits =
+        |e: &&Effect| e.port == Port::Parameter || e.also.iter().any(|(port, _)| *port == Port::Parameter);
+    for effect in EFFECTS.iter().filter(sits) {
+        let mut points = smooth(effect, 300);
+        points.iter_mut().for_each(|point| point.1 = 0.8);
+        let (amplitude, parameter) = amplitudes(effect).next().unwrap();
+        let acts = settings(effect, amplitude, 3.0 * parameter.probes[0])
+            .iter()
+            .any(|p| run(effect, p, &points).iter().any(|y| (y - 0.8).abs() > 1e-9));
+        assert!(acts, "{} does nothing to a number that stands still", effect.id);
+    }
+}
+
 /// The declared scales are the dimensions of the equations: in other units of the changed number and of
 /// the drivers the same comes out.
 #[test]
