@@ -65,7 +65,7 @@ static void start_values(Data *d) {
 }
 
 static Status say(Unit *m, Status status, const char *text) {
-    m->callbacks.logger(m->callbacks.environment, m->name, status, "logStatus", "%s", text);
+    m->callbacks.logger(m->callbacks.environment, m->name, status, "logStatus", text);
     if (status == ERROR) m->data.phase = FAILED;
     if (status == FATAL) m->data.phase = DEAD;
     return status;
