@@ -12,7 +12,8 @@
  * -DFLAG_MATTERS (other results where the past is final), -DNEEDS_ROLLBACK (refuses a final past),
  * -DANY_ORDER (refuses no call in the wrong order and no step), -DFOREIGN_MEMORY (frees what it did not allocate), -DKEEPS_MEMORY (does not free what it allocated),
  * -DPLAIN_LOCATION (reads the resource location as "file://" and a path), -DRANDOM (depends on a global
- * variable). -DOWN_MEMORY: calloc and free instead of the master's functions.
+ * variable). -DNEEDS_MEMORY (no instance without the master's functions for memory).
+ * -DOWN_MEMORY: calloc and free instead of the master's functions.
  * -DTHIRD: k starts with 2/3. -DSOLVER: errs a little, and otherwise in the first step after a state
  * was restored, as solvers do that choose their steps. -DHANG (in every step), -DLOUD (refuses to be
  * instantiated, in 10 MB with an escape sequence at both ends). */
@@ -65,7 +66,7 @@ static void start_values(Data *d) {
 }
 
 static Status say(Unit *m, Status status, const char *text) {
-    m->callbacks.logger(m->callbacks.environment, m->name, status, "logStatus", "%s", text);
+    m->callbacks.logger(m->callbacks.environment, m->name, status, "logStatus", text);
     if (status == ERROR) m->data.phase = FAILED;
     if (status == FATAL) m->data.phase = DEAD;
     return status;
@@ -112,6 +113,9 @@ void *fmi2Instantiate(const char *name, int type, const char *guid, const char *
         callbacks->logger(callbacks->environment, name, ERROR, "logStatus", "no resources");
         return NULL;
     }
+#endif
+#ifdef NEEDS_MEMORY
+    if (!callbacks->allocate || !callbacks->release) return NULL;
 #endif
 #ifdef OWN_MEMORY
     Unit *m = calloc(1, sizeof *m);

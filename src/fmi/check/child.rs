@@ -265,7 +265,8 @@ fn stray_percent(format: &str) -> Option<String> {
     None
 }
 
-/// The first hash that starts no reference such as `#r12#`, in a message with its arguments.
+/// The first hash that starts no reference such as `#r12#`, in a message with its arguments. Where these could
+/// not be read, the number may still be a directive, as in `#r%u#`.
 fn stray_hash(text: &str) -> Option<String> {
     let plain = text.replace("##", "");
     let mut rest = plain.as_str();
@@ -274,7 +275,7 @@ fn stray_hash(text: &str) -> Option<String> {
             let mut letters = inside.chars();
             letters.next().is_some_and(|c| matches!(c, 'r' | 'i' | 'b' | 's'))
                 && inside.len() > 1
-                && letters.all(|c| c.is_ascii_digit())
+                && (inside[1..].starts_with('%') || letters.all(|c| c.is_ascii_digit()))
         });
         let Some((_, tail)) = reference else { return Some(rest[at..].chars().take(6).collect()) };
         rest = tail;
@@ -294,10 +295,10 @@ mod tests {
         for bad in ["100% sure", "50 %"] {
             assert!(stray_percent(bad).is_some(), "{bad}");
         }
-        for good in ["", "100 % of ##1", "variable #r12# and #s3#"] {
+        for good in ["", "100 % of ##1", "variable #r12# and #s3#", "#r%u# = %g"] {
             assert_eq!(stray_hash(good), None, "{good}");
         }
-        for bad in ["item #1", "# done", "#r#", "#r%u#"] {
+        for bad in ["item #1", "# done", "#r#", "#rx#"] {
             assert!(stray_hash(bad).is_some(), "{bad}");
         }
     }

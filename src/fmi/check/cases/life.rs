@@ -122,7 +122,11 @@ fn steps_with_rollback(lab: &Lab<'_>) -> bool {
 /// write no more, and two numbers that agree in those are half a unit of the last of them apart at most.
 fn as_written(value: &Value, written: &Value) -> bool {
     match (value, written) {
-        (Value::Real(a), Value::Real(b)) => a == b || (a - b).abs() <= 5e-15 * a.abs().max(b.abs()),
+        (Value::Real(a), Value::Real(b)) => {
+            let size = a.abs().max(b.abs());
+            let unit = 10f64.powf(size.log10().floor() - 14.0);
+            a == b || (a - b).abs() <= 0.5 * unit + f64::EPSILON * size
+        }
         _ => value == written,
     }
 }

@@ -375,7 +375,8 @@ impl<'a> Lab<'a> {
         watched.iter().enumerate().map(size).collect()
     }
 
-    /// How far the numbers of two runs are apart at most; `None` if they differ in anything else.
+    /// How far the numbers of two runs are apart at most, infinitely for what has no distance: whole numbers,
+    /// NaN. `None` for runs of other lengths.
     fn errors(&self, a: &Bits, b: &Bits) -> Option<Vec<f64>> {
         let watched = self.watched();
         let mut errors = vec![0.0; watched.len()];
@@ -387,10 +388,9 @@ impl<'a> Lab<'a> {
             let difference = (f64::from_bits(*x) - f64::from_bits(*y)).abs();
             if x == y {
                 continue;
-            } else if !watched[at].is_real() || !difference.is_finite() {
-                return None;
             }
-            errors[at] = difference.max(errors[at]);
+            let far = !watched[at].is_real() || !difference.is_finite();
+            errors[at] = if far { f64::INFINITY } else { difference.max(errors[at]) };
         }
         Some(errors)
     }

@@ -148,10 +148,16 @@ pub(super) fn continues(
     match compare(lab, expected, &bits, STEPS) {
         Continuation::Same => return true,
         Continuation::Unrepeatable => {}
-        Continuation::NewSolver => lab.reporter.warning(
-            "M6",
-            format!("{}; that is less than the error of its solver, which begins anew", what()),
-        ),
+        Continuation::NewSolver => {
+            lab.reporter.warning(
+                "M6",
+                format!(
+                    "a restored state continues otherwise, by less than the error of the FMU's solver, which begins anew: {}",
+                    differ(lab, expected, &bits)
+                ),
+            );
+            return true;
+        }
         Continuation::Other => lab.reporter.error("M6", what()),
     }
     false
