@@ -100,7 +100,7 @@ impl Tire {
             outputs: find(&OUTPUTS)?,
             friction: slave.find("friction_factor")?,
             // the whole loss of the contact heats it, where the tire tells that
-            power: slave.find("contact_power_loss").or_else(|_| slave.find("friction_power"))?,
+            power: slave.find("contact_power_loss")?,
             angle: slave.find("wheel_angle")?,
             spin: slave.find("wheel_speed")?,
             slave,

@@ -36,7 +36,7 @@ const TIME: &[&str] = &["time"];
 pub(crate) const OFFERS: [Offer; 7] = [
     here("plysteer", Law::SideSlip, &[1], true, &["load", "slip_angle"]),
     here("relaxation-length", Law::Relaxation, &[2], false, &["path_speed", "slip_angle"]),
-    here("thermal-softening", Law::Thermal, &[1], false, &["contact_power_loss", "friction_power", "time"]),
+    here("thermal-softening", Law::Thermal, &[1], false, &["contact_power_loss", "time"]),
     here("speed-dependent-friction", Law::SpeedFriction, &[1], false, &["path_speed"]),
     here("sensor-delay", Law::Delay, &[0, 1], false, TIME),
     here("sensor-drift", Law::Drift, &[0, 1, 2], true, TIME),
