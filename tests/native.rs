@@ -96,7 +96,7 @@ fn before_the_first_step_every_output_has_a_derivative_by_every_known() {
             let v = &variables[i];
             v.is_real() && (v.causality == Causality::Input || v.initial == Some(Initial::Exact))
         });
-        assert!(unknowns.len() == 17 && knowns.len() >= 60, "{} {}", unknowns.len(), knowns.len());
+        assert!(unknowns.len() == 19 && knowns.len() >= 60, "{} {}", unknowns.len(), knowns.len());
         // a ramp does not come again, nor would it at a spacing beside 0: there is no difference to take
         let knowns = knowns.into_iter().filter(|i| values.len() == 3 || variables[*i].name != "road_spacing");
         for known in knowns {

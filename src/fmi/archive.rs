@@ -133,7 +133,7 @@ impl ModelLibrary {
 
     /// The first library that fits this program, which was started as `program`.
     fn among(places: &[PathBuf], program: &Path) -> Result<Self> {
-        let mut tried = String::new();
+        let mut tried = Vec::new();
         for path in places {
             let reason = match path.is_file() {
                 true => match Self::open(path).and_then(Self::fitting) {
@@ -142,13 +142,14 @@ impl ModelLibrary {
                 },
                 false => format!("{}: not there", path.display()),
             };
-            tried += &format!("\n  {reason}");
+            tried.push(reason);
         }
         Err(Error::fmu(format!(
             "the library {}, which goes into FMUs, is needed beside this program (`cargo install` leaves it out). \
-            This puts it there:\n  {}\nOr name one with --library or {LIBRARY_VARIABLE}. It was looked for here:{tried}",
+            \"{}\" puts it there; or name one with --library or {LIBRARY_VARIABLE}. It was looked for here: {}",
             library_file(),
-            installing(program)
+            installing(program),
+            tried.join("; ")
         )))
     }
 

@@ -119,7 +119,7 @@ macro_rules! tire_table {
             $($road,)*
             parameter("friction_speed_falloff", "s/m", real!(tire.parameters.friction_speed_falloff), 0.0, "Fall of the sliding friction with the speed v at which the patch moves over the road where a bristle is: it is divided by 1 + falloff v. Not in the source (0)").range(0.0, 10.0).tunable(),
                 output("contact_power_loss", "W", real!(tire.state.patch.power_loss), "Power lost in the contact, all of it: sliding, the bristles' dampers, snapping back at break-away, leaving the contact bent; a mean over the last 10 ms").nominal(1000.0).without_derivative(),
-                output("contact_energy_loss", "J", real!(tire.state.energy_loss), "Energy lost in the contact since the start").nominal(1e4).without_derivative(),
+                output("contact_energy_loss", "J", real!(tire.state.energy_loss), "Energy lost in the contact since the start").nominal(1e4),
             $($appended,)*
         ]
     }};

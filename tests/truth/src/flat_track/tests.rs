@@ -42,6 +42,9 @@ fn shipped(run: &Run, step: f64) -> Vec<Vec<f64>> {
     let outputs: Vec<usize> = OUTPUTS.iter().map(|row| find(&slave, row)).collect();
     let variable = slave.find("step_size").unwrap();
     slave.set(variable, step).unwrap();
+    // recorded are motions
+    let variable = slave.find("command_actuators").unwrap();
+    slave.set(variable, 0.0).unwrap();
     for (variable, values) in inputs.iter().zip(&run.inputs) {
         slave.set(*variable, values[0]).unwrap();
     }
