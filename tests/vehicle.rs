@@ -390,10 +390,10 @@ fn the_whole_mass_that_a_corner_brakes_climbs_a_grade() {
             &[
                 ("vehicle_mass", vehicle_mass),
                 ("road_kind", 3.0),
-                ("road_height", 5.0),
-                ("road_length", 100.0),
+                ("road_height", 1.0),
+                ("road_length", 20.0),
                 ("road_start", 2.0),
-                ("initial_speed", 20.0),
+                ("initial_speed", 5.0),
             ],
         );
         advance(&mut corner, 1e-3, 0, 1500);
