@@ -170,6 +170,7 @@ def test_what_is_not_offered_says_so(slaves):
     slave.begin(START)
     refuse(slave, lambda: slave.directional(["force_x"], dict(belt_mass=1.0)), "belt_mass", "no real input")
     slave.raw.reset()
+    slave.begin(START)
     # status: no asynchronous steps, so most kinds have no answer
     status, time, boolean = ctypes.c_int(), ctypes.c_double(), ctypes.c_int()
     slave.steps(3)
@@ -185,7 +186,7 @@ def test_what_is_legal_before_the_start_and_after_the_end(slaves):
     read after the end and, for debugging, after an error."""
     slave = slaves()
     slave.rates(slip_angle=0.5)
-    slave.begin(START)
+    slave.begin(dict(START, command_actuators=False))
     slave.steps(3)
     outputs, along = ("force_y", "moment_z"), (["force_y"], dict(slip_angle=1.0))
     seen = slave.get(*outputs), slave.derivatives(*outputs), slave.directional(*along)

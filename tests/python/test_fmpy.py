@@ -91,7 +91,8 @@ def test_same_bits_as_the_native_model(tmp_path, slaves):
     assert done.returncode == 0, done.stderr
     native = read_results(tmp_path / "native.csv")
 
-    slave = slaves(rows[0])
+    # simulate takes recorded inputs for motions
+    slave = slaves(dict(rows[0], command_actuators=False))
     names = ["force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z", "sliding_distance",
              "friction_power", "belt_yaw", "pressure_max"]
     for k in range(count):
@@ -334,7 +335,7 @@ def test_directional_derivatives_of_the_stationary_state(slaves, point):
     point = dict(START, friction_factor=1.0, **point)
     slave.set(**point)
     names = OUTPUTS + INSIDE + ["contact_power_loss"]
-    steps = dict(deflection=3e-6, path_speed=0.03, camber=1e-5, slip=5e-6, slip_angle=5e-6, friction_factor=1e-5)
+    steps = dict(deflection=3e-6, path_speed=0.03, camber=1e-5, slip=5e-6, slip_angle=5e-6, friction_factor=1e-4)
     for name, h in steps.items():
         exact = slave.directional(names, {name: 1.0})
 

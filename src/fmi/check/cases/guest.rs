@@ -72,10 +72,13 @@ pub(super) fn only_one(lab: &Lab<'_>) {
     }
 }
 
-/// Memory that this process uses \[bytes\].
+/// Memory that this process uses by itself \[bytes\]: what is resident less what maps a file, which the system
+/// brings in and takes away as it likes.
 pub(super) fn memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/self/statm").ok()?;
-    let pages: u64 = text.split(' ').nth(1)?.parse().ok()?;
+    let mut fields = text.split(' ').skip(1).map(str::parse::<u64>);
+    let (resident, of_files) = (fields.next()?.ok()?, fields.next()?.ok()?);
+    let pages = resident.saturating_sub(of_files);
     // Pages of 4 KiB are the smallest; larger ones only make leaks look smaller.
     Some(4096 * pages)
 }
