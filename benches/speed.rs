@@ -5,7 +5,9 @@
 use latsch::fmi::archive::ModelLibrary;
 use latsch::fmi::import::ImportedFmu;
 use latsch::model::{Model, Native, Settings, Slave};
-use latsch::rig::{RingBrushCorner, RingBrushFlatTrack, RingBrushWheel};
+use latsch::rig::{Corner, FlatTrack as FlatTrackOf, RingBrushCorner, RingBrushFlatTrack, RingBrushWheel};
+use latsch::shipped::MODELS;
+use latsch::tire::magic_formula::MagicFormula;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -67,7 +69,7 @@ fn vehicle_units(rounds: usize) {
     const CORNER: [(&str, f64); 1] = [("brake_torque", 1000.0)];
     const WHEEL: [(&str, f64); 3] =
         [("initial_speed", 27.8), ("brake_torque", 1000.0), ("axle_force_x", 3000.0)];
-    let mut seconds = vec![Vec::new(); 5];
+    let mut seconds = vec![Vec::new(); 8];
     for _ in 0..rounds {
         let mut measure = |row: usize, slave: &mut dyn Slave| {
             let taken = time(|| run(slave)) / (STEPS as f64 * COMMUNICATION_STEP);
@@ -85,16 +87,29 @@ fn vehicle_units(rounds: usize) {
             start_with(&mut wheel, &values(&WHEEL));
             measure(3 + k, &mut wheel);
         }
+        let mut rig = Native::<FlatTrackOf<MagicFormula>>::new(&Settings::default()).unwrap();
+        let commands = [("path_speed", 27.8), ("slip", 0.03), ("slip_angle", 0.03)];
+        start_with(&mut rig, &commands);
+        measure(5, &mut rig);
+        for (k, (_, kind)) in ROADS.iter().enumerate() {
+            let mut corner = Native::<Corner<MagicFormula>>::new(&Settings::default()).unwrap();
+            start_with(&mut corner, &[&CORNER[..], &[("road_kind", *kind)]].concat());
+            measure(6 + k, &mut corner);
+        }
     }
     println!("\ncorner and wheel braking from 27.8 m/s at 1 kHz, 6x30 bristles, model step 0.1 ms");
-    println!("  model        road       communication step   times real time   of the flat track");
+    println!(
+        "  model                      road       communication step   times real time   of the flat track"
+    );
     let ratio = |row: usize| median(seconds[row].iter().zip(&seconds[0]).map(|(a, b)| a / b).collect());
-    let names = ["flat track", "corner", "corner", "wheel", "wheel"];
-    for (row, name) in names.iter().enumerate() {
-        let road = if row == 0 { ROADS[0].0 } else { ROADS[(row - 1) % 2].0 };
+    let names = ["flat track", "corner", "corner", "wheel", "wheel"].map(String::from);
+    let others = ["flat track", "corner", "corner"].map(|rig| format!("magic-formula {rig}"));
+    const ON: [usize; 8] = [0, 0, 1, 0, 1, 0, 0, 1];
+    for (row, name) in names.iter().chain(&others).enumerate() {
+        let road = ROADS[ON[row]].0;
         let second = median(seconds[row].clone());
         println!(
-            "  {name:<12} {road:<10} {:15.1} us   {:15.1}   {:17.2}",
+            "  {name:<26} {road:<10} {:15.1} us   {:15.1}   {:17.2}",
             second * COMMUNICATION_STEP * 1e6,
             1.0 / second,
             ratio(row)
@@ -126,6 +141,18 @@ fn main() {
             .collect(),
     );
     println!("yardstick: libm pow                         {:8.1} ns", power * 1e9);
+    let made = 200;
+    let make = || {
+        time(|| {
+            for _ in 0..made {
+                black_box(FlatTrack::new(&Settings::default()).unwrap());
+            }
+        }) / f64::from(made)
+    };
+    println!(
+        "a slave of the flat track, with its table   {:8.1} us",
+        median((0..rounds).map(|_| make()).collect()) * 1e6
+    );
 
     println!("\nflat track at 1 kHz, 6 stripes, model step 0.1 ms");
     println!("  speed  bristles   model step   per bristle   of a pow   times real time");
@@ -152,7 +179,7 @@ fn main() {
 
     vehicle_units(rounds);
 
-    let library = match ModelLibrary::shipped() {
+    let library = match ModelLibrary::shipped(MODELS) {
         Ok(library) => library,
         Err(error) => {
             println!("\nthe FMU is not measured: {error}");

@@ -27,6 +27,7 @@ mod file;
 pub mod fit;
 #[allow(unsafe_code)]
 pub mod fmi;
+pub mod mechanics;
 pub mod model;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only
@@ -45,8 +46,11 @@ mod shown;
 #[allow(clippy::disallowed_methods)] // host only
 pub mod simulate;
 pub mod solver;
+pub mod stats;
 #[cfg(feature = "host")]
 pub mod temporary;
+#[cfg(feature = "host")]
+pub mod tir;
 pub mod tire;
 
 pub use error::{Error, ErrorKind, Result};

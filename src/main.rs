@@ -1,5 +1,6 @@
 //! The program `latsch`: dispatches to its subcommands.
 #![deny(unsafe_code)]
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod cli;
 

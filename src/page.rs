@@ -2,13 +2,13 @@
 
 use crate::shown::printable;
 
-/// A piece of finished HTML. Only this module's parts make one, so that text in it is always escaped.
+/// A piece of finished HTML. What takes text escapes it; [`Html::raw`] does not.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Html(String);
 
 impl Html {
-    /// HTML as it stands; whoever calls this has escaped the text in it.
-    pub(crate) fn raw(html: impl Into<String>) -> Self {
+    /// HTML as it stands; whoever calls this has [escaped](escape) the text in it.
+    pub fn raw(html: impl Into<String>) -> Self {
         Self(html.into())
     }
 
@@ -30,7 +30,7 @@ impl Html {
 
 /// Text in which nothing is markup any more, inside elements and inside quoted attributes, and no character turns the
 /// direction of what stands around it.
-pub(crate) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in printable(text).chars() {
         match c {

@@ -1,15 +1,26 @@
-//! The models that are shipped.
+//! The models that are shipped: every tire on every rig, and what brakes.
 
 use crate::control::{AbsController, BrakeHydraulics};
 use crate::fmi::Entry;
-use crate::rig::{RingBrushCorner, RingBrushFlatTrack, RingBrushTire, RingBrushWheel};
+use crate::rig::{Bare, Corner, FlatTrack, Wheel};
+use crate::tire::magic_formula::MagicFormula;
+use crate::tire::ring_brush::RingBrush;
+
+/// Each tire on all rigs, and other models behind them.
+macro_rules! models {
+    (tires: $($tire:ty),+; others: $($model:ty),+) => {
+        &[
+            $(
+                Entry::of::<FlatTrack<$tire>>(),
+                Entry::of::<Bare<$tire>>(),
+                Entry::of::<Wheel<$tire>>(),
+                Entry::of::<Corner<$tire>>(),
+            )+
+            $(Entry::of::<$model>(),)+
+        ]
+    };
+}
 
 /// Every shipped model.
-pub const MODELS: &[Entry] = &[
-    Entry::of::<RingBrushFlatTrack>(),
-    Entry::of::<RingBrushTire>(),
-    Entry::of::<RingBrushWheel>(),
-    Entry::of::<RingBrushCorner>(),
-    Entry::of::<BrakeHydraulics>(),
-    Entry::of::<AbsController>(),
-];
+pub const MODELS: &[Entry] =
+    models! { tires: RingBrush, MagicFormula; others: BrakeHydraulics, AbsController };

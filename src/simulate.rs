@@ -302,9 +302,7 @@ impl Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{
-        Access, Model, Native, Settings, Variable, boolean_parameter, input, output, parameter,
-    };
+    use crate::model::{Access, Model, Native, Settings, Table, boolean_parameter, input, output, parameter};
     use crate::real;
     use serde::{Deserialize as De, Serialize as Ser};
 
@@ -320,17 +318,22 @@ mod tests {
     impl Model for Rig {
         const NAME: &'static str = "rig";
         const DESCRIPTION: &'static str = "A rig";
-        const VARIABLES: &'static [Variable<Self>] = &[
-            input("command", "m", real!(command), 0.0, "Command"),
-            output("position", "m", real!(position), "Position"),
-            parameter("actuator_frequency", "rad/s", real!(frequency), 10.0, "Corner").range(1.0, 1e3),
-            boolean_parameter(
-                "command_actuators",
-                Access::Boolean(|m: &Self| m.command_actuators, |m: &mut Self, v| m.command_actuators = v),
-                true,
-                "Commands pass the actuators",
-            ),
-        ];
+        fn variables() -> Table<Self> {
+            Table::new([
+                input("command", "m", real!(command), 0.0, "Command"),
+                output("position", "m", real!(position), "Position"),
+                parameter("actuator_frequency", "rad/s", real!(frequency), 10.0, "Corner").range(1.0, 1e3),
+                boolean_parameter(
+                    "command_actuators",
+                    Access::boolean(
+                        |m: &Self| m.command_actuators,
+                        |m: &mut Self, v| m.command_actuators = v,
+                    ),
+                    true,
+                    "Commands pass the actuators",
+                ),
+            ])
+        }
 
         fn step_size(&self) -> f64 {
             1e-3

@@ -148,8 +148,10 @@ pub fn clean_up_on_signals() -> io::Result<()> {
     use std::sync::atomic::AtomicBool;
 
     // what is ignored stays ignored: so it is with nohup, and in the background of a script
-    let signals: Vec<i32> =
-        [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| !crate::fmi::is_ignored(*signal)).collect();
+    let signals: Vec<i32> = [SIGINT, SIGTERM, SIGHUP]
+        .into_iter()
+        .filter(|signal| !crate::fmi::signal::is_ignored(*signal))
+        .collect();
     for signal in &signals {
         let again = Arc::new(AtomicBool::new(false));
         flag::register_conditional_default(*signal, again.clone())?;

@@ -7,24 +7,26 @@ mod common;
 
 use common::rolling::{FREE, Point};
 use common::{assert_close, example, example_tire};
+use latsch::road::Road;
 use latsch::tire::Motion;
-use latsch::tire::ring_brush::{Contact, Parameters, Stationary, Tire, Vertical, stationary_refined};
+use latsch::tire::Vertical;
+use latsch::tire::ring_brush::{Contact, Parameters, Prepared, Stationary, stationary_refined};
 use std::f64::consts::FRAC_PI_2;
 
 /// Enough for 1e-5 of the forces.
 const FINE: usize = 400;
 
-fn tire(change: impl FnOnce(&mut Parameters)) -> Tire {
+fn tire(change: impl FnOnce(&mut Parameters)) -> Prepared {
     let mut p = example();
     change(&mut p);
-    Tire::new(&p).unwrap()
+    Prepared::new(&p, &Road::default()).unwrap()
 }
 
-fn at(tire: &Tire, point: Point) -> Stationary {
+fn at(tire: &Prepared, point: Point) -> Stationary {
     point.solve(tire, FINE)
 }
 
-fn force_x(tire: &Tire, load: f64, slip: f64) -> f64 {
+fn force_x(tire: &Prepared, load: f64, slip: f64) -> f64 {
     at(tire, Point { load, slip, ..FREE }).on_rim.force.x
 }
 
@@ -35,7 +37,7 @@ struct Geometry {
     normal: f64,
 }
 
-fn geometry(tire: &Tire, load: f64) -> Geometry {
+fn geometry(tire: &Prepared, load: f64) -> Geometry {
     let p = tire.parameters();
     let normal = load + p.belt_mass * p.gravity;
     let (linear, quadratic) = (p.vertical_stiffness, p.vertical_stiffness_quadratic);
@@ -189,7 +191,7 @@ mod check_16_to_27 {
     }
 
     /// The state at a camber of the rim with the slip angle at which the lateral force vanishes.
-    fn straight(tire: &Tire, camber: f64) -> Stationary {
+    fn straight(tire: &Prepared, camber: f64) -> Stationary {
         let state = |alpha: f64| at(tire, Point { speed: 1e-3, camber, alpha, ..FREE });
         let (mut a, mut b) = (0.0, 0.05 * camber);
         let (mut before, mut found) = (state(a), state(b));
@@ -212,8 +214,8 @@ mod check_16_to_27 {
     #[test]
     fn c20_c30_camber_moment() {
         let step = 2e-5;
-        let z4 = |tire: &Tire| -slope(step, |camber| straight(tire, camber).on_rim.moment.z);
-        let kappa = |tire: &Tire| slope(step, |camber| straight(tire, camber).belt_camber);
+        let z4 = |tire: &Prepared| -slope(step, |camber| straight(tire, camber).on_rim.moment.z);
+        let kappa = |tire: &Prepared| slope(step, |camber| straight(tire, camber).belt_camber);
         let tire = example_tire();
         let g = geometry(&tire, 5000.0);
         let (base, tilt) = (z4(&tire), kappa(&tire));
@@ -446,7 +448,7 @@ mod check_28_to_44 {
     #[test]
     fn c28_load_over_deflection() {
         let tire = example_tire();
-        let load = |tire: &Tire, deflection: f64| {
+        let load = |tire: &Prepared, deflection: f64| {
             let standing = Motion::default();
             stationary_refined(tire, &standing, Vertical::Height(0.338 - deflection), 1.0, 20)
                 .unwrap()
@@ -460,7 +462,7 @@ mod check_28_to_44 {
         for (deflection, z1) in [(0.015, 2733.101), (0.035, 7871.746)] {
             assert_close("Z1", load(&tire, touch + deflection) + 8.8 * 9.81, z1, 1e-6);
         }
-        let at_touch = |tire: &Tire| (load(tire, touch + 1e-7) - load(tire, touch)) / 1e-7;
+        let at_touch = |tire: &Prepared| (load(tire, touch + 1e-7) - load(tire, touch)) / 1e-7;
         assert_close("Z1,3", at_touch(&tire), 149_083.75, 1e-5);
         let other = super::tire(|p| p.vertical_stiffness_quadratic *= 3.0);
         assert_close("Z1,3 again", at_touch(&other), 149_083.75, 1e-5);
@@ -513,9 +515,9 @@ mod check_28_to_44 {
     fn c31_c32_cornering_stiffness_and_compliances() {
         let speed = 1e-3;
         let moment =
-            |tire: &Tire| slope(2e-6, |alpha| at(tire, Point { alpha, speed, ..FREE }).on_rim.moment.z);
+            |tire: &Prepared| slope(2e-6, |alpha| at(tire, Point { alpha, speed, ..FREE }).on_rim.moment.z);
         let force =
-            |tire: &Tire| -slope(2e-6, |alpha| at(tire, Point { alpha, speed, ..FREE }).on_rim.force.y);
+            |tire: &Prepared| -slope(2e-6, |alpha| at(tire, Point { alpha, speed, ..FREE }).on_rim.force.y);
         let mut z5 = Vec::new();
         for (compliance, expected) in [(1e-5, -6729.8), (5e-5, -5302.4), (1e-4, -4191.2), (2e-4, -2953.4)] {
             z5.push(moment(&tire(|p| p.patch_compliance_twist = compliance)));

@@ -11,6 +11,7 @@ use latsch::fmi::corrected::{CorrectedBase, export_corrected, export_corrections
 use latsch::fmi::import::{Archive, ImportedFmu};
 use latsch::model::{Causality, Interface, Kind, Native, Settings, Slave};
 use latsch::rig::RingBrushWheel;
+use latsch::shipped::MODELS;
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -119,7 +120,7 @@ fn shipped(model: &str) -> CorrectedBase {
 
 /// Exports what the text says and writes it to a file.
 fn export(folder: &Path, base: &CorrectedBase, text: &str) -> PathBuf {
-    let library = ModelLibrary::shipped().unwrap();
+    let library = ModelLibrary::shipped(MODELS).unwrap();
     let corrections = Corrections::parse(text, "corrected.toml").unwrap();
     let path = folder.join("corrected.fmu");
     fs::write(&path, export_corrections(base, &corrections, &library, &[]).unwrap()).unwrap();
@@ -342,7 +343,7 @@ fn an_fmu_that_can_less_makes_one_that_can_less() {
 #[test]
 fn our_own_fmus_can_be_carried_too_even_twice() {
     let folder = tempfile::tempdir().unwrap();
-    let library = ModelLibrary::shipped().unwrap();
+    let library = ModelLibrary::shipped(MODELS).unwrap();
     let base = folder.path().join("wheel.fmu");
     fs::write(&base, library.fmu("ring-brush-wheel", &Settings::default(), &[]).unwrap()).unwrap();
     let once = export(folder.path(), &CorrectedBase::Fmu(base), WHEEL);
@@ -367,7 +368,7 @@ fn the_check_finds_nothing() {
 
 #[test]
 fn the_file_of_a_fit_gives_the_same_fmu() {
-    let library = ModelLibrary::shipped().unwrap();
+    let library = ModelLibrary::shipped(MODELS).unwrap();
     let base = shipped("ring-brush-wheel");
     let interface = base.interface(&library).unwrap();
     let effects = attachments(&interface, WHEEL);
@@ -392,7 +393,7 @@ fn the_file_of_a_fit_gives_the_same_fmu() {
 #[test]
 fn refuses_with_a_reason() {
     let folder = tempfile::tempdir().unwrap();
-    let library = ModelLibrary::shipped().unwrap();
+    let library = ModelLibrary::shipped(MODELS).unwrap();
     let refused = |base: &CorrectedBase, text: &str, words: &[&str]| {
         let corrections = Corrections::parse(text, "c.toml");
         let error = corrections.and_then(|c| export_corrections(base, &c, &library, &[])).unwrap_err();

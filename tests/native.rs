@@ -5,9 +5,7 @@ mod common;
 
 use common::{flat_track, set, started};
 use latsch::control::AbsController;
-use latsch::model::{
-    Causality, Initial, Model, Native, Settings, Slave, Variability, Variable, input, output,
-};
+use latsch::model::{Causality, Initial, Model, Native, Settings, Slave, Table, Variability, input, output};
 use latsch::rig::RingBrushFlatTrack;
 use latsch::{Error, Result, real};
 use serde::{Deserialize, Serialize};
@@ -24,12 +22,14 @@ struct Reciprocal {
 impl Model for Reciprocal {
     const NAME: &'static str = "reciprocal";
     const DESCRIPTION: &'static str = "1 over its input, and a logarithm";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        input("input", "1", real!(input), 1.0, "What is inverted"),
-        output("fine", "1", real!(fine), "The input itself"),
-        output("reciprocal", "1", real!(reciprocal), "1 over the input"),
-        output("logarithm", "1", real!(logarithm), "Logarithm of the input plus 1"),
-    ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            input("input", "1", real!(input), 1.0, "What is inverted"),
+            output("fine", "1", real!(fine), "The input itself"),
+            output("reciprocal", "1", real!(reciprocal), "1 over the input"),
+            output("logarithm", "1", real!(logarithm), "Logarithm of the input plus 1"),
+        ])
+    }
 
     fn step_size(&self) -> f64 {
         1e-3

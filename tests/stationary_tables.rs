@@ -10,7 +10,8 @@ mod common;
 
 use common::rolling::{FREE, Point};
 use common::{assert_close, example, example_tire};
-use latsch::tire::ring_brush::{Contact, Shape, Stationary, Tire};
+use latsch::road::Road;
+use latsch::tire::ring_brush::{Contact, Prepared, Shape, Stationary};
 use std::f64::consts::FRAC_PI_2;
 
 /// The reduced stationary problem: unknowns belt camber, yaw, wind-up, F_x, F_y, M_z.
@@ -611,7 +612,7 @@ fn product_converges_with_the_square_of_its_intervals() {
     let point = Point { load: 6000.0, slip: 0.03, ..FREE };
     let mut p = example();
     let counts = [50, 100, 200, 400, 800, 1600];
-    let forces = |tire: &Tire| counts.map(|n| point.solve(tire, n).on_rim.force.x);
+    let forces = |tire: &Prepared| counts.map(|n| point.solve(tire, n).on_rim.force.x);
 
     // With the damper of the example
     let with = forces(&tire);
@@ -630,7 +631,7 @@ fn product_converges_with_the_square_of_its_intervals() {
     // Without the damper no bristle slides at the entry, the order is 2 to the digit, and the limit is the 4988.80 N of the table of continuous
     // targets, which neglects the damper.
     p.bristle_damping = 1e-6;
-    let without = forces(&Tire::new(&p).unwrap());
+    let without = forces(&Prepared::new(&p, &Road::default()).unwrap());
     for k in 0..4 {
         let ratio = (without[k] - without[k + 1]) / (without[k + 1] - without[k + 2]);
         println!("{:5} intervals without bristle damping: {:.4} N, ratio {ratio:.3}", counts[k], without[k]);

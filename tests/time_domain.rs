@@ -7,7 +7,8 @@ mod common;
 use common::rolling::{FREE, Point};
 use common::{FlatTrack, NO_ACTUATORS, PRINTED_PRESSURE, assert_close, example_tire, flat_track, get, set};
 use latsch::model::Slave;
-use latsch::tire::ring_brush::{Vertical, stationary_refined};
+use latsch::tire::Vertical;
+use latsch::tire::ring_brush::stationary_refined;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -189,7 +190,7 @@ fn z9_start_and_side_wall() {
     let on_rim = 0.08 * (449.0 + 4.67e6 * 1e-5);
     let jump = get(rig, "force_z");
     assert!((jump - (on_rim - 8.8 * 9.81)).abs() < 0.03, "{jump}");
-    let acceleration = rig.model().state().acceleration[0].z;
+    let acceleration = rig.model().tire().state.acceleration[0].z;
     assert_close("acceleration", acceleration, -on_rim / 8.8, 1e-3);
     rig.step(1e-5, TICK - 1e-5).unwrap();
     let mut last = 0.0;
@@ -288,7 +289,7 @@ fn second_order_in_time_with_a_sticking_patch() {
         ]);
         set(&mut rig, &[("steer", 0.002), ("camber", 0.002)]);
         run(&mut rig, 0.03, |_| {});
-        let state = rig.model().state();
+        let state = &rig.model().tire().state;
         let lagged = [state.lagged.force_y, state.lagged.moment_z];
         assert_eq!(get(&mut rig, "sliding_share"), 0.0);
         [get(&mut rig, "moment_z"), get(&mut rig, "force_y"), lagged[0], lagged[1]]

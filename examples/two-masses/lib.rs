@@ -1,6 +1,6 @@
 //! A mass between a wall and another mass: one half of a coupled pair of oscillators, as an FMU.
 
-use latsch::model::{Model, Variable, input, output, parameter};
+use latsch::model::{Model, Table, input, output, parameter};
 use latsch::{Result, real};
 use serde::{Deserialize, Serialize};
 
@@ -32,18 +32,20 @@ impl Oscillator {
 impl Model for Oscillator {
     const NAME: &'static str = "coupled-oscillator";
     const DESCRIPTION: &'static str = "A mass between a wall and another mass";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        parameter("mass", "kg", real!(mass), 1.0, "Mass").range(1e-3, 1e3),
-        parameter("stiffness", "N/m", real!(stiffness), 100.0, "Stiffness to the wall").min(0.0),
-        parameter("damping", "N.s/m", real!(damping), 0.0, "Damping to the wall").min(0.0),
-        parameter("coupling_stiffness", "N/m", real!(coupling_stiffness), 0.0, "Stiffness to the other mass").min(0.0),
-        parameter("start_position", "m", real!(start_position), 0.0, "Position at the start, at rest"),
-        input("force", "N", real!(force), 0.0, "Force from outside"),
-        input("other_position", "m", real!(other_position), 0.0, "Position of the other mass"),
-        output("position", "m", real!(position), "Position of the mass"),
-        output("velocity", "m/s", real!(velocity), "Velocity of the mass"),
-        output("reaction", "N", real!(reaction), "Force on the other mass"),
-    ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            parameter("mass", "kg", real!(mass), 1.0, "Mass").range(1e-3, 1e3),
+            parameter("stiffness", "N/m", real!(stiffness), 100.0, "Stiffness to the wall").min(0.0),
+            parameter("damping", "N.s/m", real!(damping), 0.0, "Damping to the wall").min(0.0),
+            parameter("coupling_stiffness", "N/m", real!(coupling_stiffness), 0.0, "Stiffness to the other mass").min(0.0),
+            parameter("start_position", "m", real!(start_position), 0.0, "Position at the start, at rest"),
+            input("force", "N", real!(force), 0.0, "Force from outside"),
+            input("other_position", "m", real!(other_position), 0.0, "Position of the other mass"),
+            output("position", "m", real!(position), "Position of the mass"),
+            output("velocity", "m/s", real!(velocity), "Velocity of the mass"),
+            output("reaction", "N", real!(reaction), "Force on the other mass"),
+        ])
+    }
 
     fn step_size(&self) -> f64 {
         1e-4

@@ -9,6 +9,7 @@ use latsch::fmi::archive::ModelLibrary;
 use latsch::fmi::corrected::{CorrectedBase, export_corrected};
 use latsch::recording::read_settings;
 use latsch::report::{CheckRun, diagnosis_report, write_html};
+use latsch::shipped::MODELS;
 use latsch::{Error, Result, write_file};
 use std::path::{Path, PathBuf};
 
@@ -133,7 +134,7 @@ fn write(folder: &Path, outcome: &Outcome) -> Result<()> {
         Base::System(path) => return write_system(folder, path, &fitted, outcome),
     };
     let parameters: Vec<(String, f64)> = fitted.into_iter().map(|f| (f.name, f.value)).collect();
-    let library = ModelLibrary::shipped()?;
+    let library = ModelLibrary::shipped(MODELS)?;
     let fmu = export_corrected(&base, &parameters, &outcome.attachments, &library, &[])?;
     write_file(&folder.join("corrected.fmu"), &fmu)
 }
@@ -142,7 +143,7 @@ fn write(folder: &Path, outcome: &Outcome) -> Result<()> {
 fn write_system(folder: &Path, path: &Path, fitted: &[Fitted], outcome: &Outcome) -> Result<()> {
     let folder = folder.join("corrected-system");
     let parameters: Vec<(String, f64)> = fitted.iter().map(|f| (f.name.clone(), f.value)).collect();
-    let library = ModelLibrary::shipped()?;
+    let library = ModelLibrary::shipped(MODELS)?;
     write_corrected(path, &folder, &parameters, &outcome.attachments, &library)
         .map_err(|e| e.at("the corrected system cannot be written; all else is there"))
 }

@@ -1,6 +1,7 @@
 //! `latsch export`: an FMU of a model.
 
-use super::{check_outputs, print};
+use super::tire::over;
+use super::{check_outputs, print, warn};
 use latsch::effect::file::Corrections;
 use latsch::fmi::Entry;
 use latsch::fmi::archive::{Binary, ModelLibrary};
@@ -22,6 +23,9 @@ pub struct Args {
     /// Values of parameters and start values of inputs: TOML with [parameters] and [inputs], in SI units or as "170 N/mm"
     #[arg(long, value_name = "F.toml")]
     parameters: Option<PathBuf>,
+    /// Tire property file of the Magic Formula 5.2, for the models magic-formula-...; --parameters goes over it
+    #[arg(long, value_name = "F.tir")]
+    tire: Option<PathBuf>,
     /// What is added to the model, such as the corrected.toml of a diagnosis: TOML with [[effect]] and [parameters]
     #[arg(long, value_name = "F.toml")]
     effects: Option<PathBuf>,
@@ -40,7 +44,12 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let file = Path::new(&args.model);
     let is_fmu = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) || file.is_file();
-    let settings = read_settings(args.parameters.as_deref())?;
+    let mut settings = read_settings(args.parameters.as_deref())?;
+    if let Some(path) = &args.tire {
+        let (tire, notes) = latsch::tir::settings(path)?;
+        notes.iter().for_each(|note| warn(note));
+        settings = over(tire, settings);
+    }
     if !is_fmu && args.library.is_none() {
         // a wrong name is the nearer mistake than a library that is missing
         Entry::find(MODELS, &args.model)?;
@@ -52,11 +61,14 @@ pub fn run(args: &Args) -> Result<()> {
         args.model.as_str().into()
     };
     let output = args.output.clone().unwrap_or_else(|| format!("{stem}{suffix}.fmu").into());
-    let read = [&args.parameters, &args.library, &args.effects].into_iter().flatten().map(PathBuf::as_path);
+    let read = [&args.parameters, &args.tire, &args.library, &args.effects]
+        .into_iter()
+        .flatten()
+        .map(PathBuf::as_path);
     check_outputs(&[&output], &read.chain(is_fmu.then_some(file)).collect::<Vec<_>>())?;
     let library = match &args.library {
         Some(path) => ModelLibrary::open(path)?,
-        None => ModelLibrary::shipped()?,
+        None => ModelLibrary::shipped(MODELS)?,
     };
     let fmu = match &args.effects {
         None if is_fmu => {
@@ -68,7 +80,7 @@ pub fn run(args: &Args) -> Result<()> {
             fmu
         }
         Some(effects) => {
-            if is_fmu && args.parameters.is_some() {
+            if is_fmu && (args.parameters.is_some() || args.tire.is_some()) {
                 return Err(Error::call(
                     "with an FMU, its parameters go into the file of --effects, under [parameters]",
                 ));

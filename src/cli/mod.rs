@@ -8,6 +8,7 @@ mod diagnose;
 mod export;
 mod models;
 mod simulate;
+mod tire;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use latsch::temporary::{before_the_end, clean_up_on_signals};
@@ -33,6 +34,7 @@ enum Command {
     Simulate(simulate::Args),
     Cosimulate(cosimulate::Args),
     Check(check::Args),
+    Tire(tire::Args),
     Diagnose(diagnose::Args),
     Demo(demo::Args),
 }
@@ -63,6 +65,7 @@ pub fn run() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args).map(done),
         Command::Cosimulate(args) => cosimulate::run(&args).map(done),
         Command::Check(args) => check::run(&args),
+        Command::Tire(args) => tire::run(&args).map(done),
         Command::Diagnose(args) => diagnose::run(&args).map(done),
         Command::Demo(args) => demo::run(&args).map(done),
     };

@@ -276,7 +276,7 @@ fn patch_frames(
         }
         let mut value = |name: &str| twin.find(name).and_then(|i| twin.get(i)).unwrap_or(f64::NAN);
         let title = patch_caption(value("force_z"), value("actual_slip"), value("actual_slip_angle"));
-        frames.push(PatchFrame::of(twin.model().mounted(), schedule.point(k), &title));
+        frames.push(PatchFrame::of(twin.model().tire(), schedule.point(k), &title));
     })?;
     Ok(frames)
 }

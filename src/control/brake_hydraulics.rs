@@ -4,7 +4,7 @@
 //! of valves, lags and sizes are placeholders of sports-car size, and all are parameters. Between
 //! changes of the inputs the pressures are known in closed form, so a step of any length is exact.
 
-use crate::model::{Access, Model, Variable, input, output, parameter};
+use crate::model::{Access, Model, Table, input, output, parameter};
 use crate::solver::Real;
 use crate::{Error, Result, real};
 use serde::{Deserialize, Serialize};
@@ -43,15 +43,16 @@ struct Parameters {
 impl Model for BrakeHydraulics {
     const NAME: &'static str = "brake-hydraulics";
     const DESCRIPTION: &'static str = "Hydraulics and pads of one wheel brake: the driver's pressure and two valve openings in, pressures and brake torque out";
-    const DOCUMENTATION: &'static str = include_str!("brake_hydraulics.html");
-    const VARIABLES: &'static [Variable<Self>] = &[
+    const DOCUMENTATION: &'static [&'static str] = &[include_str!("brake_hydraulics.html")];
+    fn variables() -> Table<Self> {
+        Table::new([
         input("driver_pressure", "Pa", real!(driver_pressure), 0.0, "Pressure in the master cylinder, over ambient; below 0 counts as 0").range(-1e7, 1e8),
         input("inlet_valve", "1", real!(inlet_valve), 1.0, "Opening of the inlet valve, or the share of time for which it is open: 1 builds pressure, 0 closes").range(0.0, 1.0),
         input("outlet_valve", "1", real!(outlet_valve), 0.0, "Opening of the outlet valve, or the share of time for which it is open: 1 dumps pressure, 0 closes").range(0.0, 1.0),
-        output("brake_torque", "N.m", Access::Real(|m: &Self| m.torque(), |_: &mut Self, _| {}), "Torque that the sliding pads put on the wheel against its rotation, never negative; on a wheel that stands it is the most that the brake can hold (6.33)").nominal(1000.0),
+        output("brake_torque", "N.m", Access::computed(|m: &Self| m.torque()), "Torque that the sliding pads put on the wheel against its rotation, never negative; on a wheel that stands it is the most that the brake can hold (6.33)").nominal(1000.0),
         output("pressure", "Pa", real!(line), "Pressure in the wheel's line").nominal(1e6),
         output("caliper_pressure", "Pa", real!(caliper), "Pressure in the caliper, behind its lag").nominal(1e6),
-        output("pad_friction", "1", Access::Real(|m: &Self| m.parameters.friction_after(m.contact_time), |_: &mut Self, _| {}), "Friction coefficient of the pads (mu_Br)"),
+        output("pad_friction", "1", Access::computed(|m: &Self| m.parameters.friction_after(m.contact_time)), "Friction coefficient of the pads (mu_Br)"),
         parameter("piston_area", "m2", real!(parameters.piston_area), 43e-4, "Piston area, sum over both pads (A_piston; placeholder)").range(1e-6, 1.0).tunable(),
         parameter("friction_radius", "m", real!(parameters.friction_radius), 0.14, "Radius at which the pads' friction acts (r_Reib; placeholder)").range(1e-3, 2.0).tunable(),
         parameter("friction", "1", real!(parameters.friction), 0.4, "Friction coefficient of pads in full contact (mu_0; placeholder)").range(0.0, 2.0).tunable(),
@@ -63,7 +64,8 @@ impl Model for BrakeHydraulics {
         parameter("dump_rate", "Pa/s", real!(parameters.dump_rate), 9e7, "Fall of the line pressure through the open outlet valve (placeholder)").range(0.0, 1e11).tunable(),
         parameter("release_rate", "Pa/s", real!(parameters.release_rate), 3e8, "Fall of the line pressure through the check valve beside the inlet valve, while it is above the driver's (placeholder)").range(1e5, 1e11).tunable(),
         parameter("step_size", "s", real!(step_size), 1e-4, "Step of the model's own time grid; the inputs are held over it, and that is its only error").range(1e-6, 0.1),
-    ];
+    ])
+    }
 
     fn step_size(&self) -> f64 {
         self.step_size

@@ -3,7 +3,7 @@
 use super::energy::Bond;
 use super::master::{Coupling, Exchange};
 use crate::model::unit::Unit;
-use crate::model::{Causality, Interface, Kind, Slave, Value, VariableInfo};
+use crate::model::{Causality, Interface, Kind, Role, Slave, Value, VariableInfo};
 use crate::recording::{Recording, interpolate};
 use crate::shown::one_line;
 use crate::{Error, Result};
@@ -13,7 +13,7 @@ use std::rc::Rc;
 /// Parameters that say how often a component does something by itself, and what that is. An interval of
 /// communication has to be a whole multiple of the first; of the second it may also be a fraction,
 /// because a controller that is called more often than its task runs waits.
-const OWN_STEPS: [&str; 2] = ["step_size", "sample_time"];
+const OWN_STEPS: [(Role, &str); 2] = [(Role::Step, "step_size"), (Role::SampleTime, "sample_time")];
 
 /// Slaves by name, the connections between them, and recorded inputs.
 pub struct System {
@@ -424,15 +424,12 @@ impl System {
     pub(super) fn check_interval(&mut self, interval: f64) -> Result<()> {
         for component in &mut self.components {
             let name = &component.name;
-            for parameter in OWN_STEPS {
-                let Some(own) = component.slave.interface().index(parameter).filter(|i| {
-                    let info = &component.slave.interface().variables[*i];
-                    info.causality == Causality::Parameter && info.unit.as_deref() == Some("s")
-                }) else {
-                    continue;
-                };
-                let own = component.slave.get(own).map_err(|e| e.at(name))?;
-                let task = parameter == "sample_time";
+            for (role, usual_name) in OWN_STEPS {
+                let interface = component.slave.interface();
+                let Some(index) = interface.time_parameter(role, usual_name) else { continue };
+                let parameter = interface.variables[index].name.clone();
+                let own = component.slave.get(index).map_err(|e| e.at(name))?;
+                let task = role == Role::SampleTime;
                 // zero: it does so at every communication point
                 if (task && own == 0.0) || is_multiple(interval, own) || (task && is_multiple(own, interval))
                 {

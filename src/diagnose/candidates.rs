@@ -1,16 +1,16 @@
 //! Candidates: effects screened at all their places, and the best of them fitted inside the simulation.
 
-use super::blocks::{differences, sign_flip};
 use super::excerpt::{beginning, coarser};
 use super::placement::{Placement, Site, is_tunable, sizes};
 use super::plausible::{implausible, plausible};
 use super::roles::Roles;
 use super::screen::{MAX_SHAPES, Screen, Screened};
-use super::study::{Fitted, Model, Rest, Study};
+use super::study::{Fitted, Model, Rest, Study, differences};
 use super::subject::Subject;
 use crate::effect::{Effect, Port, catalogue, empirical};
 use crate::fit::{Drive, Run, Traces};
 use crate::model::Causality;
+use crate::stats::{root_mean_square, sign_flip};
 use crate::{Error, Result};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -128,8 +128,7 @@ pub(super) fn screen(
     }
     // a model may leave an output at rest that moves
     for channel in runs.iter().flat_map(|r| &r.channels) {
-        let n = channel.values.len().max(1) as f64;
-        let own = (channel.values.iter().map(|v| v * v).sum::<f64>() / n).sqrt();
+        let own = root_mean_square(channel.values.iter().copied());
         size[channel.variable] = size[channel.variable].max(own);
     }
     let measured: Vec<usize> =

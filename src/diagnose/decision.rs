@@ -1,14 +1,14 @@
 //! The decision of one round: which candidates count, by what the check runs gain from them; which of those is named, by
 //! how likely it makes fit runs and check runs together; and what cannot be told from it.
 
-use super::blocks::{bootstrap_shares, differences, sign_flip};
 use super::candidates::Tried;
 use super::plausible::runs_out;
 use super::result::{Alternative, Candidate, Finding};
-use super::study::{Rest, Study};
+use super::study::{Rest, Study, differences};
 use super::subject::Subject;
 use super::tables::estimates;
 use crate::effect::{Effect, empirical};
+use crate::stats::{bootstrap_shares, mean_or_zero, sign_flip};
 
 /// Probability of chance below which a gain on the check runs counts, for all that were fitted together.
 pub(super) const LEVEL: f64 = 0.05;
@@ -304,7 +304,7 @@ fn visible(study: &Study<'_>, t: &Tried, before: &Rest) -> bool {
         let (mut a, mut b, mut spread) = (0.0, 0.0, 0.0);
         for ((run, old), new) in study.check_runs.iter().zip(&before.simulated).zip(&t.check_rest.simulated) {
             let values = &run.channels[c].values;
-            let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+            let mean = mean_or_zero(values);
             for ((m, x), y) in values.iter().zip(&old[c]).zip(&new[c]) {
                 a += (x - m).powi(2);
                 b += (y - m).powi(2);

@@ -13,6 +13,7 @@ use super::result::{Experiment, Separation};
 use super::roles::Roles;
 use super::study::{Fitted, Model, Rest, Study, negligible};
 use crate::fit::{Drive, Run, Setup};
+use crate::stats::mean_or_zero;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
@@ -57,7 +58,7 @@ impl Rival {
         let first = point.len() - own;
         let step = |(u, x): (&crate::fit::Unknown, &f64)| u.step_at(*x);
         let covariance = fitted.fit.covariance(&fitted.unknowns, study.redundancy);
-        let block = covariance.view((first, first), (own, own)).into_owned();
+        let block = covariance.matrix().view((first, first), (own, own)).into_owned();
         // rounding may leave it a hair from positive; then each parameter by itself
         let alone = DMatrix::from_diagonal(&block.diagonal().map(|v| v.max(0.0).sqrt()));
         Self {
@@ -241,7 +242,7 @@ impl Stand<'_> {
                 let mut values = Vec::with_capacity(drive.points * traces.len());
                 for ((trace, channel), noise) in traces.iter().zip(&first.channels).zip(self.noise) {
                     let own = run.sample(trace, lag);
-                    let mean = own.iter().sum::<f64>() / own.len().max(1) as f64;
+                    let mean = mean_or_zero(&own);
                     // what counts on and on has no zero of its own, what has no noise says nothing
                     let zero = if channel.counts { mean } else { 0.0 };
                     let unit = if *noise > 0.0 { 1.0 / noise } else { 0.0 };

@@ -1,8 +1,9 @@
-//! Parameters that recordings say nothing about: numerics, numbers of parts, states at the start, the road. They are
-//! known by what a variable is, or by whole words of its name together with its unit, never by a piece of it.
+//! Parameters that recordings say nothing about: numerics, numbers of parts, states at the start, the road. The author
+//! of a model says which they are. Where nobody does, they are known by whole words of the name together with the
+//! unit, never by a piece of it.
 
 use crate::model::unit::Unit;
-use crate::model::{Kind, Variability, VariableInfo};
+use crate::model::{Kind, Purpose, Variability, VariableInfo};
 
 /// Exponents of kg, m, s, A, K, mol, cd, rad: of a second, of an acceleration, of a number.
 type Dimension = [i8; 8];
@@ -32,6 +33,7 @@ struct Rule {
 }
 
 const NUMERICS: &str = "it belongs to the numerics";
+const DATA: &str = "a file or data sheet gives it, and a few recordings do not tell it";
 const COUNT: &str = "it is a number of parts";
 const START: &str = "it is a state at the start, which runs do not share";
 const CONSTANT: &str = "it is a known constant of nature";
@@ -73,6 +75,16 @@ pub(super) fn why_given(info: &VariableInfo) -> Option<&'static str> {
         (Kind::Real, Variability::Fixed | Variability::Tunable) => {}
         (Kind::Real, _) => return Some("it is a constant of the model"),
         _ => return Some("it is no real number"),
+    }
+    if let Some(meaning) = info.meaning {
+        return match meaning.purpose {
+            Purpose::Physics => None,
+            Purpose::Data => Some(DATA),
+            Purpose::Numerics => Some(NUMERICS),
+            Purpose::Start => Some(START),
+            Purpose::Constant => Some(CONSTANT),
+            Purpose::Surroundings => Some(ROAD),
+        };
     }
     let words = words(info.name.rsplit('.').next().unwrap_or_default());
     // a unit that is not known has no dimension that a rule could ask for
@@ -130,6 +142,7 @@ mod tests {
             min: None,
             max: None,
             nominal: None,
+            meaning: None,
         }
     }
 

@@ -1,7 +1,6 @@
 //! Diagnosis: where recordings and simulation differ, and why.
 
 mod begin;
-mod blocks;
 mod candidates;
 mod decision;
 mod effort;
@@ -23,7 +22,6 @@ mod roles;
 mod runs;
 mod screen;
 mod search;
-pub mod spectrum;
 mod study;
 mod subject;
 mod tables;

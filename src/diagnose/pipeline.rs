@@ -1,6 +1,5 @@
 //! The chain from recordings to a verdict.
 
-use super::blocks::{differences, sign_flip};
 use super::decision::LEVEL;
 use super::effort::Work;
 use super::excerpt::finer;
@@ -12,7 +11,7 @@ use super::result::{Diagnosis, Effort, Estimate, Finding, Use, Verdict};
 use super::roles::Roles;
 use super::runs::{Map, some_like_all};
 use super::search::{Found, search};
-use super::study::{Fitted, Model, Rest, Study, first_weights};
+use super::study::{Fitted, Model, Rest, Study, differences, first_weights};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
 use super::{experiment, hygiene, locate};
@@ -21,6 +20,7 @@ use crate::fit::{Bench, Run};
 use crate::model::Settings;
 use crate::recording::Recording;
 use crate::simulate::motions_are_followed;
+use crate::stats::sign_flip;
 use std::path::PathBuf;
 
 /// Iterations of the fits before the channels have their weights, and of those after, which end by

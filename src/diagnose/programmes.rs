@@ -1,12 +1,12 @@
 //! A library of rig programmes, made from what the recordings covered of each driven input: its level, its
 //! range and its band. Nothing is assumed of the machine but that it can do about that again.
 
-use super::blocks::Dice;
 use super::roles::Roles;
 use crate::effect::Role;
 use crate::fit::{Drive, Run};
 use crate::model::{Interface, VariableInfo};
 use crate::page::number;
+use crate::stats::{SplitMix64, about_mean, median};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -71,9 +71,9 @@ impl Shape {
                 at(&|t| if ((t / hold + 1e-6) as u64).is_multiple_of(2) { low } else { high })
             }
             Self::Band { low, high, from, to } => {
-                let mut dice = Dice::new(7);
+                let mut random = SplitMix64::new(7);
                 let phases: Vec<f64> =
-                    (0..LINES).map(|_| 2.0 * PI * dice.bits() as f64 / u64::MAX as f64).collect();
+                    (0..LINES).map(|_| 2.0 * PI * random.bits() as f64 / u64::MAX as f64).collect();
                 let wave = |t: f64| -> f64 {
                     let line = |(i, phase): (usize, &f64)| {
                         let frequency = from + (to - from) * i as f64 / (LINES - 1) as f64;
@@ -192,15 +192,13 @@ fn cover<'a>(interface: &'a Interface, roles: &Roles, runs: &[&Run]) -> Vec<Inpu
         let level =
             |value: f64, round: fn(f64) -> f64| if unit > 0.0 { unit * round(value / unit) } else { value };
         let (low, high) = (level(low, |v| (v - 1e-6).ceil()), level(high, |v| (v + 1e-6).floor()));
-        let typical = level(pooled[pooled.len() / 2], f64::round).clamp(low, high.max(low));
+        let typical = level(median(&pooled), f64::round).clamp(low, high.max(low));
         let (mut fast, mut square, mut rates) = (0.0, 0.0, Vec::new());
         for (values, step) in courses(variable) {
-            let mean = values.iter().sum::<f64>() / values.len() as f64;
-            square += values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+            square += about_mean(values);
             fast += values.windows(2).map(|w| ((w[1] - w[0]) / step).powi(2)).sum::<f64>();
             rates.push((values[values.len() - 1] - values[0]) / (step * (values.len() - 1).max(1) as f64));
         }
-        rates.sort_by(f64::total_cmp);
         let counts = [Role::TravelDistance, Role::WheelAngle].iter().any(|role| roles.is(variable, *role));
         let moves = square > (1e-6 * (high - low)).powi(2) * pooled.len() as f64 && square > 0.0;
         inputs.push(Input {
@@ -212,7 +210,7 @@ fn cover<'a>(interface: &'a Interface, roles: &Roles, runs: &[&Run]) -> Vec<Inpu
             frequency: if moves { (fast / square).sqrt() / (2.0 * PI) } else { 0.0 },
             moves,
             part: match () {
-                () if counts => Part::Counts(rates[rates.len() / 2]),
+                () if counts => Part::Counts(median(&rates)),
                 () if info.is_real() => Part::Free,
                 () => Part::Held,
             },
@@ -279,10 +277,8 @@ pub(super) fn library(
 ) -> Vec<Programme> {
     let Some(first) = runs.first() else { return Vec::new() };
     let (start, step) = (first.drive.start, first.drive.step);
-    let mut lengths: Vec<f64> =
-        runs.iter().map(|r| (r.drive.points.max(1) - 1) as f64 * r.drive.step).collect();
-    lengths.sort_by(f64::total_cmp);
-    let run = lengths[lengths.len() / 2].min(longest.unwrap_or(f64::INFINITY));
+    let lengths: Vec<f64> = runs.iter().map(|r| (r.drive.points.max(1) - 1) as f64 * r.drive.step).collect();
+    let run = median(&lengths).min(longest.unwrap_or(f64::INFINITY));
     let intervals = first.time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0);
     let highest = HIGHEST / intervals.fold(f64::INFINITY, f64::min).max(step);
     if !(run > 0.0 && step > 0.0 && highest * run > 1.0) {

@@ -12,6 +12,7 @@ use crate::effect::Role;
 use crate::fit::Run;
 use crate::model::Causality;
 use crate::recording::Recording;
+use crate::stats::median_interval;
 use crate::{Error, Result};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -181,9 +182,7 @@ impl Recorded {
 fn leave_out_after(recording: &mut Recording, gap: &mut hygiene::Fault) {
     let time = &recording.time;
     let (Some(first), Some(last)) = (time.first(), time.last()) else { return };
-    let mut intervals: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
-    intervals.sort_by(f64::total_cmp);
-    let usual = intervals.get(intervals.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let usual = median_interval(time);
     let Some(k) = time.windows(2).position(|w| w[1] - w[0] > LONG_GAP * usual) else { return };
     if gap.severity == hygiene::Severity::Repaired && time[k] - first > MOST * (last - first) {
         recording.time.truncate(k + 1);
@@ -247,12 +246,8 @@ fn same_channels(subject: &Subject, runs: &[(Run, Use)]) -> Result<()> {
 
 /// The shortest of the runs' median sampling intervals \[s\].
 pub(super) fn shortest_interval(runs: &[&Run]) -> f64 {
-    let median = |run: &&Run| {
-        let mut all: Vec<f64> = run.time.windows(2).map(|w| w[1] - w[0]).collect();
-        all.sort_by(f64::total_cmp);
-        all.get(all.len() / 2).copied().unwrap_or(0.0)
-    };
-    let least = runs.iter().map(median).fold(f64::INFINITY, f64::min);
+    // a run of one sample has none
+    let least = runs.iter().map(|run| median_interval(&run.time).max(0.0)).fold(f64::INFINITY, f64::min);
     if least.is_finite() { least } else { 0.0 }
 }
 

@@ -1,4 +1,5 @@
-//! What the variables of a model are: roles from units and names, and signals made of others.
+//! What the variables of a model are: the roles that its author gives them, or that units and names tell where nobody
+//! does, and signals made of others.
 
 use crate::effect::{Role, Signal, Source};
 use crate::model::unit::Unit;
@@ -28,12 +29,13 @@ const KELVIN: Dimension = [0, 0, 0, 0, 1, 0, 0, 0];
 const WATT: Dimension = [1, 2, -3, 0, 0, 0, 0, 0];
 
 impl Roles {
-    /// Roles from units and names; `given` has names of variables and their roles from the user.
+    /// Roles from the model's author, or else from units and names; `given` has names of variables and their roles
+    /// from the user.
     ///
     /// # Errors
     /// A name that is no variable.
     pub fn of(interface: &Interface, given: &[(String, Role)]) -> Result<Self> {
-        let mut of: Vec<Vec<Role>> = interface.variables.iter().map(guess).collect();
+        let mut of: Vec<Vec<Role>> = interface.variables.iter().map(roles_of).collect();
         part_of_a_loss(interface, &mut of);
         for (name, role) in given {
             let variable = interface.find(name).map_err(|e| Error::file(format!("[roles]: {e}")))?;
@@ -119,72 +121,80 @@ fn part_of_a_loss(interface: &Interface, of: &mut [Vec<Role>]) {
         .collect();
     for (info, roles) in interface.variables.iter().zip(of) {
         let (part, name) = split(info);
-        if name.contains("friction_power") && whole.contains(&part) {
+        if info.meaning.is_none() && name.contains("friction_power") && whole.contains(&part) {
             roles.retain(|role| *role != Role::FrictionPower);
         }
     }
 }
 
-fn guess(info: &VariableInfo) -> Vec<Role> {
+/// The roles of a variable, from what its author says or from its name, and from its unit.
+fn roles_of(info: &VariableInfo) -> Vec<Role> {
     if info.variability == Variability::Constant {
         return Vec::new();
     }
     let Some(dimension) = dimension(info) else { return Vec::new() };
+    let role = match info.meaning {
+        Some(meaning) => meaning.role,
+        None => named(info, dimension),
+    };
+    let quantity = match dimension {
+        _ if info.causality == Causality::Parameter => Role::Other,
+        NEWTON | NEWTON_METRE => Role::Force,
+        METRE | RADIAN => Role::Position,
+        SPEED | SPIN => Role::Velocity,
+        ACCELERATION | SPIN_UP => Role::Acceleration,
+        PASCAL => Role::Pressure,
+        KELVIN => Role::Temperature,
+        WATT => Role::FrictionPower,
+        _ => Role::Other,
+    };
+    match role {
+        None => vec![quantity],
+        Some(Role::Share) => Vec::new(),
+        Some(role) if info.causality == Causality::Parameter => vec![role, quantity],
+        // the load that a machine is given is no force that something could be added to
+        Some(Role::Load) if info.causality == Causality::Input => vec![Role::Load],
+        Some(Role::Load) => vec![Role::Load, Role::Force],
+        Some(role @ (Role::LongitudinalForce | Role::LateralForce | Role::AligningMoment)) => {
+            vec![Role::Force, role]
+        }
+        Some(Role::SteerAngle) => vec![Role::Position, Role::SteerAngle],
+        Some(role) => vec![role],
+    }
+}
+
+/// The role that a name tells, of a variable of which nobody says anything.
+fn named(info: &VariableInfo, dimension: Dimension) -> Option<Role> {
     let name = info.name.to_ascii_lowercase();
     let last = name.rsplit('.').next().unwrap_or(&name).to_owned();
     let says = |words: &[&str]| words.iter().any(|w| last.contains(w));
     if info.causality == Causality::Parameter {
         // what parts of a machine do, not where they are
-        let mut roles = match dimension {
-            _ if says(&["brake", "pad"]) => vec![Role::BrakeGain],
-            _ if says(&["stiffness", "spring"]) => vec![Role::Stiffness],
-            [0, 0, 0, 0, 0, 0, 0, 0] if says(&["friction", "grip", "mu", "adhesion"]) => vec![Role::Friction],
-            _ => Vec::new(),
+        return match dimension {
+            _ if says(&["brake", "pad"]) => Some(Role::BrakeGain),
+            _ if says(&["stiffness", "spring"]) => Some(Role::Stiffness),
+            [0, 0, 0, 0, 0, 0, 0, 0] if says(&["friction", "grip", "mu", "adhesion"]) => Some(Role::Friction),
+            _ => None,
         };
-        roles.push(Role::Other);
-        return roles;
     }
-    match dimension {
-        // the load that a machine is given is no force that something could be added to
-        NEWTON if says(&["load", "force_z", "fz", "f_z", "normal", "vertical"]) => match info.causality {
-            Causality::Input => vec![Role::Load],
-            _ => vec![Role::Load, Role::Force],
-        },
-        NEWTON if says(&["force_x", "fx", "f_x", "longitudinal"]) => {
-            vec![Role::Force, Role::LongitudinalForce]
-        }
-        NEWTON if says(&["force_y", "fy", "f_y", "lateral"]) => vec![Role::Force, Role::LateralForce],
-        NEWTON_METRE if says(&["moment_y", "my", "m_y"]) => vec![Role::Force, Role::LongitudinalForce],
-        NEWTON_METRE if says(&["moment_z", "mz", "m_z", "aligning"]) => {
-            vec![Role::Force, Role::AligningMoment]
-        }
-        NEWTON | NEWTON_METRE => vec![Role::Force],
-        METRE if says(&["distance", "travel"]) && !says(&["suspension", "spring"]) => {
-            vec![Role::TravelDistance]
-        }
-        METRE => vec![Role::Position],
-        RADIAN if says(&["slip_angle", "alpha"]) => vec![Role::SlipAngle],
-        RADIAN if says(&["camber", "inclination"]) => vec![Role::Camber],
-        RADIAN if says(&["steer"]) => vec![Role::Position, Role::SteerAngle],
-        RADIAN if says(&["wheel_angle", "drum_angle", "shaft_angle", "rotation", "spin"]) => {
-            vec![Role::WheelAngle]
-        }
-        RADIAN => vec![Role::Position],
+    Some(match dimension {
+        NEWTON if says(&["load", "force_z", "fz", "f_z", "normal", "vertical"]) => Role::Load,
+        NEWTON if says(&["force_x", "fx", "f_x", "longitudinal"]) => Role::LongitudinalForce,
+        NEWTON if says(&["force_y", "fy", "f_y", "lateral"]) => Role::LateralForce,
+        NEWTON_METRE if says(&["moment_y", "my", "m_y"]) => Role::LongitudinalForce,
+        NEWTON_METRE if says(&["moment_z", "mz", "m_z", "aligning"]) => Role::AligningMoment,
+        METRE if says(&["distance", "travel"]) && !says(&["suspension", "spring"]) => Role::TravelDistance,
+        RADIAN if says(&["slip_angle", "alpha"]) => Role::SlipAngle,
+        RADIAN if says(&["camber", "inclination"]) => Role::Camber,
+        RADIAN if says(&["steer"]) => Role::SteerAngle,
+        RADIAN if says(&["wheel_angle", "drum_angle", "shaft_angle", "rotation", "spin"]) => Role::WheelAngle,
         SPEED if says(&["path", "vehicle", "belt", "travel", "road_speed", "drum"]) || last == "speed" => {
-            vec![Role::TravelSpeed]
+            Role::TravelSpeed
         }
-        SPEED => vec![Role::Velocity],
-        SPIN if says(&["wheel", "spin", "drum", "roller", "shaft", "rotor", "omega"]) => {
-            vec![Role::WheelSpeed]
-        }
-        SPIN => vec![Role::Velocity],
-        ACCELERATION | SPIN_UP => vec![Role::Acceleration],
-        PASCAL => vec![Role::Pressure],
-        KELVIN => vec![Role::Temperature],
-        WATT => vec![Role::FrictionPower],
-        _ if dimension == [0; 8] && says(&["slip", "kappa"]) => vec![Role::Slip],
-        _ => vec![Role::Other],
-    }
+        SPIN if says(&["wheel", "spin", "drum", "roller", "shaft", "rotor", "omega"]) => Role::WheelSpeed,
+        _ if dimension == [0; 8] && says(&["slip", "kappa"]) => Role::Slip,
+        _ => return None,
+    })
 }
 
 #[cfg(test)]
@@ -192,7 +202,7 @@ mod tests {
     use super::super::placement::Site;
     use super::*;
     use crate::effect::{Attached, find, forms};
-    use crate::model::{Access, Model, Native, Settings, Slave, Variable, input, output};
+    use crate::model::{Access, Model, Native, Settings, Slave, Table, input, output};
     use crate::real;
     use serde::{Deserialize, Serialize};
 
@@ -207,31 +217,32 @@ mod tests {
 
     macro_rules! shown {
         ($value:expr) => {
-            Access::Real($value, |_: &mut Self, _| {})
+            Access::computed($value)
         };
     }
 
     impl<const WHOLE: bool> Model for Creeping<WHOLE> {
         const NAME: &'static str = "creeping";
         const DESCRIPTION: &'static str = "A contact that loses power";
-        const DOCUMENTATION: &'static str = "";
-        const VARIABLES: &'static [Variable<Self>] = &[
-            input("slip", "1", real!(slip), 0.0, "Slip"),
-            input("slip_angle", "rad", real!(slip_angle), 0.0, "Slip angle"),
-            input("steer", "rad", real!(steer), 0.0, "Steer angle"),
-            input("road_height", "m", real!(road_height), 0.0, "Height of the road"),
-            output("force_x", "N", shown!(|m| 5e4 * m.slip), "Longitudinal force"),
-            output("force_y", "N", shown!(|m| -5e4 * m.slip_angle), "Lateral force"),
-            output("moment_z", "N.m", shown!(|m| 1e3 * m.slip_angle), "Aligning moment"),
-            output("brake_power", "W", shown!(|_| 0.0), "Power of the brake"),
-            output("friction_power", "W", shown!(|_| 0.0), "Power of sliding"),
-            output(
-                if WHOLE { "contact_power_loss" } else { "something_else" },
-                "W",
-                shown!(|m| 5e4 * m.slip * m.slip * 20.0),
-                "Power that is lost",
-            ),
-        ];
+        fn variables() -> Table<Self> {
+            Table::new([
+                input("slip", "1", real!(slip), 0.0, "Slip"),
+                input("slip_angle", "rad", real!(slip_angle), 0.0, "Slip angle"),
+                input("steer", "rad", real!(steer), 0.0, "Steer angle"),
+                input("road_height", "m", real!(road_height), 0.0, "Height of the road"),
+                output("force_x", "N", shown!(|m: &Self| 5e4 * m.slip), "Longitudinal force"),
+                output("force_y", "N", shown!(|m: &Self| -5e4 * m.slip_angle), "Lateral force"),
+                output("moment_z", "N.m", shown!(|m: &Self| 1e3 * m.slip_angle), "Aligning moment"),
+                output("brake_power", "W", shown!(|_: &Self| 0.0), "Power of the brake"),
+                output("friction_power", "W", shown!(|_: &Self| 0.0), "Power of sliding"),
+                output(
+                    if WHOLE { "contact_power_loss" } else { "something_else" },
+                    "W",
+                    shown!(|m: &Self| 5e4 * m.slip * m.slip * 20.0),
+                    "Power that is lost",
+                ),
+            ])
+        }
         fn step_size(&self) -> f64 {
             1e-3
         }

@@ -7,6 +7,7 @@ use crate::effect::Role;
 use crate::fit::{Channel, Drive, Run};
 use crate::model::{Causality, Interface, Kind};
 use crate::recording::{Recording, Smooth};
+use crate::stats::{about_mean, deviation, mean, mean_or_zero, median_interval};
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -169,8 +170,8 @@ fn evened(courses: &[Vec<&[f64]>], mut marked: Vec<bool>) -> Vec<bool> {
     let n = traits.len();
     let count = traits.iter().map(Vec::len).min().unwrap_or(0);
     for k in 0..count {
-        let mean = traits.iter().map(|t| t[k]).sum::<f64>() / n as f64;
-        let spread = (traits.iter().map(|t| (t[k] - mean).powi(2)).sum::<f64>() / n as f64).sqrt();
+        let all: Vec<f64> = traits.iter().map(|t| t[k]).collect();
+        let (mean, spread) = (mean(&all), deviation(&all));
         // what differs by rounding only is the same
         let scale = if spread > 1e-6 * mean.abs() { 1.0 / spread } else { 0.0 };
         traits.iter_mut().for_each(|t| t[k] = (t[k] - mean) * scale);
@@ -212,10 +213,8 @@ fn traits(run: &[&[f64]]) -> Vec<f64> {
     let mut all = Vec::new();
     let mut moves = Vec::new();
     for values in run {
-        let n = values.len().max(1) as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        all.push(mean);
-        moves.push((values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt());
+        all.push(mean_or_zero(values));
+        moves.push((about_mean(values) / values.len().max(1) as f64).sqrt());
     }
     for (i, a) in moves.iter().enumerate() {
         all.push(*a);
@@ -233,9 +232,10 @@ pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: O
     let (Some(first), Some(last)) = (recording.time.first(), recording.time.last()) else {
         return Err(Error::file(format!("{name}: the recording is empty")));
     };
-    let mut intervals: Vec<f64> = recording.time.windows(2).map(|w| w[1] - w[0]).collect();
-    intervals.sort_by(f64::total_cmp);
-    let interval = intervals.get(intervals.len() / 2).copied().unwrap_or(interface.communication_step);
+    let interval = match recording.time.len() {
+        1 => interface.communication_step,
+        _ => median_interval(&recording.time),
+    };
     let step = step.unwrap_or_else(|| {
         let whole = (interval / interface.communication_step - 1e-6).ceil();
         // a whole part of the interval between samples, unless the model's step is longer than that

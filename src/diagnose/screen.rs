@@ -6,6 +6,7 @@ use super::study::Model;
 use crate::effect::{Call, MAX_DRIVERS, Memory, Port, Source};
 use crate::fit::{Bench, Channel, Drive, OutputError, Run, Setup, Traces};
 use crate::model::{Causality, Interface};
+use crate::stats::mean_or_zero;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
@@ -290,7 +291,7 @@ fn difference(run: &Run, channel: &Channel, after: &[f64], before: &[f64], weigh
     let before = run.sample(before, 0.0);
     let mut change: Vec<f64> = run.sample(after, 0.0).iter().zip(before).map(|(a, b)| a - b).collect();
     if channel.counts {
-        let mean = change.iter().sum::<f64>() / change.len().max(1) as f64;
+        let mean = mean_or_zero(&change);
         change.iter_mut().for_each(|c| *c -= mean);
     }
     change.iter_mut().for_each(|c| *c *= weight);

@@ -1,6 +1,5 @@
 //! [`Study`]: a model, its runs, and the fits of the model with effects to them.
 
-use super::blocks::redundancy;
 use super::effort::Work;
 use super::excerpt::beginning;
 use super::locate;
@@ -9,6 +8,7 @@ use super::result::Effort;
 use super::subject::FreeParameter;
 use crate::effect::Parameter;
 use crate::fit::{Bench, Fit, Knob, Options, OutputError, Problem, Run, Traces, Unknown, least_squares};
+use crate::stats::{about_line, about_mean, median, redundancy};
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector};
 
@@ -106,6 +106,11 @@ impl Rest {
             .map(|b| b.iter().zip(units).map(|(e, u)| e / u.max(f64::MIN_POSITIVE)).sum())
             .collect()
     }
+}
+
+/// What a model leaves in each block less what another leaves.
+pub(super) fn differences(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
 /// What is known of the noise of a channel, in the unit of the model's output.
@@ -432,8 +437,8 @@ impl Study<'_> {
                 *weight = 1.0 / (error / n).sqrt().max(negligible(runs, c));
             }
         }
-        spans.sort_by(f64::total_cmp);
-        self.redundancy = spans.get(spans.len() / 2).copied().unwrap_or(1.0).max(1.0);
+        // without any it is 1, too
+        self.redundancy = median(&spans).max(1.0);
     }
 }
 
@@ -458,27 +463,13 @@ fn most_by_themselves(mut effects: Vec<DVector<f64>>, most: usize) -> Vec<usize>
     chosen
 }
 
-/// An error of a channel that is too small to say anything: a thousandth of what it moves.
+/// An error of a channel that is too small to say anything: a thousandth of what it moves about a straight line: an
+/// angle that grows and grows is not more imprecise for that.
 pub(super) fn negligible(runs: &[&Run], channel: usize) -> f64 {
     let channels = || runs.iter().filter_map(|r| r.channels.get(channel));
     let size: f64 = channels().map(|c| about_line(&c.values)).sum();
     let n: usize = channels().map(|c| c.values.len()).sum();
     1e-3 * (size / n.max(1) as f64).sqrt()
-}
-
-/// Squared distances of values from the line through them: an angle that grows and grows is not more
-/// imprecise for that.
-fn about_line(values: &[f64]) -> f64 {
-    let n = values.len().max(1) as f64;
-    let (mean, middle) = (values.iter().sum::<f64>() / n, 0.5 * (n - 1.0));
-    let (mut along, mut length, mut square) = (0.0, 0.0, 0.0);
-    for (k, v) in values.iter().enumerate() {
-        let x = k as f64 - middle;
-        along += x * (v - mean);
-        length += x * x;
-        square += (v - mean).powi(2);
-    }
-    if length > 0.0 { (square - along * along / length).max(0.0) } else { square }
 }
 
 /// Weights of channels before anything is known: one over their spread.
@@ -488,8 +479,7 @@ pub fn first_weights(runs: &[&Run]) -> Vec<f64> {
         .map(|c| {
             let (mut square, mut n) = (0.0, 0.0);
             for channel in runs.iter().filter_map(|r| r.channels.get(c)) {
-                let mean = channel.values.iter().sum::<f64>() / channel.values.len().max(1) as f64;
-                square += channel.values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+                square += about_mean(&channel.values);
                 n += channel.values.len() as f64;
             }
             let spread = (square / f64::max(n, 1.0)).sqrt();

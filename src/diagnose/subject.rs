@@ -6,7 +6,7 @@ use crate::cosimulate::{Source, System, SystemSlave, read_system};
 use crate::fit::Factory;
 use crate::fmi::Entry;
 use crate::fmi::import::ImportedFmu;
-use crate::model::{Causality, Interface, Kind, Settings, Slave, Value, VariableInfo};
+use crate::model::{Causality, Interface, Kind, Role, Settings, Slave, Value, VariableInfo};
 use crate::recording::read_settings;
 use crate::shipped::MODELS;
 use crate::simulate::{ACTUATORS, follow_recorded_motions};
@@ -129,10 +129,10 @@ impl Subject {
     }
 
     fn with_steps(&self, factor: f64) -> Option<Vec<(usize, Value)>> {
-        let variable = self.interface.index("step_size")?;
+        let variable = self.interface.time_parameter(Role::Step, "step_size")?;
         let info = &self.interface.variables[variable];
         let given = match &self.base {
-            Base::Shipped(_, settings) => settings.values.iter().any(|s| s.name == "step_size"),
+            Base::Shipped(_, settings) => settings.values.iter().any(|s| s.name == info.name),
             _ => self.fixed.iter().any(|(v, _)| *v == variable),
         };
         let start = match info.start {
@@ -370,6 +370,7 @@ mod tests {
     ];
     const NUMERICS: &str = "it belongs to the numerics";
     const START: &str = "it is a state at the start, which runs do not share";
+    const DATA: &str = "a file or data sheet gives it, and a few recordings do not tell it";
     const GRAVITY: (&str, &str) = ("gravity", "it is a known constant of nature");
     const STEP: (&str, &str) = ("step_size", NUMERICS);
     const FALLOFF: (&str, &str) = ("friction_speed_falloff", ZERO);
@@ -381,6 +382,11 @@ mod tests {
         "road_spacing",
         "road_roughness",
         "road_direction",
+        "road_track_width",
+        "road_lateral_position",
+        "road_coherence_length",
+        "road_friction_deviation",
+        "road_friction_correlation_length",
     ];
 
     /// A tire's parameters and others are fitted; what is left out stands in the order of the table.
@@ -388,8 +394,10 @@ mod tests {
         let (free, left) = shares(model);
         let road = if has_road { ROAD } else { &[] };
         // how the tire feels the road is the tire's
-        let filter = has_road.then_some("road_filter_length");
-        assert_eq!(free, [TIRE, fitted, filter.as_slice()].concat(), "{model}");
+        let filter = ["road_filter_length"];
+        let (before_it, behind_it) = TIRE.split_at(4);
+        let filter = if has_road { &filter[..] } else { &[] };
+        assert_eq!(free, [before_it, filter, behind_it, fitted].concat(), "{model}");
         let road = road.iter().map(|name| (*name, "the road that was driven on is given"));
         let expected: Vec<(&str, &str)> =
             before.iter().copied().chain([STEP]).chain(road).chain([FALLOFF]).collect();
@@ -412,7 +420,8 @@ mod tests {
         let vehicle = ["vehicle_mass", "sprung_mass", "hub_mass", "hub_inertia"];
         let springs =
             ["suspension_stiffness", "suspension_damping", "fore_aft_stiffness", "fore_aft_damping"];
-        let before = [GRAVITY, ("initial_speed", START)];
+        let stop = [("bump_stop_gap", DATA), ("bump_stop_stiffness", ZERO)];
+        let before = [&[GRAVITY, ("initial_speed", START)][..], &stop].concat();
         check_tire("ring-brush-corner", &[vehicle, springs].concat(), &before, true);
 
         let (free, left) = shares("brake-hydraulics");
@@ -429,6 +438,19 @@ mod tests {
             "release_rate",
         ];
         assert_eq!((free, left), (all.map(String::from).to_vec(), vec![("step_size".into(), NUMERICS)]));
+        // of a tire that a file gives, its scales are fitted
+        for rig in ["flat-track", "tire", "wheel", "corner"] {
+            let (free, left) = shares(&format!("magic-formula-{rig}"));
+            let is_coefficient = |name: &&String| name.chars().all(|c| !c.is_ascii_lowercase());
+            let fitted: Vec<_> = free.iter().filter(is_coefficient).collect();
+            assert_eq!(
+                (fitted.len(), fitted.iter().all(|name| name.starts_with('L'))),
+                (29, true),
+                "{fitted:?}"
+            );
+            let given = left.iter().filter(|(_, why)| *why == DATA);
+            assert!(given.count() > 80, "{left:?}");
+        }
         // thresholds of a controller have units; its reference speed is no reference of anything else
         let (free, left) = shares("abs-controller");
         assert_eq!(left, [("sample_time".to_string(), NUMERICS)]);
@@ -474,7 +496,7 @@ mod tests {
     /// What `shipped::MODELS` has beside those above would be tested by nobody.
     #[test]
     fn no_shipped_model_is_forgotten() {
-        assert_eq!(MODELS.len(), 6);
+        assert_eq!(MODELS.len(), 10);
     }
 
     #[test]

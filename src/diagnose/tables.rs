@@ -7,6 +7,7 @@ use super::result::{ChannelCheck, Diagnosis, Estimate, Finding, Fitted as Fitted
 use super::study::{Fitted, Model, Noise, Rest, Study};
 use super::subject::Subject;
 use crate::Result;
+use crate::fit::Covariance;
 use crate::recording::Recording;
 
 /// Parameters of the last effect with 95 % intervals.
@@ -29,7 +30,7 @@ pub(super) fn all_estimates(study: &Study<'_>, fitted: &Fitted) -> Vec<Vec<Estim
 fn estimates_of(
     placement: &Placement,
     values: &[f64],
-    covariance: &nalgebra::DMatrix<f64>,
+    covariance: &Covariance,
     first: usize,
 ) -> Vec<Estimate> {
     placement
@@ -39,14 +40,13 @@ fn estimates_of(
         .enumerate()
         .map(|(i, p)| {
             let scale = placement.scales[i];
-            let half = 1.96 * covariance[(first + i, first + i)].max(0.0).sqrt();
             let (low, high) = p.search;
             let (ends, room) = if p.is_logarithmic() {
-                ([values[i] * (-half).exp(), values[i] * half.exp()], (high / low).ln())
+                (covariance.interval_of_exponential(first + i, values[i]), (high / low).ln())
             } else {
-                ([values[i] - half, values[i] + half], high - low)
+                (covariance.interval(first + i, values[i]), high - low)
             };
-            let known = half < 0.5 * room;
+            let known = covariance.is_within(first + i, room);
             Estimate {
                 name: p.name.into(),
                 value: values[i] * scale,
@@ -65,11 +65,10 @@ pub(super) fn fitted_parameters(
 ) -> Vec<FittedParameter> {
     let covariance = fitted.fit.covariance(&fitted.unknowns, study.redundancy);
     let of = |(i, p): (usize, &super::subject::FreeParameter)| {
-        let (x, half) = (fitted.model.parameters[i], 1.96 * covariance[(i, i)].max(0.0).sqrt());
-        // as wide as what was known beforehand: the recordings say nothing
-        let known = half < 1.8 * fitted.unknowns[i].prior;
+        let x = fitted.model.parameters[i];
+        let known = covariance.is_told(i, &fitted.unknowns[i]);
         let info = &subject.interface.variables[p.variable];
-        let ends = [(x - half) * p.scale, (x + half) * p.scale];
+        let ends = covariance.interval(i, x).map(|end| end * p.scale);
         FittedParameter {
             name: info.name.clone(),
             start: p.nominal,

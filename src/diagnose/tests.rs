@@ -1,6 +1,5 @@
 //! Whole diagnoses of small models: what their answers must not depend on, and what is fitted.
 
-use super::blocks::Dice;
 use super::effort::Work;
 use super::study::Study;
 use super::*;
@@ -8,6 +7,7 @@ use crate::fit::{Bench, Channel, Drive, Run, Setup};
 use crate::model::Settings;
 use crate::recording::{Channel as Recorded, Recording, write_csv};
 use crate::report::{CheckRun, diagnosis_report};
+use crate::stats::SplitMix64;
 use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
@@ -18,9 +18,9 @@ fn record_brake(folder: &Path) {
     let subject = Subject::load("brake-hydraulics", &Settings::default()).unwrap();
     let find = |name: &str| subject.interface.index(name).unwrap();
     let bench = Bench::new(&subject.factory, &subject.fixed, 1).unwrap();
-    let mut dice = Dice::new(5);
+    let mut random = SplitMix64::new(5);
     for number in 0..5 {
-        let mut uniform = || dice.bits() as f64 / u64::MAX as f64;
+        let mut uniform = || random.bits() as f64 / u64::MAX as f64;
         let sines: Vec<[f64; 3]> =
             (0..4).map(|_| [6e5 * (0.5 + uniform()), 0.4 + 1.6 * uniform(), TAU * uniform()]).collect();
         let pressure = |t: f64| 4e6 + sines.iter().map(|[a, f, p]| a * (TAU * f * t + p).sin()).sum::<f64>();

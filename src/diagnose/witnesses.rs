@@ -4,6 +4,7 @@ use super::excerpt::{beginning, end};
 use super::result::Use;
 use super::study::{Rest, negligible};
 use crate::fit::Run;
+use crate::stats::quantile_below;
 
 /// A run errs more than the others if its error is so many times what a quarter of them stay below.
 const STANDS_OUT: f64 = 1.5;
@@ -71,7 +72,7 @@ fn excess(runs: &[&Run], rest: &Rest) -> (Vec<Vec<f64>>, Vec<f64>) {
         let squares: Vec<f64> = runs.iter().zip(&rest.simulated).map(square).collect();
         let mut sorted = squares.clone();
         sorted.sort_by(f64::total_cmp);
-        let usual = sorted[(sorted.len() - 1) / 4].max(negligible(runs, c).powi(2));
+        let usual = quantile_below(&sorted, 1, 4).max(negligible(runs, c).powi(2));
         for (own, square) in excess.iter_mut().zip(squares) {
             let ratio = square / usual;
             own[c] = if ratio > STANDS_OUT.powi(2) { ratio - 1.0 } else { 0.0 };

@@ -324,6 +324,7 @@ pub fn attached_interface(inner: &Interface, attachments: &[Attachment]) -> Resu
                 min: Some(chosen.range.0).filter(|v| v.is_finite()),
                 max: Some(chosen.range.1).filter(|v| v.is_finite()),
                 nominal: None,
+                meaning: None,
             });
         }
     }

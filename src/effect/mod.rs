@@ -10,6 +10,7 @@ pub mod catalogue;
 pub mod empirical;
 pub mod file;
 
+pub use crate::model::Role;
 pub use attached::{Attached, Attachment, Chosen, Signal, Source, attached_interface};
 
 use serde::{Deserialize, Serialize};
@@ -56,71 +57,6 @@ pub enum Port {
     Parameter,
     /// An input that is a force or moment, to which it adds one.
     Force,
-}
-
-/// What a signal is, by quantity and meaning. Roles of a model's variables come from units and names, or
-/// from the user.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Role {
-    /// Displacement \[m\] or angle \[rad\] of a part that is not the spinning wheel.
-    Position,
-    /// Its rate \[m/s\] or \[rad/s\].
-    Velocity,
-    /// The rate of that \[m/s2\] or \[rad/s2\].
-    Acceleration,
-    /// Force \[N\] or moment \[N.m\].
-    Force,
-    /// Longitudinal force \[N\] of a tire, or the moment about its axis \[N.m\].
-    LongitudinalForce,
-    /// Moment about the vertical axis of a tire \[N.m\], positive to the left.
-    AligningMoment,
-    /// Lateral force \[N\] of a tire.
-    LateralForce,
-    /// Speed along the road or belt \[m/s\].
-    TravelSpeed,
-    /// Distance along the road or belt \[m\].
-    TravelDistance,
-    /// Spin of a wheel, drum or shaft \[rad/s\].
-    WheelSpeed,
-    /// Angle of a wheel, drum or shaft that turns on and on \[rad\].
-    WheelAngle,
-    /// Vertical load of a tire \[N\].
-    Load,
-    /// Longitudinal slip \[1\].
-    Slip,
-    /// Slip angle \[rad\].
-    SlipAngle,
-    /// Steer angle of a wheel \[rad\], positive to the left.
-    SteerAngle,
-    /// Camber angle \[rad\].
-    Camber,
-    /// Pressure \[Pa\].
-    Pressure,
-    /// Temperature \[K\].
-    Temperature,
-    /// Power that a contact loses, or that friction turns into heat \[W\].
-    FrictionPower,
-    /// A parameter: coefficient of friction or grip \[1\].
-    Friction,
-    /// A parameter: stiffness of a tire, spring or bushing.
-    Stiffness,
-    /// A parameter: how much a brake does with its pressure or force.
-    BrakeGain,
-    /// Anything else.
-    Other,
-}
-
-impl Role {
-    /// True if a signal with this role can be what an effect needs as a driver: [`Role::Other`] takes any
-    /// signal, [`Role::Slip`] a slip angle too, [`Role::Velocity`] the spin of a wheel or shaft too.
-    pub fn serves(self, needed: Self) -> bool {
-        self == needed
-            || matches!(
-                (needed, self),
-                (Self::Other, _) | (Self::Slip, Self::SlipAngle) | (Self::Velocity, Self::WheelSpeed)
-            )
-    }
 }
 
 /// Drivers that an effect has at most.

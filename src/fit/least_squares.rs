@@ -69,6 +69,28 @@ impl Default for Options<'_> {
     }
 }
 
+/// Why a fit ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// The last step lowered the sum, but by less than the tolerance: another is not worth it.
+    Decrease,
+    /// The gradient is as good as zero: no step lowers the sum, and by the derivatives the best one would lower it by
+    /// less than the tolerance.
+    Gradient,
+    /// No step that was tried lowers the sum, though by the derivatives one should. These are wrong, or the model
+    /// cannot be run where they lead to.
+    Step,
+    /// All iterations were used up; or there was nothing to find.
+    Iterations,
+}
+
+impl End {
+    /// Whether more iterations from here would be of no use, if the derivatives were computed and not only updated.
+    pub fn is_converged(self) -> bool {
+        matches!(self, Self::Decrease | Self::Gradient)
+    }
+}
+
 /// What came out.
 #[derive(Debug, Clone)]
 pub struct Fit {
@@ -80,26 +102,26 @@ pub struct Fit {
     pub jacobian: DMatrix<f64>,
     /// Sum of squared residuals, without the prior.
     pub cost: f64,
+    /// Why the fit ended,
+    pub end: End,
+    /// with derivatives that were known or updated instead of computed where the last step began: then the end may be
+    /// one by wrong derivatives.
+    pub updated: bool,
+    /// How many Jacobians it took, computed or updated.
+    pub iterations: usize,
 }
 
 impl Fit {
-    /// Covariance of the unknowns for residuals of the variance `cost / n`, of which `redundancy` tell
-    /// as much as one.
-    pub fn covariance(&self, unknowns: &[Unknown], redundancy: f64) -> DMatrix<f64> {
-        let n = self.residuals.len().max(1) as f64;
-        let variance = (self.cost / n).max(f64::MIN_POSITIVE) * redundancy.max(1.0);
-        let mut information = self.jacobian.tr_mul(&self.jacobian) / variance;
-        for (i, unknown) in unknowns.iter().enumerate() {
-            information[(i, i)] += unknown.prior.powi(-2);
-        }
-        let size = information.nrows();
-        // directions that nothing fixes have a huge variance instead of none
-        let scale = DVector::from_fn(size, |i, _| 1.0 / information[(i, i)].sqrt().max(1e-150));
-        let scaled = DMatrix::from_fn(size, size, |i, j| information[(i, j)] * scale[i] * scale[j]);
-        let inverse = scaled.pseudo_inverse(1e-12).unwrap_or_else(|_| DMatrix::zeros(size, size));
-        DMatrix::from_fn(size, size, |i, j| inverse[(i, j)] * scale[i] * scale[j])
+    /// The unknowns that are at one of their bounds, by number.
+    pub fn at_bounds(&self, unknowns: &[Unknown]) -> Vec<usize> {
+        let at_one = |i: &usize| self.x[*i] <= unknowns[*i].low || self.x[*i] >= unknowns[*i].high;
+        (0..self.x.len().min(unknowns.len())).filter(at_one).collect()
     }
 }
+
+/// Steps are damped at least so much, relative to the information on each unknown: then two that do the same have a step,
+/// too.
+const LEAST_DAMPING: f64 = 1e-9;
 
 fn square(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum()
@@ -127,7 +149,9 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         jacobian.columns_mut(0, updated).copy_from(known);
     }
     let mut damping = 1e-3;
+    let (mut end, mut last_exact, mut iterations) = (End::Iterations, exact, 0);
     for iteration in 0..options.iterations {
+        (last_exact, iterations) = (exact, iteration + 1);
         let from = if exact { 0 } else { updated };
         differentiate(problem, unknowns, &x, &residuals, &mut jacobian, from);
         if n == 0 || iteration + 1 == options.iterations {
@@ -150,7 +174,7 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         let factors = [0.1, 1.0, 10.0, 100.0, 1e4, 1e6, 1e8];
         // derivatives that may be wrong are not worth short steps
         for factor in &factors[..if exact { factors.len() } else { 4 }] {
-            let tried = f64::clamp(damping * factor, 1e-9, 1e9);
+            let tried = f64::clamp(damping * factor, LEAST_DAMPING, 1e9);
             let point = within_reach(&x, bounded_step(&normal, &gradient, &x, unknowns, tried), unknowns);
             let Some(r) = problem.residuals(std::slice::from_ref(&point)).pop().flatten() else { continue };
             let reached = square(&r) / variance + prior(&point);
@@ -165,6 +189,8 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         }
         let Some((tried, point, r, reached)) = better else {
             if exact || (options.only_known && updated == n) {
+                let promised = -change(&normal, &gradient, &x, unknowns);
+                end = if promised < options.tolerance * total { End::Gradient } else { End::Step };
                 break;
             }
             // what was known leads nowhere
@@ -182,13 +208,21 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         damping = tried;
         if total - reached < options.tolerance * total {
             if was_exact || !options.to_the_end {
+                end = End::Decrease;
                 break;
             }
             exact = true;
         }
     }
     let cost = square(&residuals);
-    Ok(Fit { x, residuals, jacobian, cost })
+    Ok(Fit { x, residuals, jacobian, cost, end, updated: !last_exact, iterations })
+}
+
+/// What the whole step within the bounds would add to the sum if the derivatives told all.
+fn change(normal: &DMatrix<f64>, gradient: &DVector<f64>, x: &[f64], unknowns: &[Unknown]) -> f64 {
+    let to = within_reach(x, bounded_step(normal, gradient, x, unknowns, LEAST_DAMPING), unknowns);
+    let step = DVector::from_iterator(x.len(), to.iter().zip(x).map(|(a, b)| a - b));
+    2.0 * gradient.dot(&step) + (normal * &step).dot(&step)
 }
 
 /// Columns of the Jacobian from the given one on, by differences.
@@ -337,6 +371,68 @@ mod tests {
     }
 
     #[test]
+    fn a_fit_says_why_it_ended() {
+        let noise = (0..50).map(|i| if i % 2 == 0 { 0.1 } else { -0.1 });
+        let problem = Decay { data: decay(&[3.0, 0.7]).iter().zip(noise).map(|(a, b)| a + b).collect() };
+        let free = [unknown(1.0, 0.0, 10.0), unknown(3.0, -1.0, 5.0)];
+        let fit = |free: &[Unknown], iterations, tolerance| {
+            let options = Options { iterations, tolerance, ..Options::default() };
+            least_squares(&problem, free, options).unwrap()
+        };
+        let found = fit(&free, 40, 1e-4);
+        assert_eq!((found.end, found.updated), (End::Decrease, false));
+        assert!(found.end.is_converged() && found.at_bounds(&free).is_empty() && found.iterations < 40);
+        // two steps are too few
+        let early = fit(&free, 3, 1e-4);
+        assert_eq!((early.end, early.iterations), (End::Iterations, 3));
+        assert!(!early.end.is_converged() && early.cost > 1.01 * found.cost, "{} {}", early.cost, found.cost);
+        // one unknown is met by its bound; a fit that begins where this one ended has nothing left to do
+        let bound = [unknown(1.0, 0.0, 10.0), unknown(3.0, 1.0, 5.0)];
+        let there = fit(&bound, 40, 1e-12);
+        assert_eq!(there.at_bounds(&bound), [1]);
+        let again = fit(&[unknown(there.x[0], 0.0, 10.0), unknown(1.0, 1.0, 5.0)], 40, 1e-4);
+        assert!(again.end.is_converged() && again.iterations == 1, "{:?} {}", again.end, again.iterations);
+    }
+
+    #[test]
+    fn no_gradient_and_wrong_derivatives_are_told_apart() {
+        struct Fixed;
+        impl Problem for Fixed {
+            fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+                points.iter().map(|_| Some(vec![1.0])).collect()
+            }
+        }
+        assert_eq!(least_squares(&Fixed, &[], Options::default()).unwrap().end, End::Iterations);
+        // |x| + 1 has no derivative at its least, and steps of differences say that it falls
+        struct Corner;
+        impl Problem for Corner {
+            fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+                points.iter().map(|x| Some(vec![x[0].abs() + 1.0])).collect()
+            }
+        }
+        let fit = least_squares(&Corner, &[unknown(0.0, -1.0, 1.0)], Options::default()).unwrap();
+        assert_eq!((fit.end, fit.x[0]), (End::Step, 0.0));
+        assert!(!fit.end.is_converged());
+        // x^2 + 1 is as flat there as differences of 1e-6 tell
+        struct Bowl;
+        impl Problem for Bowl {
+            fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+                points.iter().map(|x| Some(vec![x[0] * x[0], 1.0])).collect()
+            }
+        }
+        let fit = least_squares(&Bowl, &[unknown(0.0, -1.0, 1.0)], Options::default()).unwrap();
+        assert_eq!((fit.end, fit.updated), (End::Gradient, false));
+        // derivatives that are known and wrong lead nowhere, and it is said that none were computed
+        let problem = Decay { data: decay(&[3.0, 0.7]) };
+        let free = [unknown(2.5, 0.0, 9.0), unknown(0.9, 0.1, 5.0)];
+        let near = least_squares(&problem, &free, Options { iterations: 1, ..Options::default() }).unwrap();
+        let wrong = -near.jacobian;
+        let options = Options { known: Some(&wrong), only_known: true, ..Options::default() };
+        let fit = least_squares(&problem, &free, options).unwrap();
+        assert_eq!((fit.end, fit.updated), (End::Step, true));
+    }
+
+    #[test]
     fn a_jacobian_from_nearby_leads_to_the_same_place() {
         let problem = Decay { data: decay(&[3.0, 0.7]) };
         let free = [unknown(2.5, 0.0, 10.0), unknown(0.9, -1.0, 5.0)];
@@ -393,22 +489,5 @@ mod tests {
         // 1, 1.25, ... 3: a model that is nearly linear in it takes whole steps
         assert!((tried[1] - 1.25).abs() < 1e-9 && tried.len() > 8, "{tried:?}");
         assert!(tried.windows(2).all(|w| w[1] - w[0] < 0.25 + 1e-9), "{tried:?}");
-    }
-
-    #[test]
-    fn covariance_is_that_of_a_line() {
-        // y = a: the variance of a mean
-        struct Mean;
-        impl Problem for Mean {
-            fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
-                let noise = |i: i32| if i % 2 == 0 { 1.0 } else { -1.0 };
-                points.iter().map(|x| Some((0..100).map(|i| x[0] - noise(i)).collect())).collect()
-            }
-        }
-        let unknowns = [unknown(5.0, -10.0, 10.0)];
-        let fit = least_squares(&Mean, &unknowns, Options::default()).unwrap();
-        assert!(fit.x[0].abs() < 1e-6);
-        assert!((fit.covariance(&unknowns, 1.0)[(0, 0)] - 0.01).abs() < 1e-9);
-        assert!((fit.covariance(&unknowns, 4.0)[(0, 0)] - 0.04).abs() < 1e-9);
     }
 }

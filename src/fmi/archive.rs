@@ -1,9 +1,9 @@
 //! Makes FMUs: description, documentation, resources and binary in a zip archive.
 
 use super::c::Text;
-use super::description::{model_description, model_identifier};
+use super::description::{PLATFORM, model_description, model_identifier};
 use super::documentation;
-use super::entry::guid;
+use super::entry::{Entry, guid};
 use super::export::Sink;
 use super::make::{MAX_ABOUT, ORIGINAL_DESCRIPTION};
 use crate::bounded::MAX_TEXT;
@@ -14,15 +14,6 @@ use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
-
-/// The folder of binaries of the machine that this runs on.
-pub const PLATFORM: &str = if cfg!(windows) {
-    "win64"
-} else if cfg!(target_os = "macos") {
-    "darwin64"
-} else {
-    "linux64"
-};
 
 /// A binary for another machine or another C library than this one.
 #[derive(Debug, Clone)]
@@ -115,28 +106,29 @@ fn installing(program: &Path) -> String {
 }
 
 impl ModelLibrary {
-    /// The library of the shipped models that belongs to the running program: the one that the environment
-    /// variable `LATSCH_LIBRARY` names, or the first that fits beside the program, one folder up, or in
-    /// `../lib/latsch`.
+    /// The library of the shipped models that belongs to the running program, which has these `models`
+    /// ([`MODELS`](crate::shipped::MODELS)): the one that the environment variable `LATSCH_LIBRARY` names, or the first
+    /// that fits beside the program, one folder up, or in `../lib/latsch`.
     ///
     /// # Errors
     /// It is nowhere, or was not built together with this program. The message lists the places and says what to
     /// do.
-    pub fn shipped() -> Result<Self> {
+    pub fn shipped(models: &[Entry]) -> Result<Self> {
         if let Some(path) = std::env::var_os(LIBRARY_VARIABLE).filter(|path| !path.is_empty()) {
-            return Self::open(Path::new(&path)).and_then(Self::fitting).map_err(|e| e.at(LIBRARY_VARIABLE));
+            let library = Self::open(Path::new(&path)).and_then(|library| library.fitting(models));
+            return library.map_err(|e| e.at(LIBRARY_VARIABLE));
         }
         let program =
             std::env::current_exe().map_err(|e| Error::fmu(format!("where is this program? {e}")))?;
-        Self::among(&places(&program), &program)
+        Self::among(&places(&program), &program, models)
     }
 
     /// The first library that fits this program, which was started as `program`.
-    fn among(places: &[PathBuf], program: &Path) -> Result<Self> {
+    fn among(places: &[PathBuf], program: &Path, models: &[Entry]) -> Result<Self> {
         let mut tried = Vec::new();
         for path in places {
             let reason = match path.is_file() {
-                true => match Self::open(path).and_then(Self::fitting) {
+                true => match Self::open(path).and_then(|library| library.fitting(models)) {
                     Ok(library) => return Ok(library),
                     Err(error) => error.to_string(),
                 },
@@ -153,9 +145,9 @@ impl ModelLibrary {
         )))
     }
 
-    /// The library, if its models are those of this program.
-    fn fitting(self) -> Result<Self> {
-        for entry in crate::shipped::MODELS {
+    /// The library, if it has these models of this program as they are here.
+    fn fitting(self, models: &[Entry]) -> Result<Self> {
+        for entry in models {
             let own = (entry.table)();
             if self.models.iter().find(|m| m.name == entry.name) != Some(&own) {
                 return Err(Error::fmu(format!(

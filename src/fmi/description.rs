@@ -1,13 +1,22 @@
 //! Writes `modelDescription.xml` from an interface.
 
-use super::import::Capabilities;
+use super::import::{ANNOTATIONS, Capabilities};
 use super::log::CATEGORIES;
 use crate::model::unit::{BASE, Unit};
-use crate::model::{Causality, Initial, Interface, Kind, Value, Variability, VariableInfo};
+use crate::model::{Causality, Initial, Interface, Kind, Purpose, Value, Variability, VariableInfo};
 use crate::{Error, Result};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 use std::collections::{BTreeSet, HashMap, HashSet};
+
+/// The folder of binaries of the machine that this runs on.
+pub const PLATFORM: &str = if cfg!(windows) {
+    "win64"
+} else if cfg!(target_os = "macos") {
+    "darwin64"
+} else {
+    "linux64"
+};
 
 /// The model identifier of a model: its name as a C identifier.
 pub fn model_identifier(name: &str) -> String {
@@ -80,7 +89,7 @@ pub(super) fn describe(
             ("description", &interface.description),
             ("version", crate::VERSION),
             ("generationTool", concat!("latsch ", env!("CARGO_PKG_VERSION"))),
-            ("variableNamingConvention", "flat"),
+            ("variableNamingConvention", naming_convention(interface)),
         ],
     );
     let flag = |value: bool| if value { "true" } else { "false" };
@@ -118,6 +127,7 @@ pub(super) fn describe(
             ("stepSize", &number(interface.communication_step)),
         ],
     );
+    write_meanings(&mut xml, interface);
     xml.open("ModelVariables", &[]);
     for variable in &interface.variables {
         write_variable(&mut xml, variable, &types);
@@ -129,6 +139,51 @@ pub(super) fn describe(
         .map_err(|_| Error::fmu("the model description is not UTF-8"))?;
     text.push('\n');
     Ok(text)
+}
+
+/// Structured, where all names are what parts and their prefixes make: C identifiers with points between them. Of other
+/// names nothing is promised.
+fn naming_convention(interface: &Interface) -> &'static str {
+    let is_identifier = |word: &str| {
+        !word.is_empty()
+            && !word.starts_with(|c: char| c.is_ascii_digit())
+            && word.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+    };
+    let structured = interface.variables.iter().all(|v| v.name.split('.').all(is_identifier));
+    if structured { "structured" } else { "flat" }
+}
+
+/// What the author of the model says of its variables. FMI has no place of its own for that; whoever does not know
+/// the tool's name passes it by.
+fn write_meanings(xml: &mut Xml, interface: &Interface) {
+    if interface.variables.iter().all(|v| v.meaning.is_none()) {
+        return;
+    }
+    xml.open("VendorAnnotations", &[]);
+    xml.open("Tool", &[("name", ANNOTATIONS)]);
+    xml.open("Meanings", &[]);
+    for (name, meaning) in interface.variables.iter().filter_map(|v| Some((&v.name, v.meaning?))) {
+        let role = meaning.role.map(word).unwrap_or_default();
+        let purpose = word(meaning.purpose);
+        let mut attributes = vec![("name", name.as_str())];
+        if !role.is_empty() {
+            attributes.push(("role", &role));
+        }
+        if meaning.purpose != Purpose::default() {
+            attributes.push(("purpose", &purpose));
+        }
+        if attributes.len() > 1 {
+            xml.empty("Variable", &attributes);
+        }
+    }
+    xml.close("Meanings");
+    xml.close("Tool");
+    xml.close("VendorAnnotations");
+}
+
+/// The word that stands for a role or purpose in files.
+fn word(value: impl serde::Serialize) -> String {
+    serde_json::to_value(value).ok().and_then(|v| v.as_str().map(Into::into)).unwrap_or_default()
 }
 
 /// Elements and attributes; writing to memory does not fail.

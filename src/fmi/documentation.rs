@@ -1,6 +1,6 @@
 //! What an FMU carries in `documentation/`: a page about the model, and licenses.
 
-use super::archive::PLATFORM;
+use super::description::PLATFORM;
 use super::import::Capabilities;
 use super::log::CATEGORIES;
 use crate::model::{Causality, Interface, Kind, Value, Variability, VariableInfo};
@@ -294,7 +294,7 @@ mod tests {
     fn every_variable_is_there_and_nothing_comes_from_outside() {
         for entry in MODELS {
             let table = (entry.table)();
-            let html = page(&table, &table, "{guid}", entry.documentation);
+            let html = page(&table, &table, "{guid}", &entry.documentation.concat());
             for v in &table.variables {
                 assert!(html.contains(&format!("<code>{}</code></td>", v.name)), "{}", v.name);
                 assert!(html.contains(&escape(&v.description)), "{}", v.name);
@@ -312,7 +312,8 @@ mod tests {
     #[test]
     fn markup_in_an_authors_text_is_well_formed() {
         for entry in MODELS {
-            let mut reader = quick_xml::Reader::from_str(entry.documentation);
+            let text = entry.documentation.concat();
+            let mut reader = quick_xml::Reader::from_str(&text);
             let mut open: Vec<String> = Vec::new();
             loop {
                 match reader.read_event().unwrap() {

@@ -11,7 +11,7 @@ pub struct Entry {
     /// The interface with the start values of the model's table.
     pub table: fn() -> Interface,
     /// [`Model::DOCUMENTATION`].
-    pub documentation: &'static str,
+    pub documentation: &'static [&'static str],
     make: fn(&Settings) -> Result<Box<dyn Slave + Send>>,
 }
 

@@ -645,7 +645,7 @@ pub unsafe fn no_status<T>(c: Component, function: Function, value: *mut T) -> S
 pub unsafe fn describe_models(models: &[Entry], sink: Sink, context: *mut c_void) {
     silence_panics();
     let bytes = catch_unwind(|| {
-        let tables: Vec<_> = models.iter().map(|m| ((m.table)(), m.documentation)).collect();
+        let tables: Vec<_> = models.iter().map(|m| ((m.table)(), m.documentation.concat())).collect();
         postcard::to_stdvec(&(crate::VERSION, tables)).unwrap_or_default()
     })
     .unwrap_or_default();
@@ -674,10 +674,14 @@ macro_rules! __c_functions {
 ///
 /// ```text
 /// latsch::export_fmus!(MyModel, AnotherModel);
+/// latsch::export_fmus!(entries: &[Entry::of::<MyModel>()]); // a list that is made elsewhere
 /// ```
 #[macro_export]
 macro_rules! export_fmus {
     ($($model:ty),+ $(,)?) => {
+        $crate::export_fmus!(entries: &[$(Entry::of::<$model>()),+]);
+    };
+    (entries: $entries:expr) => {
         mod latsch_fmi {
             #[allow(unused_imports)]
             use super::*;
@@ -686,7 +690,7 @@ macro_rules! export_fmus {
             use $crate::fmi::export::{self, Sink};
             use $crate::fmi::{Entry, Function};
 
-            const MODELS: &[Entry] = &[$(Entry::of::<$model>()),+];
+            const MODELS: &[Entry] = $entries;
 
             $crate::__c_functions! {
                 latsch_models(sink: Sink, context: *mut c_void) = export::describe_models(MODELS, sink, context);

@@ -7,7 +7,7 @@ use super::log::Log;
 use super::make::make;
 use super::resources::model_file;
 use super::state::{Function, State};
-use crate::model::{Kind, Slave, Snapshot, check_experiment};
+use crate::model::{Kind, Slave, Snapshot, check_experiment, reference};
 use crate::{Error, Result};
 use std::ffi::{CStr, CString};
 
@@ -19,6 +19,8 @@ pub struct Instance {
     /// What an FMU that this one carries has to say.
     #[cfg(unix)]
     carried: Option<std::sync::Arc<super::import::log::Log>>,
+    /// Value references, sorted, with the indices of their variables.
+    references: Vec<(u32, usize)>,
     experiment: Option<(f64, Option<f64>)>,
     /// End of the last step \[s\].
     time: f64,
@@ -55,8 +57,13 @@ impl Instance {
                 made.guid
             )));
         }
+        let variables = made.slave.interface().variables.iter();
+        let mut references: Vec<(u32, usize)> =
+            variables.enumerate().map(|(index, v)| (reference(&v.name), index)).collect();
+        references.sort_unstable();
         Ok(Self {
             slave: made.slave,
+            references,
             state: State::Instantiated,
             log: Log::new(callbacks, name, debug),
             #[cfg(unix)]
@@ -191,18 +198,16 @@ impl Instance {
 
     /// Index of the variable with this value reference, which has to be of one of these types.
     fn variable(&self, reference: u32, of_type: &str, fits: impl Fn(&Kind) -> bool) -> Result<usize> {
-        // Value references of native models are positions in the table.
-        let index = reference as usize;
-        let variables = &self.slave.interface().variables;
-        match variables.get(index) {
+        let found = self.references.binary_search_by_key(&reference, |(number, _)| *number).ok();
+        let index = found.map(|at| self.references[at].1);
+        match index.map(|index| (index, &self.slave.interface().variables[index])) {
             None => Err(Error::variable(format!(
-                "there is no variable with the value reference {reference}; there are 0 to {}",
-                variables.len().saturating_sub(1)
+                "there is no variable with the value reference {reference}; modelDescription.xml has those that are there"
             ))),
-            Some(v) if !fits(&v.kind) => {
+            Some((_, v)) if !fits(&v.kind) => {
                 Err(Error::variable(format!("{} (value reference {reference}) is not {of_type}", v.name)))
             }
-            Some(_) => Ok(index),
+            Some((index, _)) => Ok(index),
         }
     }
 

@@ -104,12 +104,12 @@ pub fn corrected_interface(inner: &Interface, corrections: &Corrections) -> Resu
     Ok(as_own(interface))
 }
 
-/// An interface in the form that our FMUs have: a variable's reference is its position, and there are
+/// An interface in the form that our FMUs have: a variable's reference is made of its name, and there are
 /// start values only where FMI has them.
 fn as_own(mut interface: Interface) -> Interface {
     use crate::model::{Causality, Initial};
-    for (reference, variable) in (0..).zip(&mut interface.variables) {
-        variable.reference = reference;
+    for variable in &mut interface.variables {
+        variable.reference = crate::model::reference(&variable.name);
         if variable.initial == Some(Initial::Calculated) || variable.causality == Causality::Independent {
             variable.start = None;
         }

@@ -27,10 +27,8 @@ mod log;
 mod make;
 mod resources;
 #[cfg(all(unix, feature = "host"))]
-mod signal;
+pub(crate) mod signal;
 mod state;
 
 pub use entry::{Entry, guid};
-#[cfg(all(unix, feature = "host"))]
-pub(crate) use signal::is_ignored;
 pub use state::Function;

@@ -1,5 +1,8 @@
 //! What the outside sees of a slave: its variables without their Rust types.
 
+use super::meaning::Meaning;
+#[cfg(feature = "host")]
+use super::meaning::Role;
 use super::unit::quantity;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -139,6 +142,8 @@ pub struct VariableInfo {
     pub max: Option<f64>,
     /// Typical size.
     pub nominal: Option<f64>,
+    /// What its author says that it is; `None` where names and units have to tell.
+    pub meaning: Option<Meaning>,
 }
 
 impl VariableInfo {
@@ -301,6 +306,19 @@ impl Interface {
     #[cfg(not(feature = "host"))]
     fn similar(&self, _name: &str) -> String {
         String::new()
+    }
+
+    /// The parameter that has a role, or, where the author of the model says nothing, this name and the
+    /// unit s.
+    #[cfg(feature = "host")]
+    pub(crate) fn time_parameter(&self, role: Role, name: &str) -> Option<usize> {
+        self.variables.iter().position(|info| {
+            info.causality == Causality::Parameter
+                && match info.meaning {
+                    Some(meaning) => meaning.role == Some(role),
+                    None => info.name == name && info.unit.as_deref() == Some("s"),
+                }
+        })
     }
 
     /// Indices of all variables of one causality.

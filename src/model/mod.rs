@@ -6,21 +6,28 @@
 mod clock;
 mod clone;
 mod interface;
+mod join;
+mod meaning;
 mod native;
 mod settings;
 mod slave;
+mod table;
 pub mod unit;
 mod variable;
 
 pub use clock::{check_experiment, check_step};
 pub use interface::{Causality, Initial, Interface, Kind, Value, Variability, VariableInfo};
+pub use join::{Joined, join};
+pub use meaning::{Meaning, Purpose, Role};
 pub use native::Native;
 pub use settings::{Free, Setting, Settings};
 pub(crate) use settings::{Lines, line_of};
 pub(crate) use slave::wrong_order;
 pub use slave::{Slave, Snapshot};
+pub(crate) use table::reference;
+pub use table::{Lens, Table};
 pub use variable::{
-    Access, Start, Variable, boolean_parameter, input, integer_parameter, local, output, parameter,
+    Access, Get, Set, Start, Variable, boolean_parameter, input, integer_parameter, local, output, parameter,
     text_parameter,
 };
 
@@ -33,7 +40,7 @@ pub const SMALL_STEP: f64 = 8.0;
 /// A model: one plain value that holds parameters, inputs, states and outputs.
 ///
 /// Whoever clones the value has saved the state; whoever serialises it can continue elsewhere. The
-/// table [`VARIABLES`](Model::VARIABLES) declares every variable once; the FMI description, the
+/// table [`variables`](Model::variables) declares every variable once; the FMI description, the
 /// command line, CSV columns and parameter files are derived from it.
 ///
 /// A model is made in this order: `default()`, then every start value of the table and every
@@ -44,12 +51,10 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
     /// What it models, in one sentence.
     const DESCRIPTION: &'static str;
     /// Documentation for the FMU's `documentation/index.html`, where the tables that follow from
-    /// [`VARIABLES`](Model::VARIABLES) come after it: HTML whose topics begin with `<h2>`, with nothing
-    /// from outside (`include_str!` a file). It is trusted and taken as it stands, and no part of the
-    /// GUID.
-    const DOCUMENTATION: &'static str = "";
-    /// Every variable. The position in the table is the FMI value reference: append, do not insert.
-    const VARIABLES: &'static [Variable<Self>];
+    /// [`variables`](Model::variables) come after it: HTML whose topics begin with `<h2>`, with nothing
+    /// from outside (`include_str!` files), in fragments one after the other. It is trusted and taken as it
+    /// stands, and no part of the GUID.
+    const DOCUMENTATION: &'static [&'static str] = &[];
     /// The communication step that suits the model \[s\].
     const COMMUNICATION_STEP: f64 = 1e-3;
     /// The length of an experiment that shows what the model does \[s\].
@@ -57,6 +62,10 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
 
     /// True if [`directional_derivatives`](Model::directional_derivatives) has answers.
     const DIRECTIONAL_DERIVATIVES: bool = false;
+
+    /// Every variable, in the order in which they are shown. Its name tells a variable's FMI value reference: rows
+    /// may be moved, and others put between them.
+    fn variables() -> Table<Self>;
 
     /// The step h of the model's own time grid t0 + n h \[s\]. May depend on parameters, on nothing
     /// else.
@@ -100,8 +109,8 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
         None
     }
 
-    /// The derivatives of the outputs `unknowns` along a change of inputs: pairs of an input's position
-    /// in the table and its share in the direction. Before the first step (`starting`) the state moves
+    /// The derivatives of the outputs `unknowns` along a change of inputs: pairs of an input's name and its
+    /// share in the direction. Before the first step (`starting`) the state moves
     /// with the inputs, as [`initialize`](Model::initialize) would have it; between steps it stays.
     ///
     /// `None` stands for an output without a formula. Before the first step [`Native`] then takes differences
@@ -113,8 +122,8 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
     fn directional_derivatives(
         &self,
         starting: bool,
-        direction: &[(usize, f64)],
-        unknowns: &[usize],
+        direction: &[(&str, f64)],
+        unknowns: &[&str],
     ) -> Result<Vec<Option<f64>>> {
         let _ = (starting, direction, unknowns);
         Err(crate::Error::call(format!("{} has no directional derivatives", Self::NAME)))

@@ -1,28 +1,128 @@
 //! The typed variable table: every variable is declared once, with the way to reach it.
 
 use super::interface::{Causality, Initial, Kind, Value, Variability, VariableInfo};
+use super::meaning::{Meaning, Purpose, Role};
+use super::table::{Lens, reference};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// Reads a value from a model.
+pub type Get<M, V> = Arc<dyn Fn(&M) -> V + Send + Sync>;
+/// Writes a value to a model.
+pub type Set<M, V> = Arc<dyn Fn(&mut M, V) + Send + Sync>;
+/// Reads a text.
+type GetText<M> = Arc<dyn Fn(&M) -> &str + Send + Sync>;
+/// Writes a text.
+type SetText<M> = Arc<dyn Fn(&mut M, &str) + Send + Sync>;
+/// Writes the value of an input and, when the master knows it, its first derivative.
+type SetRated<M> = Arc<dyn Fn(&mut M, f64, Option<f64>) + Send + Sync>;
 
 /// How a variable of the model `M` is read and written.
 pub enum Access<M: 'static> {
     /// A real number in the unit of its declaration.
-    Real(fn(&M) -> f64, fn(&mut M, f64)),
-    /// An input with an optional rate: the setter gets the value and, when the master knows it,
-    /// the first derivative.
-    Rated(fn(&M) -> f64, fn(&mut M, f64, Option<f64>)),
+    Real(Get<M, f64>, Set<M, f64>),
+    /// An input with an optional rate.
+    Rated(Get<M, f64>, SetRated<M>),
     /// A whole number, or an item (from 1) of an enumeration.
-    Integer(fn(&M) -> i32, fn(&mut M, i32)),
+    Integer(Get<M, i32>, Set<M, i32>),
     /// A switch.
-    Boolean(fn(&M) -> bool, fn(&mut M, bool)),
+    Boolean(Get<M, bool>, Set<M, bool>),
     /// A text.
-    Text(fn(&M) -> &str, fn(&mut M, &str)),
+    Text(GetText<M>, SetText<M>),
 }
 
 impl<M> Clone for Access<M> {
     fn clone(&self) -> Self {
-        *self
+        match self {
+            Self::Real(get, set) => Self::Real(get.clone(), set.clone()),
+            Self::Rated(get, set) => Self::Rated(get.clone(), set.clone()),
+            Self::Integer(get, set) => Self::Integer(get.clone(), set.clone()),
+            Self::Boolean(get, set) => Self::Boolean(get.clone(), set.clone()),
+            Self::Text(get, set) => Self::Text(get.clone(), set.clone()),
+        }
     }
 }
-impl<M> Copy for Access<M> {}
+
+impl<M: 'static> Access<M> {
+    /// A real number that can be read and written.
+    pub fn real(
+        get: impl Fn(&M) -> f64 + Send + Sync + 'static,
+        set: impl Fn(&mut M, f64) + Send + Sync + 'static,
+    ) -> Self {
+        Self::Real(Arc::new(get), Arc::new(set))
+    }
+
+    /// A real number that is computed when it is read.
+    pub fn computed(get: impl Fn(&M) -> f64 + Send + Sync + 'static) -> Self {
+        Self::real(get, |_, _| {})
+    }
+
+    /// An input whose setter gets the value and, when the master knows it, the first derivative.
+    pub fn rated(
+        get: impl Fn(&M) -> f64 + Send + Sync + 'static,
+        set: impl Fn(&mut M, f64, Option<f64>) + Send + Sync + 'static,
+    ) -> Self {
+        Self::Rated(Arc::new(get), Arc::new(set))
+    }
+
+    /// A whole number that can be read and written.
+    pub fn integer(
+        get: impl Fn(&M) -> i32 + Send + Sync + 'static,
+        set: impl Fn(&mut M, i32) + Send + Sync + 'static,
+    ) -> Self {
+        Self::Integer(Arc::new(get), Arc::new(set))
+    }
+
+    /// A whole number that is computed when it is read.
+    pub fn computed_integer(get: impl Fn(&M) -> i32 + Send + Sync + 'static) -> Self {
+        Self::integer(get, |_, _| {})
+    }
+
+    /// A switch that can be read and written.
+    pub fn boolean(
+        get: impl Fn(&M) -> bool + Send + Sync + 'static,
+        set: impl Fn(&mut M, bool) + Send + Sync + 'static,
+    ) -> Self {
+        Self::Boolean(Arc::new(get), Arc::new(set))
+    }
+
+    /// A switch that is computed when it is read.
+    pub fn computed_boolean(get: impl Fn(&M) -> bool + Send + Sync + 'static) -> Self {
+        Self::boolean(get, |_, _| {})
+    }
+
+    /// A text that can be read and written.
+    pub fn text(
+        get: impl for<'a> Fn(&'a M) -> &'a str + Send + Sync + 'static,
+        set: impl Fn(&mut M, &str) + Send + Sync + 'static,
+    ) -> Self {
+        Self::Text(Arc::new(get), Arc::new(set))
+    }
+
+    /// The access to the same value where the model is a part of another.
+    fn through<W: 'static>(self, lens: &Lens<W, M>) -> Access<W> {
+        fn get<W: 'static, M: 'static, V: 'static>(lens: &Lens<W, M>, get: Get<M, V>) -> Get<W, V> {
+            let of = lens.of.clone();
+            Arc::new(move |whole| get(of(whole)))
+        }
+        fn set<W: 'static, M: 'static, V: 'static>(lens: &Lens<W, M>, set: Set<M, V>) -> Set<W, V> {
+            let of_mut = lens.of_mut.clone();
+            Arc::new(move |whole, value| set(of_mut(whole), value))
+        }
+        let (of, of_mut) = (lens.of.clone(), lens.of_mut.clone());
+        match self {
+            Self::Real(g, s) => Access::Real(get(lens, g), set(lens, s)),
+            Self::Rated(g, s) => {
+                Access::Rated(get(lens, g), Arc::new(move |w, value, rate| s(of_mut(w), value, rate)))
+            }
+            Self::Integer(g, s) => Access::Integer(get(lens, g), set(lens, s)),
+            Self::Boolean(g, s) => Access::Boolean(get(lens, g), set(lens, s)),
+            Self::Text(g, s) => {
+                Access::Text(Arc::new(move |w| g(of(w))), Arc::new(move |w, text| s(of_mut(w), text)))
+            }
+        }
+    }
+}
 
 /// A start value as a table can hold it.
 #[derive(Debug, Clone, Copy)]
@@ -52,9 +152,9 @@ enum Change {
 
 /// One row of a model's variable table.
 pub struct Variable<M: 'static> {
-    name: &'static str,
+    name: Cow<'static, str>,
     unit: &'static str,
-    description: &'static str,
+    description: Cow<'static, str>,
     causality: Causality,
     access: Access<M>,
     start: Start,
@@ -63,15 +163,17 @@ pub struct Variable<M: 'static> {
     nominal: Option<f64>,
     items: &'static [(&'static str, &'static str)],
     tunable: bool,
-    runs_on: Option<&'static str>,
+    runs_on: Option<Cow<'static, str>>,
     change: Change,
+    role: Option<Role>,
+    purpose: Option<Purpose>,
 }
 
 /// Access to a real field: `real!(tire.belt.mass)`, inside `impl Model`.
 #[macro_export]
 macro_rules! real {
     ($($path:tt)+) => {
-        $crate::model::Access::Real(|m: &Self| m.$($path)+, |m: &mut Self, value| m.$($path)+ = value)
+        $crate::model::Access::real(|m: &Self| m.$($path)+, |m: &mut Self, value| m.$($path)+ = value)
     };
 }
 
@@ -79,7 +181,7 @@ macro_rules! real {
 #[macro_export]
 macro_rules! integer {
     ($($path:tt)+) => {
-        $crate::model::Access::Integer(|m: &Self| m.$($path)+, |m: &mut Self, value| m.$($path)+ = value)
+        $crate::model::Access::integer(|m: &Self| m.$($path)+, |m: &mut Self, value| m.$($path)+ = value)
     };
 }
 
@@ -87,11 +189,36 @@ macro_rules! integer {
 #[macro_export]
 macro_rules! boolean {
     ($($path:tt)+) => {
-        $crate::model::Access::Boolean(|m: &Self| m.$($path)+, |m: &mut Self, value| m.$($path)+ = value)
+        $crate::model::Access::boolean(|m: &Self| m.$($path)+, |m: &mut Self, value| m.$($path)+ = value)
     };
 }
 
-const fn row<M>(
+/// Access to a text field.
+#[macro_export]
+macro_rules! text {
+    ($($path:tt)+) => {
+        $crate::model::Access::text(
+            |m: &Self| m.$($path)+.as_str(),
+            |m: &mut Self, text: &str| m.$($path)+ = text.into(),
+        )
+    };
+}
+
+/// Access to a field that holds a value and its rate: anything with the fields `value` and `rate`.
+#[macro_export]
+macro_rules! rated {
+    ($($path:tt)+) => {
+        $crate::model::Access::rated(
+            |m: &Self| m.$($path)+.value,
+            |m: &mut Self, value, rate| {
+                m.$($path)+.value = value;
+                m.$($path)+.rate = rate;
+            },
+        )
+    };
+}
+
+fn row<M>(
     name: &'static str,
     unit: &'static str,
     causality: Causality,
@@ -100,9 +227,9 @@ const fn row<M>(
     start: Start,
 ) -> Variable<M> {
     Variable {
-        name,
+        name: name.into(),
         unit,
-        description,
+        description: description.into(),
         causality,
         access,
         start,
@@ -113,11 +240,13 @@ const fn row<M>(
         tunable: false,
         runs_on: None,
         change: Change::Smooth,
+        role: None,
+        purpose: None,
     }
 }
 
 /// A real parameter, fixed after initialization. `unit` as in FMI: `"N.m/rad"`, `"1"`.
-pub const fn parameter<M>(
+pub fn parameter<M>(
     name: &'static str,
     unit: &'static str,
     access: Access<M>,
@@ -128,7 +257,7 @@ pub const fn parameter<M>(
 }
 
 /// A whole-number parameter.
-pub const fn integer_parameter<M>(
+pub fn integer_parameter<M>(
     name: &'static str,
     access: Access<M>,
     start: i32,
@@ -138,7 +267,7 @@ pub const fn integer_parameter<M>(
 }
 
 /// A switch among the parameters.
-pub const fn boolean_parameter<M>(
+pub fn boolean_parameter<M>(
     name: &'static str,
     access: Access<M>,
     start: bool,
@@ -148,7 +277,7 @@ pub const fn boolean_parameter<M>(
 }
 
 /// A text among the parameters.
-pub const fn text_parameter<M>(
+pub fn text_parameter<M>(
     name: &'static str,
     access: Access<M>,
     start: &'static str,
@@ -158,7 +287,7 @@ pub const fn text_parameter<M>(
 }
 
 /// A continuous real input.
-pub const fn input<M>(
+pub fn input<M>(
     name: &'static str,
     unit: &'static str,
     access: Access<M>,
@@ -169,7 +298,7 @@ pub const fn input<M>(
 }
 
 /// An output. Real outputs are continuous unless marked [`discrete`](Variable::discrete); integer and boolean ones change at steps.
-pub const fn output<M>(
+pub fn output<M>(
     name: &'static str,
     unit: &'static str,
     access: Access<M>,
@@ -179,7 +308,7 @@ pub const fn output<M>(
 }
 
 /// A quantity inside the model that somebody may want to look at.
-pub const fn local<M>(
+pub fn local<M>(
     name: &'static str,
     unit: &'static str,
     access: Access<M>,
@@ -191,7 +320,7 @@ pub const fn local<M>(
 impl<M: 'static> Variable<M> {
     /// The values that are accepted, ends included, in the variable's unit.
     #[must_use]
-    pub const fn range(mut self, min: f64, max: f64) -> Self {
+    pub fn range(mut self, min: f64, max: f64) -> Self {
         self.min = Some(min);
         self.max = Some(max);
         self
@@ -199,21 +328,21 @@ impl<M: 'static> Variable<M> {
 
     /// The smallest value that is accepted.
     #[must_use]
-    pub const fn min(mut self, min: f64) -> Self {
+    pub fn min(mut self, min: f64) -> Self {
         self.min = Some(min);
         self
     }
 
     /// A typical size, for solvers that scale.
     #[must_use]
-    pub const fn nominal(mut self, nominal: f64) -> Self {
+    pub fn nominal(mut self, nominal: f64) -> Self {
         self.nominal = Some(nominal);
         self
     }
 
     /// Lets a parameter change between steps; see [`Model::tune`](super::Model::tune).
     #[must_use]
-    pub const fn tunable(mut self) -> Self {
+    pub fn tunable(mut self) -> Self {
         self.tunable = true;
         self
     }
@@ -221,7 +350,7 @@ impl<M: 'static> Variable<M> {
     /// A real output that changes at instants and is held between them: what a sampled controller sends. Its
     /// variability is discrete, its derivative over time 0.
     #[must_use]
-    pub const fn discrete(mut self) -> Self {
+    pub fn discrete(mut self) -> Self {
         self.change = Change::Discrete;
         self
     }
@@ -230,7 +359,7 @@ impl<M: 'static> Variable<M> {
     /// within a step. Its derivative over time is given as 0, as FMI has it for an order that is not known: a
     /// master that extrapolates then holds the value.
     #[must_use]
-    pub const fn without_derivative(mut self) -> Self {
+    pub fn without_derivative(mut self) -> Self {
         self.change = Change::Ragged;
         self
     }
@@ -239,40 +368,112 @@ impl<M: 'static> Variable<M> {
     /// real input called `rate`: a position with the velocity that comes beside it, x + v t, or, where
     /// the velocity has a derivative a, x + v t + a t²/2.
     #[must_use]
-    pub const fn runs_on(mut self, rate: &'static str) -> Self {
-        self.runs_on = Some(rate);
+    pub fn runs_on(mut self, rate: &'static str) -> Self {
+        self.runs_on = Some(rate.into());
         self
     }
 
     /// Makes an enumeration of an integer variable: (name, description) of the values 1, 2, ...
     #[must_use]
-    pub const fn items(mut self, items: &'static [(&'static str, &'static str)]) -> Self {
+    pub fn items(mut self, items: &'static [(&'static str, &'static str)]) -> Self {
         self.items = items;
         self
     }
 
+    /// Says what the variable is to its machine; [`Role`] has what is taken for granted without it.
+    #[must_use]
+    pub fn role(mut self, role: Role) -> Self {
+        self.role = Some(role);
+        self
+    }
+
+    /// Says what a parameter is there for; without it, it is a property of the machine.
+    #[must_use]
+    pub fn purpose(mut self, purpose: Purpose) -> Self {
+        self.purpose = Some(purpose);
+        self
+    }
+
+    /// The same variable with another start value: a part may need another one in another whole.
+    #[must_use]
+    pub fn start(mut self, start: f64) -> Self {
+        self.start = Start::Real(start);
+        self
+    }
+
+    /// The same variable with another description.
+    #[must_use]
+    pub fn described(mut self, description: impl Into<Cow<'static, str>>) -> Self {
+        self.description = description.into();
+        self
+    }
+
+    /// The same variable where the model is a part of another, under a prefix.
+    pub(super) fn of_part<W: 'static>(self, prefix: &str, lens: &Lens<W, M>) -> Variable<W> {
+        let prefixed = |name: Cow<'static, str>| match prefix.is_empty() {
+            true => name,
+            false => format!("{prefix}{name}").into(),
+        };
+        Variable {
+            name: prefixed(self.name),
+            unit: self.unit,
+            description: self.description,
+            causality: self.causality,
+            access: self.access.through(lens),
+            start: self.start,
+            min: self.min,
+            max: self.max,
+            nominal: self.nominal,
+            items: self.items,
+            tunable: self.tunable,
+            runs_on: self.runs_on.map(prefixed),
+            change: self.change,
+            role: self.role,
+            purpose: self.purpose,
+        }
+    }
+
+    /// Writes the start value, if there is one.
+    pub(super) fn write_start(&self, model: &mut M) {
+        match (&self.access, self.start) {
+            (Access::Real(_, set), Start::Real(value)) => set(model, value),
+            (Access::Rated(_, set), Start::Real(value)) => set(model, value, None),
+            (Access::Integer(_, set), Start::Integer(value)) => set(model, value),
+            (Access::Boolean(_, set), Start::Boolean(value)) => set(model, value),
+            (Access::Text(_, set), Start::Text(text)) => set(model, text),
+            // the functions that make rows let no other pair be
+            (_, start) => debug_assert!(matches!(start, Start::None), "{} = {start:?}", self.name),
+        }
+    }
+
+    /// True if the row says what the variable is or is there for.
+    pub(super) fn has_meaning(&self) -> bool {
+        self.role.is_some() || self.purpose.is_some()
+    }
+
     /// The name.
-    pub const fn name(&self) -> &'static str {
-        self.name
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// The input that is its rate between communication points where the master gives none.
-    pub const fn natural_rate(&self) -> Option<&'static str> {
-        self.runs_on
+    pub fn natural_rate(&self) -> Option<&str> {
+        self.runs_on.as_deref()
     }
 
     /// Its last change tells how it goes on, so that it has a derivative over time.
-    pub const fn has_derivative(&self) -> bool {
+    pub fn has_derivative(&self) -> bool {
         matches!(self.change, Change::Smooth)
     }
 
     /// How to reach it.
-    pub const fn access(&self) -> Access<M> {
-        self.access
+    pub fn access(&self) -> &Access<M> {
+        &self.access
     }
 
-    /// The row without its types, as everything outside the model sees it.
-    pub fn info(&self, reference: u32) -> VariableInfo {
+    /// The row without its types, as everything outside the model sees it. `meaning`: the model says what its
+    /// variables are.
+    pub(super) fn info(&self, meaning: bool) -> VariableInfo {
         let kind = match self.access {
             Access::Real(..) | Access::Rated(..) => Kind::Real,
             Access::Integer(..) if self.items.is_empty() => Kind::Integer,
@@ -301,9 +502,9 @@ impl<M: 'static> Variable<M> {
             _ => Some(Initial::Calculated),
         };
         VariableInfo {
-            name: self.name.into(),
-            reference,
-            description: self.description.into(),
+            name: self.name.clone().into(),
+            reference: reference(&self.name),
+            description: self.description.clone().into(),
             unit: (!self.unit.is_empty()).then(|| self.unit.into()),
             kind,
             causality: self.causality,
@@ -313,6 +514,7 @@ impl<M: 'static> Variable<M> {
             min: self.min,
             max: self.max,
             nominal: self.nominal,
+            meaning: meaning.then(|| Meaning { role: self.role, purpose: self.purpose.unwrap_or_default() }),
         }
     }
 }

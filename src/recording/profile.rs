@@ -85,8 +85,8 @@ mod tests {
     fn files_become_the_text_of_a_profile() {
         let profile = read("x [m];z [mm]\n-0,5;0\n0;0\n0;12,5\n1e-1;-20\n").unwrap();
         assert_eq!(profile, "-0.5 0; 0 0; 0 0.0125; 0.1 -0.02");
-        let road = Road::new(&RoadParameters { kind: 8, start: 2.0, profile, ..RoadParameters::default() });
-        assert_eq!(road.unwrap().raw_height(2.0), 0.0125);
+        let road = Road::new(&RoadParameters { kind: 8, start: 2.0, profile, ..RoadParameters::flat() });
+        assert_eq!(road.unwrap().at(2.0, 0.0).height, 0.0125);
     }
 
     #[test]

@@ -1,23 +1,21 @@
 //! Reports: one HTML file each that opens without a network, prints, and carries its plots inside.
 //!
 //! A [`Page`] has sections, a section has parts: text, [`Table`], [`Plot`], [`patch_frames`].
-//! [`simulation_report`] makes the page of a run, [`stop_page`] that of braking runs with moving patches,
-//! [`diagnosis_report`] that of a diagnosis.
+//! [`simulation_report`] makes the page of a run, [`diagnosis_report`] that of a diagnosis. Whoever makes a page of
+//! their own with drawings of patches has their scales in [`Picture`].
 
 mod diagnosis;
 mod heat;
 mod patch;
 mod plot;
 mod simulation;
-mod stop;
 
-pub use crate::page::{Html, Page, Section, Table};
+pub use crate::page::{Html, Page, Section, Table, escape};
 pub use diagnosis::{CheckRun, diagnosis_report};
 pub use heat::{HeatCell, HeatMap};
-pub use patch::{Cell, PatchFrame, patch_caption, patch_frames};
+pub use patch::{PULLING, PatchFrame, Picture, SLIDING, patch_caption, patch_frames, pressure_color};
 pub use plot::{Axis, Plot, Size, Tone};
 pub use simulation::simulation_report;
-pub use stop::{StopFigures, StopRun, StopScene, stop_page};
 
 use crate::Result;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Pictures of the contact patch: pressure, sliding and shear of every bristle.
 
 use crate::page::{Html, escape, number};
-use crate::rig::MountedTire;
+use crate::tire::{Cell, Tire};
 use std::f64::consts::PI;
 use std::fmt::Write;
 
@@ -17,8 +17,10 @@ const TOP: f64 = 18.0;
 const BOTTOM: f64 = 66.0;
 /// Neither a very long nor a very wide patch makes the picture higher than this.
 const MAX_HEIGHT: f64 = 560.0;
-pub(super) const SLIDING: &str = "#d55e00";
-pub(super) const PULLING: &str = "#d9d4c7";
+/// The colour of the outline of what slides.
+pub const SLIDING: &str = "#d55e00";
+/// The colour of negative pressure.
+pub const PULLING: &str = "#d9d4c7";
 
 /// The patch at one instant, in SI units and in the axes of the contact frame: x along the patch in
 /// the wheel's heading, y to the left.
@@ -32,51 +34,11 @@ pub struct PatchFrame {
     pub cells: Vec<Cell>,
 }
 
-/// A bristle in contact and the piece of the patch that it stands for.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Cell {
-    /// Centre along the patch \[m\].
-    pub x: f64,
-    /// Centre across the patch \[m\].
-    pub y: f64,
-    /// Extent along x \[m\].
-    pub length: f64,
-    /// Extent along y \[m\].
-    pub width: f64,
-    /// Pressure \[Pa\].
-    pub pressure: f64,
-    /// It slides over the road.
-    pub sliding: bool,
-    /// Shear deflection of the bristle, its foot on the road as seen from its top \[m\]: the force of the road on
-    /// the tire has its direction.
-    pub deflection: [f64; 2],
-}
-
 impl PatchFrame {
-    /// The patch of a ring-and-brush tire as it is now: the bristles that carry something, at their
-    /// places in the undeformed patch.
-    pub fn of(mounted: &MountedTire, time: f64, title: &str) -> Self {
-        let (tire, bristles) = (&mounted.tire, &mounted.state.bristles);
-        let n = bristles.x.len();
-        let (length, width) = (tire.parameters().bristle_length, tire.parameters().stripe_width());
-        let mut cells = Vec::new();
-        for (i, y) in tire.stripe_places().iter().enumerate() {
-            for (j, x) in bristles.x.iter().enumerate() {
-                let k = i * n + j;
-                if bristles.pressure[k] != 0.0 {
-                    cells.push(Cell {
-                        x: *x,
-                        y: *y,
-                        length,
-                        width,
-                        pressure: bristles.pressure[k],
-                        sliding: !bristles.stick[k],
-                        deflection: [bristles.deflection_x[k], bristles.deflection_y[k]],
-                    });
-                }
-            }
-        }
-        Self { time, title: title.into(), cells }
+    /// The patch of a tire as it is now: what carries something, at its places in the undeformed patch. Empty for a
+    /// tire without a patch.
+    pub fn of(tire: &impl Tire, time: f64, title: &str) -> Self {
+        Self { time, title: title.into(), cells: tire.cells() }
     }
 
     /// Bristles that slide.
@@ -146,26 +108,26 @@ const SCRIPT: &str = "<script>
 ";
 
 /// What all frames share: the place and scale of the patch, of colours and of arrows.
-pub(super) struct Picture {
+pub struct Picture {
     /// Width of the drawing in its own units.
     width: f64,
     /// Largest |x| and |y| of a cell's edge \[m\].
-    pub(super) half: [f64; 2],
+    pub half: [f64; 2],
     /// Units of the drawing per metre.
-    pub(super) scale: f64,
+    pub scale: f64,
     /// Largest pressure \[Pa\].
-    pub(super) pressure: f64,
+    pub pressure: f64,
     /// Some pressure is negative.
     pulling: bool,
     /// Largest deflection \[m\].
-    pub(super) deflection: f64,
+    pub deflection: f64,
     /// Length of its arrow in units of the drawing.
-    pub(super) arrow: f64,
+    pub arrow: f64,
 }
 
 impl Picture {
     /// The scales for these frames in a drawing of this width.
-    pub(super) fn new(frames: &[&PatchFrame], width: f64) -> Self {
+    pub fn new(frames: &[&PatchFrame], width: f64) -> Self {
         let cells = || frames.iter().flat_map(|f| &f.cells);
         let largest = |f: fn(&Cell) -> f64| cells().map(f).filter(|v| v.is_finite()).fold(0.0, f64::max);
         let half = [largest(|c| c.x.abs() + 0.5 * c.length), largest(|c| c.y.abs() + 0.5 * c.width)]
@@ -184,7 +146,7 @@ impl Picture {
     }
 
     /// What the marks mean.
-    pub(super) fn explanation(&self) -> String {
+    pub fn explanation(&self) -> String {
         let mut text = format!(
             "Seen from above, bristles at their places in the undeformed patch. Outlined and crossed: sliding. Arrows: shear deflection, \
              in the direction of the road's force on the tire; the longest is {} mm.",
@@ -204,7 +166,7 @@ impl Picture {
     }
 
     /// Where a point of the patch lies in the drawing.
-    pub(super) fn place(&self, x: f64, y: f64) -> (f64, f64) {
+    pub fn place(&self, x: f64, y: f64) -> (f64, f64) {
         let [left, right, top, bottom] = self.edges();
         (0.5 * (left + right) + x * self.scale, 0.5 * (top + bottom) - y * self.scale)
     }
@@ -223,7 +185,7 @@ impl Picture {
     }
 
     /// The patch with axes and legend; what changes from frame to frame is the group `cells`.
-    pub(super) fn drawing(&self, frame: &PatchFrame) -> String {
+    pub fn drawing(&self, frame: &PatchFrame) -> String {
         let mut svg = format!(
             "<svg role=\"img\" aria-label=\"contact patch\" viewBox=\"0 0 {:.0} {:.0}\" xmlns=\"http://www.w3.org/2000/svg\" \
              font-family=\"sans-serif\" font-size=\"{LETTERS}\" fill=\"#46525c\">\n",
@@ -237,8 +199,11 @@ impl Picture {
         for cell in &frame.cells {
             let (w, h) = (cell.length * self.scale, cell.width * self.scale);
             let (x, y) = self.place(cell.x - 0.5 * cell.length, cell.y + 0.5 * cell.width);
-            let color =
-                if cell.pressure < 0.0 { PULLING.into() } else { color(cell.pressure / self.pressure) };
+            let color = if cell.pressure < 0.0 {
+                PULLING.into()
+            } else {
+                pressure_color(cell.pressure / self.pressure)
+            };
             let _ = writeln!(svg, "<path d=\"M{x:.1} {y:.1}h{w:.1}v{h:.1}h-{w:.1}z\" fill=\"{color}\"/>");
             if cell.sliding {
                 slides.push_str(&slide(x, y, w, h));
@@ -341,7 +306,7 @@ impl Picture {
         let _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{:.1}\">pressure [bar]</text>", top - 10.0);
         for i in 0..STEPS {
             let y = low - f64::from(i + 1) * height;
-            let color = color((f64::from(i) + 0.5) / f64::from(STEPS));
+            let color = pressure_color((f64::from(i) + 0.5) / f64::from(STEPS));
             // a little higher than needed: no seams
             let _ = write!(
                 svg,
@@ -409,7 +374,7 @@ fn tick_step(span: f64, count: f64) -> f64 {
 
 /// Colour for a share of the largest pressure: even steps of lightness in Oklab (Ottosson 2020),
 /// from nearly white through green to blue.
-pub(super) fn color(share: f64) -> String {
+pub fn pressure_color(share: f64) -> String {
     let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
     let lightness = 0.965 - 0.565 * share;
     let chroma = 0.02 + 0.11 * (share * (1.4 - 0.55 * share));
@@ -500,7 +465,7 @@ mod tests {
 
     #[test]
     fn colours_darken_evenly() {
-        let bytes = |share| u32::from_str_radix(&color(share)[1..], 16).unwrap();
+        let bytes = |share| u32::from_str_radix(&pressure_color(share)[1..], 16).unwrap();
         let luma = |rgb: u32| {
             0.2126 * f64::from(rgb >> 16) + 0.7152 * f64::from(rgb >> 8 & 255) + 0.0722 * f64::from(rgb & 255)
         };
@@ -508,7 +473,7 @@ mod tests {
             let (a, b) = (luma(bytes(f64::from(i) / 20.0)), luma(bytes(f64::from(i + 1) / 20.0)));
             assert!((4.0..14.0).contains(&(a - b)), "{i}: {a} to {b}");
         }
-        assert_eq!(color(f64::NAN), color(0.0));
+        assert_eq!(pressure_color(f64::NAN), pressure_color(0.0));
     }
 
     #[test]
@@ -530,7 +495,7 @@ mod tests {
         }
         let share = slave.find("sliding_share").unwrap();
         let share = slave.get(share).unwrap();
-        let frame = PatchFrame::of(slave.model().mounted(), slave.time(), "");
+        let frame = PatchFrame::of(slave.model().tire(), slave.time(), "");
         let count = frame.cells.len() as f64;
         assert!(count > 20.0 && share > 0.0 && share < 1.0, "{count} {share}");
         assert_eq!(frame.sliding() as f64 / count, share);

@@ -426,7 +426,7 @@ mod tests {
 
     #[test]
     fn nothing_is_loaded_from_elsewhere() {
-        let frame = PatchFrame { cells: vec![super::super::Cell::default(); 2], ..PatchFrame::default() };
+        let frame = PatchFrame { cells: vec![crate::tire::Cell::default(); 2], ..PatchFrame::default() };
         let html = simulation_report("t", "d", &tire(), Some(&tire()), &[frame.clone(), frame], &[]);
         let rest = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
         for outside in ["http:", "https:", "url(", "@import", "src=", "href=\"h"] {
@@ -510,7 +510,7 @@ mod tests {
         run.source = bad.into();
         let frame = PatchFrame {
             title: bad.into(),
-            cells: vec![super::super::Cell::default()],
+            cells: vec![crate::tire::Cell::default()],
             ..PatchFrame::default()
         };
         let html = simulation_report(bad, bad, &run, Some(&run), &[frame], &[(bad.into(), bad.into())]);

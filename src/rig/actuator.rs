@@ -6,7 +6,9 @@
 //! communication step goes to 0. Where the commands *are* the motion, as in a recording of what the
 //! rig did, the actuator is switched off, again for both.
 
+use crate::model::{Table, boolean_parameter, parameter};
 use crate::solver::Real;
+use crate::{boolean, real};
 use serde::{Deserialize, Serialize};
 
 /// What the master asks for.
@@ -37,6 +39,15 @@ pub struct Actuation {
 }
 
 impl Actuation {
+    /// The filter and its switch.
+    #[rustfmt::skip] // a row is a line
+    pub(super) fn rows() -> Table<Self> {
+        Table::new([
+            parameter("actuator_frequency", "rad/s", real!(frequency), 200.0, "Corner of the critically damped filter between commands and motion; its delay is 2 over this").range(1.0, 1e5).tunable(),
+            boolean_parameter("command_actuators", boolean!(on), true, "Actuators between commands and motion: true, whether commands come with derivatives or not; false, the commands are the motion, as in a recording of what the rig did"),
+        ])
+    }
+
     /// The filter's corner \[rad/s\], if there is a filter.
     pub fn corner(&self) -> Option<f64> {
         self.on.then_some(self.frequency)

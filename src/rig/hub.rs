@@ -1,10 +1,15 @@
 //! A wheel's hub: mass, spin and a brake, in velocity Verlet steps that go with the tire's.
 
-use crate::tire::Motion;
+use crate::mechanics::{Motion, PointMass, Spin};
+use crate::model::{Role, Table, output, parameter};
+use crate::real;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// What a hub is made of. The belt of the tire has its own mass and is no part of it.
+/// Speed below which slip and slip angle are no longer what their definitions say \[m/s\].
+pub(super) const SLIP_FLOOR: f64 = 0.1;
+
+/// What a hub is made of. Masses inside the tire are no part of it.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct HubParameters {
     /// Mass of rim, hub and what moves with them \[kg\].
@@ -15,67 +20,60 @@ pub struct HubParameters {
     pub gravity: f64,
 }
 
+impl HubParameters {
+    /// Mass and inertia.
+    #[rustfmt::skip] // a row is a line
+    pub(super) fn rows() -> Table<Self> {
+        Table::new([
+            parameter("hub_mass", "kg", real!(mass), 30.0, "Mass of hub, rim and what moves with them, without masses inside the tire's model").range(0.1, 1e4),
+            parameter("hub_inertia", "kg.m2", real!(inertia), 0.7, "Inertia of what spins with the rim about the wheel's axis, without masses inside the tire's model").range(1e-3, 1e4),
+        ])
+    }
+}
+
 /// The motion of a hub and what accelerates it.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Hub {
-    /// Centre of the wheel over the road, frame 0 \[m\].
-    pub position: Vector3<f64>,
-    /// Its velocity \[m/s\].
-    pub velocity: Vector3<f64>,
-    /// Spin angle \[rad\], unbounded.
-    pub angle: f64,
-    /// Spin speed \[rad/s\].
-    pub speed: f64,
-    /// Acceleration of the centre at the last instant \[m/s²\].
-    pub acceleration: Vector3<f64>,
-    /// Angular acceleration without the brake's share \[rad/s²\].
-    pub free_acceleration: f64,
-    /// The torque with which the brake resisted the spin in the last step \[N.m\]: less than it could
-    /// where the wheel stands.
-    pub brake_torque: f64,
-    /// Energy that the brake took since the start \[J\].
-    pub brake_energy: f64,
+    /// Centre of the wheel over the road, frame 0.
+    pub centre: PointMass,
+    /// The wheel about its axis.
+    pub spin: Spin,
 }
 
 impl Hub {
+    /// A hub at the origin that travels and does not spin.
+    pub fn moving(velocity: Vector3<f64>) -> Self {
+        Self { centre: PointMass { velocity, ..PointMass::default() }, spin: Spin::default() }
+    }
+
+    /// The wheel's spin and its brake.
+    #[rustfmt::skip] // a row is a line
+    pub(super) fn rows() -> Table<Self> {
+        Table::new([
+            output("wheel_angle", "rad", real!(spin.angle), "Spin angle of the wheel, unbounded").role(Role::WheelAngle),
+            output("wheel_speed", "rad/s", real!(spin.speed), "Spin speed of the wheel").role(Role::WheelSpeed),
+            output("brake_torque_actual", "N.m", real!(spin.brake_torque), "Torque with which the brake resisted the forward spin in the last step; on a wheel that stands, what it takes to hold it").nominal(100.0),
+            output("brake_energy", "J", real!(spin.brake_energy), "Energy that the brake turned into heat since the start").nominal(1e4),
+        ])
+    }
+
     /// First half of a step: half a kick, drift. Returns velocity and spin speed as predicted for the
     /// end of the step, for whatever damps.
     pub fn drift(&mut self, p: &HubParameters, brake: f64, dt: f64) -> (Vector3<f64>, f64) {
-        let half = 0.5 * dt;
-        self.velocity += self.acceleration * half;
-        self.brake_torque = 0.0;
-        self.spin_up(p, brake, half, dt);
-        self.position += self.velocity * dt;
-        self.angle += self.speed * dt;
-        let speed = braked(self.speed + self.free_acceleration * half, brake * half / p.inertia);
-        (self.velocity + self.acceleration * half, speed)
+        (self.centre.drift(dt), self.spin.drift(p.inertia, brake, dt))
     }
 
     /// Second half: the kick by what [`load`](Self::load) was told about the end of the step.
     pub fn kick(&mut self, p: &HubParameters, brake: f64, dt: f64) {
-        self.velocity += self.acceleration * (0.5 * dt);
-        self.spin_up(p, brake, 0.5 * dt, dt);
+        self.centre.kick(dt);
+        self.spin.kick(p.inertia, brake, dt);
     }
 
     /// Takes over the force \[N\] and the torque about the wheel's axis \[N.m\] of the present instant,
     /// without gravity and brake.
     pub fn load(&mut self, p: &HubParameters, force: &Vector3<f64>, torque: f64) {
-        self.acceleration = force / p.mass - Vector3::new(0.0, 0.0, p.gravity);
-        self.free_acceleration = torque / p.inertia;
-    }
-
-    /// Half a kick of the spin, with the brake's friction: it takes speed away, but never turns it
-    /// round.
-    fn spin_up(&mut self, p: &HubParameters, brake: f64, half: f64, dt: f64) {
-        let before = self.speed;
-        let free = before + self.free_acceleration * half;
-        self.speed = braked(free, brake * half / p.inertia);
-        let taken = (free - self.speed) * p.inertia;
-        self.brake_torque += taken / dt;
-        // over the half kick the impulse acts at the mean of the speeds before and after; where the rest turns the
-        // spin round, friction is taken off behind the turn, and acts from there
-        let from = if before * free < 0.0 { 0.0 } else { before };
-        self.brake_energy += taken * 0.5 * (from + self.speed);
+        self.centre.acceleration = force / p.mass - Vector3::new(0.0, 0.0, p.gravity);
+        self.spin.free_acceleration = torque / p.inertia;
     }
 
     /// The rim's motion as the tire sees it, at attitude (camber, steer) and its rates.
@@ -87,17 +85,29 @@ impl Hub {
         (camber_rate, steer_rate): (f64, f64),
     ) -> Motion<f64> {
         Motion {
-            position: Vector3::new(0.0, 0.0, self.position.z),
+            position: Vector3::new(0.0, 0.0, self.centre.position.z),
             velocity: *velocity,
-            angles: Vector3::new(camber, self.angle, steer),
+            angles: Vector3::new(camber, self.spin.angle, steer),
             rates: Vector3::new(camber_rate, speed, steer_rate),
         }
     }
-}
 
-/// The speed that is left when friction has taken `limit` from it.
-fn braked(speed: f64, limit: f64) -> f64 {
-    if speed.abs() <= limit { 0.0 } else { speed - limit.copysign(speed) }
+    /// Where the wheel's centre is over the road, x and y \[m\].
+    pub fn place(&self) -> [f64; 2] {
+        [self.centre.position.x, self.centre.position.y]
+    }
+
+    /// Energy of the motion and of the height \[J\].
+    pub fn energy(&self, p: &HubParameters) -> f64 {
+        self.centre.kinetic_energy(&Vector3::from_element(p.mass))
+            + self.spin.kinetic_energy(p.inertia)
+            + p.mass * p.gravity * self.centre.position.z
+    }
+
+    /// True if nothing of it has left the numbers.
+    pub fn is_finite(&self) -> bool {
+        self.centre.is_finite() && self.spin.speed.is_finite()
+    }
 }
 
 /// Longitudinal slip of a wheel: rolling radius times spin speed, less the speed in the wheel's
@@ -131,15 +141,15 @@ mod tests {
 
     #[test]
     fn a_brake_stops_the_spin_and_takes_just_its_energy() {
-        let mut hub = Hub { speed: 60.0, ..Hub::default() };
+        let mut hub = Hub { spin: Spin { speed: 60.0, ..Spin::default() }, ..Hub::default() };
         run(&mut hub, 0.0, 240.0, 1e-3, 200);
         // 240 / 1.2 = 200 rad/s²: 0.1 s short of the whole
-        assert!((hub.speed - 20.0).abs() < 1e-9);
-        assert!((hub.brake_energy - 0.5 * 1.2 * (60.0_f64.powi(2) - 20.0_f64.powi(2))).abs() < 1e-6);
+        assert!((hub.spin.speed - 20.0).abs() < 1e-9);
+        assert!((hub.spin.brake_energy - 0.5 * 1.2 * (60.0_f64.powi(2) - 20.0_f64.powi(2))).abs() < 1e-6);
         run(&mut hub, 0.0, 240.0, 1e-3, 200);
-        assert_eq!(hub.speed, 0.0);
-        assert!((hub.brake_energy - 0.5 * 1.2 * 3600.0).abs() < 1e-6);
-        assert_eq!(hub.brake_torque, 0.0);
+        assert_eq!(hub.spin.speed, 0.0);
+        assert!((hub.spin.brake_energy - 0.5 * 1.2 * 3600.0).abs() < 1e-6);
+        assert_eq!(hub.spin.brake_torque, 0.0);
     }
 
     #[test]
@@ -147,10 +157,10 @@ mod tests {
         for torque in [-90.0, 90.0] {
             let mut hub = Hub::default();
             run(&mut hub, torque, 100.0, 1e-3, 100);
-            assert_eq!((hub.speed, hub.angle), (0.0, 0.0));
-            assert!((hub.brake_torque - torque).abs() < 1e-9, "it resists with what is there");
+            assert_eq!((hub.spin.speed, hub.spin.angle), (0.0, 0.0));
+            assert!((hub.spin.brake_torque - torque).abs() < 1e-9, "it resists with what is there");
             run(&mut hub, torque, 80.0, 1e-3, 100);
-            assert!((hub.speed - torque.signum() * 10.0 / 1.2 * 0.1).abs() < 1e-9);
+            assert!((hub.spin.speed - torque.signum() * 10.0 / 1.2 * 0.1).abs() < 1e-9);
         }
     }
 
@@ -164,17 +174,17 @@ mod tests {
         };
         let mut turned = 0;
         for _ in 0..10_000 {
-            let mut hub = Hub { speed: random().powi(3), ..Hub::default() };
+            let mut hub = Hub { spin: Spin { speed: random().powi(3), ..Spin::default() }, ..Hub::default() };
             let brake = 500.0 * random().abs();
             for _ in 0..5 {
-                let (speed, energy) = (hub.speed, hub.brake_energy);
+                let (speed, energy) = (hub.spin.speed, hub.spin.brake_energy);
                 run(&mut hub, 2000.0 * random().powi(3), brake, 1e-3, 1);
-                turned += usize::from(speed * hub.speed < 0.0);
+                turned += usize::from(speed * hub.spin.speed < 0.0);
                 assert!(
-                    hub.brake_energy >= energy,
+                    hub.spin.brake_energy >= energy,
                     "{speed} to {} rad/s: {} J",
-                    hub.speed,
-                    hub.brake_energy - energy
+                    hub.spin.speed,
+                    hub.spin.brake_energy - energy
                 );
             }
         }
@@ -185,7 +195,9 @@ mod tests {
     fn a_free_hub_falls_and_slip_has_its_ends() {
         let mut hub = Hub::default();
         run(&mut hub, 0.0, 0.0, 1e-3, 1000);
-        assert!((hub.position.z + 0.5 * 9.81).abs() < 1e-9 && (hub.velocity.z + 9.81).abs() < 1e-9);
+        assert!(
+            (hub.centre.position.z + 0.5 * 9.81).abs() < 1e-9 && (hub.centre.velocity.z + 9.81).abs() < 1e-9
+        );
         assert_eq!(slip(0.0, 20.0, 0.1), -1.0);
         assert_eq!(slip(0.0, -20.0, 0.1), 1.0);
         assert_eq!(slip(-22.0, -20.0, 0.1), -0.1);

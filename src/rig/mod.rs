@@ -1,21 +1,30 @@
-//! Test rigs and vehicles: a tire and what drives and measures it.
+//! Test rigs and vehicles: a tire, whichever it is, and what drives and measures it.
 
 mod actuator;
 mod bare;
 mod corner;
 mod flat_track;
 mod hub;
-mod mounted;
 mod on_road;
-mod stability;
-mod table;
+mod rolling;
 mod wheel;
 
 pub use actuator::{Actuation, Actuator, Command};
-pub use bare::RingBrushTire;
-pub use corner::RingBrushCorner;
-pub use flat_track::RingBrushFlatTrack;
+pub use bare::Bare;
+pub use corner::Corner;
+pub use flat_track::FlatTrack;
 pub use hub::{Hub, HubParameters};
-pub use mounted::MountedTire;
 pub use on_road::OnRoad;
-pub use wheel::RingBrushWheel;
+pub use rolling::Rolling;
+pub use wheel::Wheel;
+
+use crate::tire::ring_brush::RingBrush;
+
+/// `ring-brush-flat-track`
+pub type RingBrushFlatTrack = FlatTrack<RingBrush>;
+/// `ring-brush-tire`
+pub type RingBrushTire = Bare<RingBrush>;
+/// `ring-brush-wheel`
+pub type RingBrushWheel = Wheel<RingBrush>;
+/// `ring-brush-corner`
+pub type RingBrushCorner = Corner<RingBrush>;

@@ -1,11 +1,11 @@
 //! A road under a rim that travels.
 
-use crate::road::Road;
+use crate::road::{Point, Road, Window};
 use crate::tire::{Ground, Motion, Plane};
 
 /// A road for the length of a step.
 ///
-/// The plane under a belt has the filtered road's height and slope below the belt's centre: its
+/// The plane under a body has the height and slope of the mean over the tire's window below the body's centre: its
 /// distance from the centre is measured vertically, and it is tilted there by the slope. That is the
 /// convention of the effective road plane. On a long slope s a circle of radius R would sit
 /// R s²/2 higher.
@@ -26,21 +26,31 @@ impl<'a> OnRoad<'a> {
     pub fn at(road: &'a Road, place: [f64; 2], friction: f64) -> Self {
         Self { road, from: place, to: place, friction }
     }
+
+    /// Where the rim is at a share of the step.
+    fn place(&self, share: f64) -> [f64; 2] {
+        [0, 1].map(|axis| self.from[axis] + share * (self.to[axis] - self.from[axis]))
+    }
 }
 
 impl Ground for OnRoad<'_> {
-    fn under(&self, belt: &Motion<f64>, share: f64) -> Plane {
-        let at =
-            |axis: usize| self.from[axis] + share * (self.to[axis] - self.from[axis]) + belt.position[axis];
-        let surface = self.road.at(at(0), at(1));
+    fn plane(&self, body: &Motion<f64>, window: &Window, share: f64) -> Plane {
+        let [x, y] = self.place(share);
+        let surface = self.road.mean(window, x + body.position.x, y + body.position.y);
         let ([slope_x, slope_y], [xx, xy, yy]) = (surface.slope, surface.curvature);
-        let (vx, vy) = (belt.velocity.x, belt.velocity.y);
+        let (vx, vy) = (body.velocity.x, body.velocity.y);
         Plane {
-            clearance: belt.position.z - surface.height,
-            clearance_rate: belt.velocity.z - slope_x * vx - slope_y * vy,
+            clearance: body.position.z - surface.height,
+            clearance_rate: body.velocity.z - slope_x * vx - slope_y * vy,
             slope: surface.slope,
             slope_rate: [xx * vx + xy * vy, xy * vx + yy * vy],
             friction: surface.friction * self.friction,
         }
+    }
+
+    fn point(&self, x: f64, y: f64, share: f64) -> Point {
+        let place = self.place(share);
+        let point = self.road.at(place[0] + x, place[1] + y);
+        Point { friction: point.friction * self.friction, ..point }
     }
 }

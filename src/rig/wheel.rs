@@ -1,29 +1,23 @@
-//! `ring-brush-wheel`: the ring-and-brush tire on a hub with mass and spin. Forces of the axle, drive
-//! and brake torque in, motion out: the unit that couples safely.
+//! A tire on a hub with mass and spin: `ring-brush-wheel`. Forces of the axle, drive and brake torque in, motion out:
+//! the unit that couples safely.
 
-use super::hub::{slip, slip_angle};
-use super::stability::{ABOUT, ALONG, check_step_size};
-use super::table::{tire_table, with_road};
-use super::{Actuation, Actuator, Command, Hub, HubParameters, MountedTire, OnRoad};
-use crate::model::{Model, Variable, input};
-use crate::road::{Road, RoadParameters};
-use crate::tire::Motion;
-use crate::{Error, Result, clone_in_place};
+use super::hub::{SLIP_FLOOR, slip, slip_angle};
+use super::{Actuation, Actuator, Command, Hub, HubParameters, Rolling};
+use crate::mechanics::{ABOUT, ALONG, check_step_size};
+use crate::model::{Access, Model, Purpose, Role, Table, input, join, output, parameter};
+use crate::road;
+use crate::tire::{Motion, Mounted, Tire, to_heading};
+use crate::{Error, Result, clone_in_place, lens, rated, real};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Speed below which slip and slip angle are no longer what their definitions say \[m/s\].
-pub(super) const SLIP_FLOOR: f64 = 0.1;
-
 /// The model: hub, tire, road and what acts on them.
 #[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
-pub struct RingBrushWheel {
-    tire: MountedTire,
+pub struct Wheel<T> {
+    tire: Rolling<T>,
     hub: Hub,
     hub_parameters: HubParameters,
-    road_parameters: RoadParameters,
-    road: Road,
     step_size: f64,
     actuation: Actuation,
     initial_speed: f64,
@@ -34,15 +28,12 @@ pub struct RingBrushWheel {
     axle_force: Vector3<f64>,
     drive_torque: f64,
     brake_torque: f64,
-    friction_factor: f64,
 }
 
-clone_in_place!(RingBrushWheel {
+clone_in_place!(Wheel<T> {
     tire,
     hub,
     hub_parameters,
-    road_parameters,
-    road,
     step_size,
     actuation,
     initial_speed,
@@ -52,95 +43,80 @@ clone_in_place!(RingBrushWheel {
     axle_force,
     drive_torque,
     brake_torque,
-    friction_factor,
 });
 
-/// Access to a command and its rate.
-macro_rules! command {
-    ($index:literal) => {
-        Access::Rated(
-            |m: &Self| m.commands[$index].value,
-            |m: &mut Self, value, rate| m.commands[$index] = Command { value, rate },
-        )
-    };
-}
-
-impl Model for RingBrushWheel {
-    const NAME: &'static str = "ring-brush-wheel";
-    const DESCRIPTION: &'static str = "Ring-and-brush tire on a hub with mass and spin: forces of the axle, drive and brake torque in, motion of the wheel out (ISO 8855 signs)";
+impl<T: Tire> Model for Wheel<T> {
+    const NAME: &'static str = const { &join::<48>(&[T::NAME, "-wheel"]) }.as_str();
+    const DESCRIPTION: &'static str = const {
+        &join::<256>(&[
+            T::TITLE,
+            " on a hub with mass and spin: forces of the axle, drive and brake torque in, motion of the wheel out (ISO 8855 signs)",
+        ])
+    }
+    .as_str();
     const STOP_TIME: f64 = 5.0;
-    const DOCUMENTATION: &'static str = concat!(
+    const DOCUMENTATION: &'static [&'static str] = &[
         include_str!("wheel.html"),
         include_str!("actuator.html"),
         include_str!("hub.html"),
-        include_str!("../tire/ring_brush/documentation.html"),
-        include_str!("../road/documentation.html")
-    );
-    const VARIABLES: &'static [Variable<Self>] = with_road! { tire_table! {
-        inputs: [
-            input("axle_force_x", "N", real!(axle_force.x), 0.0, "Force of the axle on the hub, frame 0").range(-1e6, 1e6).nominal(1000.0),
-            input("axle_force_y", "N", real!(axle_force.y), 0.0, "Force of the axle on the hub, frame 0").range(-1e6, 1e6).nominal(1000.0),
-            input("axle_force_z", "N", real!(axle_force.z), -3800.0, "Force of the axle on the hub, frame 0: negative where it carries a vehicle").range(-1e6, 1e6).nominal(1000.0),
+        T::DOCUMENTATION,
+        road::DOCUMENTATION,
+        T::ON_ROAD,
+    ];
+
+    #[rustfmt::skip] // a row is a line
+    fn variables() -> Table<Self> {
+        Table::new([
+            input("axle_force_x", "N", real!(axle_force.x), 0.0, "Force of the axle on the hub, frame 0").range(-1e6, 1e6).nominal(1000.0).role(Role::LongitudinalForce),
+            input("axle_force_y", "N", real!(axle_force.y), 0.0, "Force of the axle on the hub, frame 0").range(-1e6, 1e6).nominal(1000.0).role(Role::LateralForce),
+            input("axle_force_z", "N", real!(axle_force.z), -3800.0, "Force of the axle on the hub, frame 0: negative where it carries a vehicle").range(-1e6, 1e6).nominal(1000.0).role(Role::Load),
             input("drive_torque", "N.m", real!(drive_torque), 0.0, "Torque on the hub about its axis, positive forward").range(-1e5, 1e5).nominal(100.0),
             input("brake_torque", "N.m", real!(brake_torque), 0.0, "Torque with which the brake can resist the spin, in either direction; a wheel that stands is held").range(0.0, 1e5).nominal(100.0),
-            input("camber", "rad", command!(0), 0.0, "Inclination angle of the axle; positive leans the top of the wheel to -y").range(-0.6, 0.6),
-            input("steer", "rad", command!(1), 0.0, "Steer angle of the axle about z").range(-TAU, TAU),
-            input("friction_factor", "1", real!(friction_factor), 1.0, "Factor on the friction between tire and road, over the road's own").range(0.0, 10.0),
-        ],
-        outputs: [
-            output("position_x", "m", real!(hub.position.x), "Wheel centre, frame 0, from the start"),
-            output("position_y", "m", real!(hub.position.y), "Wheel centre, frame 0, from the start"),
-            output("position_z", "m", real!(hub.position.z), "Wheel centre over the datum of the road, frame 0"),
-            output("velocity_x", "m/s", real!(hub.velocity.x), "Velocity of the wheel centre, frame 0"),
-            output("velocity_y", "m/s", real!(hub.velocity.y), "Velocity of the wheel centre, frame 0"),
-            output("velocity_z", "m/s", real!(hub.velocity.z), "Velocity of the wheel centre, frame 0"),
-            output("wheel_angle", "rad", real!(hub.angle), "Spin angle of the wheel, unbounded"),
-            output("wheel_speed", "rad/s", real!(hub.speed), "Spin speed of the wheel"),
-            output("slip", "1", computed!(m: m.slip()), "Longitudinal slip, (rolling radius times spin speed - v) / |v| with the speed v in the wheel's heading (below 0.1 m/s, over 0.1 m/s); a locked wheel is -1 forward, +1 in reverse"),
-            output("slip_angle", "rad", computed!(m: m.slip_angle()), "Slip angle of ISO 8855, atan2(v_y, |v_x|) in the wheel's heading: positive when the wheel travels to its left, forward or in reverse (0 below 0.1 m/s)"),
-            output("bearing_moment_x", "N.m", computed!(m: m.bearing_moment().x), "Moment of the wheel on the axle about the wheel centre, H axes: the tire's less what turns the spin axis").nominal(100.0),
-            output("bearing_moment_z", "N.m", computed!(m: m.bearing_moment().z), "The same about z").nominal(100.0),
-            output("brake_torque_actual", "N.m", real!(hub.brake_torque), "Torque with which the brake resisted the forward spin in the last step; on a wheel that stands, what it takes to hold it").nominal(100.0),
-            output("brake_energy", "J", real!(hub.brake_energy), "Energy that the brake turned into heat since the start").nominal(1e4),
-            output("road_elevation", "m", computed!(m: m.road.at(m.hub.position.x, m.hub.position.y).height), "Height of the filtered road below the wheel centre"),
-        ],
-        locals: [],
-        parameters: [
-            parameter("hub_mass", "kg", real!(hub_parameters.mass), 30.0, "Mass of hub, rim and what moves with them, without the tire's belt").range(0.1, 1e4),
-            parameter("hub_inertia", "kg.m2", real!(hub_parameters.inertia), 0.7, "Inertia of what spins with the rim about the wheel's axis, without the tire's belt").range(1e-3, 1e4),
-            parameter("initial_speed", "m/s", real!(initial_speed), 20.0, "Speed in the wheel's heading at the start; the wheel rolls freely").range(-100.0, 100.0),
-            parameter("initial_load", "N", real!(initial_load), 4100.0, "Vertical force of the tire on the rim at the start, from which the height follows").range(0.0, 1e5),
-            parameter("actuator_frequency", "rad/s", real!(actuation.frequency), 200.0, "Corner of the critically damped filter between camber and steer as commanded and as they are; its delay is 2 over this").range(1.0, 1e5).tunable(),
-            parameter("step_size", "s", real!(step_size), 1e-4, "Step of the model's own time grid").range(1e-7, 5e-4),
-        ],
-        appended: [
-            boolean_parameter("command_actuators", boolean!(actuation.on), true, "Actuators between camber and steer as commanded and as they are: true, whether commands come with derivatives or not; false, the commands are the motion"),
-        ],
-    }};
+            input("camber", "rad", rated!(commands[0]), 0.0, "Inclination angle of the axle; positive leans the top of the wheel to -y").range(-0.6, 0.6).role(Role::Camber),
+            input("steer", "rad", rated!(commands[1]), 0.0, "Steer angle of the axle about z").range(-TAU, TAU).role(Role::SteerAngle),
+        ])
+        .part("", lens!(tire), Rolling::rows())
+        .and([
+            output("position_x", "m", real!(hub.centre.position.x), "Wheel centre, frame 0, from the start"),
+            output("position_y", "m", real!(hub.centre.position.y), "Wheel centre, frame 0, from the start"),
+            output("position_z", "m", real!(hub.centre.position.z), "Wheel centre over the datum of the road, frame 0"),
+            output("velocity_x", "m/s", real!(hub.centre.velocity.x), "Velocity of the wheel centre, frame 0"),
+            output("velocity_y", "m/s", real!(hub.centre.velocity.y), "Velocity of the wheel centre, frame 0"),
+            output("velocity_z", "m/s", real!(hub.centre.velocity.z), "Velocity of the wheel centre, frame 0"),
+            output("slip", "1", Access::computed(|m: &Self| m.slip()), "Longitudinal slip, (rolling radius times spin speed - v) / |v| with the speed v in the wheel's heading (below 0.1 m/s, over 0.1 m/s); a locked wheel is -1 forward, +1 in reverse").role(Role::Slip),
+            output("slip_angle", "rad", Access::computed(|m: &Self| m.slip_angle()), "Slip angle of ISO 8855, atan2(v_y, |v_x|) in the wheel's heading: positive when the wheel travels to its left, forward or in reverse (0 below 0.1 m/s)").role(Role::SlipAngle),
+            output("bearing_moment_x", "N.m", Access::computed(|m: &Self| m.bearing_moment().x), "Moment of the wheel on the axle about the wheel centre, H axes: the tire's less what turns the spin axis").nominal(100.0),
+            output("bearing_moment_z", "N.m", Access::computed(|m: &Self| m.bearing_moment().z), "The same about z").nominal(100.0),
+            output("road_elevation", "m", Access::computed(|m: &Self| m.tire.surface(m.hub.place()).height), "Height of the road below the wheel centre, as the tire bridges it"),
+        ])
+        .part("", lens!(hub), Hub::rows())
+        .part("", lens!(hub_parameters), HubParameters::rows())
+        .and([
+            parameter("initial_speed", "m/s", real!(initial_speed), 20.0, "Speed in the wheel's heading at the start; the wheel rolls freely").range(-100.0, 100.0).purpose(Purpose::Start),
+            parameter("initial_load", "N", real!(initial_load), 4100.0, "Vertical force of the tire on the rim at the start, from which the height follows").range(0.0, 1e5).purpose(Purpose::Start),
+            parameter("step_size", "s", real!(step_size), 1e-4, "Step of the model's own time grid").range(1e-7, 5e-4).purpose(Purpose::Numerics).role(Role::Step),
+        ])
+        .part("", lens!(actuation), Actuation::rows())
+    }
 
     fn step_size(&self) -> f64 {
         self.step_size
     }
 
     fn step_work(&self) -> f64 {
-        self.tire.step_work()
+        self.tire.tire().step_work()
     }
 
     fn initialize(&mut self) -> Result<()> {
         self.tire.mount()?;
-        self.road = Road::new(&self.road_parameters)?;
         self.check_steps()?;
-        self.hub_parameters.gravity = self.tire.parameters.gravity;
+        self.hub_parameters.gravity = self.tire.tire().gravity();
         self.actuators = [Actuator::at_rest(&self.commands[0]), Actuator::at_rest(&self.commands[1])];
         let (sin, cos) = libm::sincos(self.actuators[1].position);
-        self.hub = Hub {
-            velocity: Vector3::new(self.initial_speed * cos, self.initial_speed * sin, 0.0),
-            ..Hub::default()
-        };
-        let ground = OnRoad::at(&self.road, [0.0; 2], self.friction_factor);
-        self.tire.start_rolling(&self.rim(), &ground, self.initial_load)?;
-        self.hub.position.z = self.tire.rim.position.z;
-        self.hub.speed = self.tire.rim.rates.y;
+        self.hub = Hub::moving(Vector3::new(self.initial_speed * cos, self.initial_speed * sin, 0.0));
+        self.tire.start_rolling(&self.rim(), [0.0; 2], self.initial_load)?;
+        self.hub.centre.position.z = self.tire.mounted.rim.position.z;
+        self.hub.spin.speed = self.tire.mounted.rim.rates.y;
         self.accelerate();
         Ok(())
     }
@@ -151,12 +127,11 @@ impl Model for RingBrushWheel {
     }
 
     fn check(&self) -> Result<()> {
-        self.tire.check()?;
-        self.road.check()
+        self.tire.check()
     }
 
     fn warning(&self) -> Option<String> {
-        self.tire.warning()
+        self.tire.mounted.warning()
     }
 
     fn step(&mut self, length: f64) -> Result<()> {
@@ -164,25 +139,23 @@ impl Model for RingBrushWheel {
             actuator.follow(command, self.actuation.corner(), length);
         }
         let p = self.hub_parameters;
-        let from = [self.hub.position.x, self.hub.position.y];
+        let from = self.hub.place();
         let (velocity, speed) = self.hub.drift(&p, self.brake_torque, length);
-        let to = [self.hub.position.x, self.hub.position.y];
         let rim = self.rim_with(&velocity, speed);
-        let ground = OnRoad { road: &self.road, from, to, friction: self.friction_factor };
-        self.tire.step(&rim, &ground, length)?;
+        self.tire.step(&rim, from, self.hub.place(), length)?;
         self.accelerate();
         self.hub.kick(&p, self.brake_torque, length);
-        if self.hub.position.iter().all(|x| x.is_finite()) {
+        if self.hub.is_finite() {
             Ok(())
         } else {
-            Err(Error::numeric("the wheel's position is no longer finite; a smaller step_size may help"))
+            Err(Error::numeric("the wheel's motion is no longer finite; a smaller step_size may help"))
         }
     }
 }
 
-impl RingBrushWheel {
+impl<T: Tire> Wheel<T> {
     fn rim(&self) -> Motion<f64> {
-        self.rim_with(&self.hub.velocity, self.hub.speed)
+        self.rim_with(&self.hub.centre.velocity, self.hub.spin.speed)
     }
 
     fn rim_with(&self, velocity: &Vector3<f64>, speed: f64) -> Motion<f64> {
@@ -194,30 +167,42 @@ impl RingBrushWheel {
     fn check_steps(&self) -> Result<()> {
         let HubParameters { mass, inertia, .. } = self.hub_parameters;
         let hub = ("hub_mass", mass);
-        check_step_size(self.step_size, hub, &[self.tire.radial()], &ALONG)?;
-        check_step_size(self.step_size, hub, &[self.tire.lateral()], &ALONG)?;
-        check_step_size(self.step_size, ("hub_inertia", inertia), &[self.tire.windup()], &ABOUT)
+        let [radial, lateral, windup] = self.tire.tire().links();
+        check_step_size(self.step_size, hub, &[radial], &ALONG)?;
+        check_step_size(self.step_size, hub, &[lateral], &ALONG)?;
+        check_step_size(self.step_size, ("hub_inertia", inertia), &[windup], &ABOUT)
     }
 
     /// Loads the hub with what acts on it now.
     fn accelerate(&mut self) {
-        let force = self.tire.state.on_rim.force + self.axle_force;
-        let torque = self.tire.spin_moment() + self.drive_torque;
+        let force = self.tire.tire().on_rim().force + self.axle_force;
+        let torque = self.tire.mounted.spin_moment() + self.drive_torque;
         self.hub.load(&self.hub_parameters, &force, torque);
     }
 
     /// Velocity of the wheel centre in H axes.
     fn heading_velocity(&self) -> Vector3<f64> {
-        super::mounted::to_heading(self.actuators[1].position, &self.hub.velocity)
+        to_heading(self.actuators[1].position, &self.hub.centre.velocity)
     }
 
     fn slip(&self) -> f64 {
-        slip(self.tire.parameters.rolling_radius * self.hub.speed, self.heading_velocity().x, SLIP_FLOOR)
+        let rolling_radius = self.tire.rolling_radius(self.hub.place(), self.hub.centre.position.z);
+        slip(rolling_radius * self.hub.spin.speed, self.heading_velocity().x, SLIP_FLOOR)
     }
 
     fn slip_angle(&self) -> f64 {
         let v = self.heading_velocity();
         slip_angle(v.x, v.y, SLIP_FLOOR)
+    }
+
+    /// Energy of the hub's motion and height \[J\]; the tire's own is not in it.
+    pub fn energy(&self) -> f64 {
+        self.hub.energy(&self.hub_parameters)
+    }
+
+    /// The tire on its rim.
+    pub fn mounted(&self) -> &Mounted<T> {
+        &self.tire.mounted
     }
 
     /// What the tire puts on the hub, but for the moment about the spin axis, less the rate of the hub's
@@ -227,8 +212,8 @@ impl RingBrushWheel {
         let (sin, cos) = libm::sincos(camber.position);
         let axis = Vector3::new(0.0, cos, sin);
         let axis_rate = Vector3::new(-steer.velocity * cos, -sin * camber.velocity, cos * camber.velocity);
-        self.tire.moment
-            - axis * self.tire.spin_moment()
-            - axis_rate * (self.hub_parameters.inertia * self.hub.speed)
+        self.tire.mounted.moment
+            - axis * self.tire.mounted.spin_moment()
+            - axis_rate * (self.hub_parameters.inertia * self.hub.spin.speed)
     }
 }

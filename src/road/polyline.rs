@@ -1,4 +1,4 @@
-//! Profiles of straight pieces with vertical edges, filtered.
+//! Profiles of straight pieces with vertical edges, raw and as means over a window.
 
 use crate::clone_in_place;
 use serde::{Deserialize, Serialize};
@@ -27,17 +27,13 @@ struct Kink {
     /// How they change there.
     jump: f64,
     bend: f64,
-    /// Cosine and sine of pi at / L: differences of phases then need no elementary functions.
-    cos: f64,
-    sin: f64,
 }
 
 clone_in_place!(Polyline { origin, rest, kinks, period });
 
 impl Polyline {
-    /// The polyline through points (x counted from `start`, z) \[m\], x never decreasing, for a filter of
-    /// length `length`.
-    pub(super) fn new(start: f64, points: &[[f64; 2]], period: Option<f64>, length: f64) -> Self {
+    /// The polyline through points (x counted from `start`, z) \[m\], x never decreasing.
+    pub(super) fn new(start: f64, points: &[[f64; 2]], period: Option<f64>) -> Self {
         let Some(&[first, rest]) = points.first() else { return Self::default() };
         let mut kinks: Vec<Kink> = Vec::new();
         let (mut height_before, mut slope_before) = (rest, 0.0);
@@ -47,10 +43,9 @@ impl Polyline {
                 Some(next) => (next[1] - z) / (next[0] - x),
                 None => 0.0,
             };
-            let (sin, cos) = libm::sincos(PI * (x - first) / length);
             let (jump, bend) = (z - height_before, slope - slope_before);
             if jump != 0.0 || bend != 0.0 {
-                kinks.push(Kink { at: x - first, height: z, slope, jump, bend, cos, sin });
+                kinks.push(Kink { at: x - first, height: z, slope, jump, bend });
             }
             slope_before = slope;
             height_before = points.get(i + 1).map_or(z, |next| next[1]);
@@ -58,12 +53,23 @@ impl Polyline {
         Self { origin: start + first, rest, kinks, period }
     }
 
-    /// Filtered height, slope and curvature at `s`.
-    pub(super) fn at(&self, s: f64, length: f64) -> [f64; 3] {
+    /// Cosine and sine of pi at / L for every kink and a window of `length` L: differences of phases then need
+    /// no elementary functions.
+    pub(super) fn phases(&self, length: f64) -> Vec<[f64; 2]> {
+        let phase = |kink: &Kink| {
+            let (sin, cos) = libm::sincos(PI * kink.at / length);
+            [cos, sin]
+        };
+        self.kinks.iter().map(phase).collect()
+    }
+
+    /// Mean height over a window of `length` about `s`, its slope and curvature. `phases` are those of this
+    /// length.
+    pub(super) fn mean(&self, s: f64, length: f64, phases: &[[f64; 2]]) -> [f64; 3] {
         if self.kinks.is_empty() {
             return [self.rest, 0.0, 0.0];
         }
-        // The piece where the kernel begins, continued, and what the kinks within the kernel change.
+        // The piece where the window begins, continued, and what the kinks within the window change.
         let begin = s - self.origin - length;
         let first = self.copy(begin);
         let (passed, height, slope) = self.piece(first, begin);
@@ -73,9 +79,11 @@ impl Polyline {
         for n in first..=self.copy(begin + 2.0 * length) {
             let u = begin - self.shift(n) + length;
             let phase = libm::sincos(PI * u / length);
-            let kinks = if n == first { &self.kinks[passed..] } else { &self.kinks };
-            for kink in kinks.iter().take_while(|k| k.at < u + length) {
-                let response = Response::new(kink, (u - kink.at) * scale, phase);
+            let from = if n == first { passed } else { 0 };
+            let kinks = self.kinks[from..].iter().take_while(|k| k.at < u + length);
+            // of another road's window there may be fewer phases
+            for (kink, of_kink) in kinks.zip(phases.get(from..).unwrap_or_default()) {
+                let response = Response::new((u - kink.at) * scale, phase, of_kink);
                 let bend = kink.bend * length;
                 w += kink.jump * response.step + bend * response.ramp;
                 by_v += kink.jump * response.kernel + bend * response.step;
@@ -85,10 +93,26 @@ impl Polyline {
         [w, by_v * scale, by_vv * scale * scale]
     }
 
-    /// Height at `s`, not filtered.
-    pub(super) fn raw(&self, s: f64) -> f64 {
-        let t = s - self.origin;
-        self.piece(self.copy(t), t).1
+    /// Height and slope at `s`; at an edge those behind it.
+    pub(super) fn at(&self, s: f64) -> [f64; 2] {
+        let mut u = s - self.origin;
+        if let Some(period) = self.period.filter(|_| u >= 0.0) {
+            let begun = u - self.shift(self.copy(u));
+            // rounding must not put the beginning of a copy before it or behind the end of the last
+            u = if begun < period { begun.max(0.0) } else { 0.0 };
+        }
+        let (_, height, slope) = self.piece(0, u);
+        [height, slope]
+    }
+
+    /// Distance of the copies \[m\].
+    pub(super) fn period(&self) -> Option<f64> {
+        self.period
+    }
+
+    /// Kinks and so [`phases`](Self::phases).
+    pub(super) fn len(&self) -> usize {
+        self.kinks.len()
     }
 
     /// Kinks of copy `n` up to `t`, height and slope at `t`.
@@ -115,25 +139,19 @@ impl Polyline {
     }
 
     /// True if [`new`](Self::new) can have made it.
-    pub(super) fn is_whole(&self, length: f64) -> bool {
-        let finite = |k: &Kink| {
-            [k.at, k.height, k.slope, k.jump, k.bend, k.cos, k.sin].iter().all(|value| value.is_finite())
-        };
+    pub(super) fn is_whole(&self) -> bool {
+        let finite =
+            |k: &Kink| [k.at, k.height, k.slope, k.jump, k.bend].iter().all(|value| value.is_finite());
         let extent = self.kinks.last().map_or(0.0, |k| k.at);
         self.origin.is_finite()
             && self.rest.is_finite()
             && self.kinks.iter().all(finite)
             && self.kinks.windows(2).all(|pair| pair[0].at < pair[1].at)
-            && self.period.is_none_or(|p| p.is_finite() && p >= extent && p >= shortest_period(length))
+            && self.period.is_none_or(|p| p.is_finite() && p >= extent && p > 0.0)
     }
 }
 
-/// Copies closer than this \[m\] to each other make an evaluation long and are no road.
-pub(super) fn shortest_period(length: f64) -> f64 {
-    length / 100.0
-}
-
-/// What the filter makes of a unit step and a unit change of slope, v behind them, all in units of L.
+/// What the window makes of a unit step and a unit change of slope, v behind them, all in units of L.
 struct Response {
     /// Integral of `step`.
     ramp: f64,
@@ -146,11 +164,11 @@ struct Response {
 }
 
 impl Response {
-    /// From v and the sine and cosine of the phase pi s / L.
+    /// From v, sine and cosine of the phase pi s / L, and cosine and sine of that of the kink.
     #[inline]
-    fn new(kink: &Kink, v: f64, (sin_s, cos_s): (f64, f64)) -> Self {
-        let sin = sin_s * kink.cos - cos_s * kink.sin;
-        let cos = cos_s * kink.cos + sin_s * kink.sin;
+    fn new(v: f64, (sin_s, cos_s): (f64, f64), &[kink_cos, kink_sin]: &[f64; 2]) -> Self {
+        let sin = sin_s * kink_cos - cos_s * kink_sin;
+        let cos = cos_s * kink_cos + sin_s * kink_sin;
         let kernel = 0.5 * (1.0 + cos);
         Self {
             ramp: 0.25 * (1.0 + v) * (1.0 + v) - kernel * (FRAC_1_PI * FRAC_1_PI),

@@ -1,5 +1,6 @@
-//! Profiles of sinusoids, filtered.
+//! Profiles of sinusoids, raw and as means over a window.
 
+use super::random::generator;
 use crate::clone_in_place;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
@@ -12,18 +13,20 @@ pub(super) struct Versine {
     height: f64,
     /// k = 2 pi / wavelength \[rad/m\].
     wavenumber: f64,
-    /// Of the filter, where all of it lies behind `start`.
-    gain: f64,
 }
 
 impl Versine {
-    pub(super) fn new(start: f64, height: f64, wavelength: f64, length: f64) -> Self {
-        let wavenumber = TAU / wavelength;
-        Self { start, height, wavenumber, gain: gain(wavenumber * length) }
+    pub(super) fn new(start: f64, height: f64, wavelength: f64) -> Self {
+        Self { start, height, wavenumber: TAU / wavelength }
     }
 
-    /// Filtered height, slope and curvature at `s`.
-    pub(super) fn at(&self, s: f64, length: f64) -> [f64; 3] {
+    /// What a window of `length` multiplies the waves with, where all of it lies behind `start`.
+    pub(super) fn gain(&self, length: f64) -> f64 {
+        gain(self.wavenumber * length)
+    }
+
+    /// Mean height over a window of `length` about `s`, its slope and curvature. `gain` is that of this length.
+    pub(super) fn mean(&self, s: f64, length: f64, gain: f64) -> [f64; 3] {
         let d = s - self.start;
         if self.height == 0.0 || d <= -length {
             return [0.0; 3];
@@ -31,33 +34,38 @@ impl Versine {
         let (half, k) = (0.5 * self.height, self.wavenumber);
         let (one, sin, cos) = if d < length {
             let v = d / length;
-            let (sin, cos) = filtered_behind(k, d, length);
+            let (sin, cos) = mean_behind(k, d, length);
             (0.5 * (1.0 + v + libm::sin(PI * v) / PI), sin, cos)
         } else {
             let (sin, cos) = libm::sincos(k * d);
-            (1.0, self.gain * sin, self.gain * cos)
+            (1.0, gain * sin, gain * cos)
         };
         [half * (one - cos), half * k * sin, half * k * k * cos]
     }
 
-    /// Height at `s`, not filtered.
-    pub(super) fn raw(&self, s: f64) -> f64 {
-        let d = (s - self.start).max(0.0);
-        0.5 * self.height * (1.0 - libm::cos(self.wavenumber * d))
+    /// Height, slope and curvature at `s`.
+    pub(super) fn at(&self, s: f64) -> [f64; 3] {
+        let d = s - self.start;
+        if self.height == 0.0 || d < 0.0 {
+            return [0.0; 3];
+        }
+        let (half, k) = (0.5 * self.height, self.wavenumber);
+        let (sin, cos) = libm::sincos(k * d);
+        [half * (1.0 - cos), half * k * sin, half * k * k * cos]
     }
 
     /// True if [`new`](Self::new) can have made it.
     pub(super) fn is_whole(&self) -> bool {
-        [self.start, self.height, self.wavenumber, self.gain].iter().all(|value| value.is_finite())
+        [self.start, self.height, self.wavenumber].iter().all(|value| value.is_finite())
     }
 }
 
 /// Integrals of K(u) sin(k (d - u)) and K(u) cos(k (d - u)) over -L < u < d < L: a sinusoid that begins at
-/// zero, filtered at d.
+/// zero, its mean at d.
 ///
 /// The products of cosines are sums of three, each integrated as its mean phase times a sinc, which has
 /// no singular wavelength.
-fn filtered_behind(k: f64, d: f64, length: f64) -> (f64, f64) {
+fn mean_behind(k: f64, d: f64, length: f64) -> (f64, f64) {
     let p = PI / length;
     let (span, middle) = (d + length, 0.5 * (d - length));
     let (mut sin, mut cos) = (0.0, 0.0);
@@ -71,7 +79,7 @@ fn filtered_behind(k: f64, d: f64, length: f64) -> (f64, f64) {
     (scale * sin, scale * cos)
 }
 
-/// What the filter multiplies a sinusoid with, from a = 2 pi L / wavelength:
+/// What the window multiplies a sinusoid with, from a = 2 pi L / wavelength:
 /// sin(a) / (a (1 - (a / pi)²)).
 fn gain(a: f64) -> f64 {
     sinc(a) + 0.5 * (sinc(a - PI) + sinc(a + PI))
@@ -97,7 +105,7 @@ const FADE_IN: f64 = 10.0;
 /// the variance of its band. A line of the next octave has exactly twice the wavenumber, so one sine
 /// and cosine give those of ten lines, by doubling.
 ///
-/// Behind `start` the (filtered) profile is multiplied with a fade-in of half a cosine over 10 m.
+/// Behind `start` the profile (its mean) is multiplied with a fade-in of half a cosine over 10 m.
 #[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Irregular {
     start: f64,
@@ -105,22 +113,33 @@ pub(super) struct Irregular {
     octaves: Vec<Octave>,
 }
 
-/// The lines of an octave: the sum of cos_part cos(k x) + sin_part sin(k x), times `gain` when filtered.
+/// A number for each line of an octave.
+pub(super) type Lines = [f64; PER_OCTAVE];
+
+/// The lines of an octave: the sum of cos_part cos(k x) + sin_part sin(k x).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 struct Octave {
     /// k = 2 pi n \[rad/m\].
-    wavenumber: [f64; PER_OCTAVE],
-    cos_part: [f64; PER_OCTAVE],
-    sin_part: [f64; PER_OCTAVE],
-    gain: [f64; PER_OCTAVE],
+    wavenumber: Lines,
+    cos_part: Lines,
+    sin_part: Lines,
 }
 
 clone_in_place!(Irregular { start, octaves });
 
 impl Irregular {
-    /// The road of roughness Gd(n0) \[m³\]; every `seed` gives another one.
-    pub(super) fn new(start: f64, roughness: f64, seed: i32, length: f64) -> Self {
-        let mut random = SplitMix64(i64::from(seed).cast_unsigned());
+    /// Left and right track of roughness Gd(n0) \[m³\]; every `seed` gives others. With a coherence length of 0
+    /// both are the same, and the second is left out.
+    ///
+    /// Lines of the right track have the amplitude of those of the left and are shifted against them by an
+    /// angle d. From an independent phase p and the coherence g it is
+    ///
+    /// exp(i d) = (g + exp(i p)) / (1 + g exp(i p)),
+    ///
+    /// of size 1. That is analytic in exp(i p) within the unit circle, so its mean over p is its value at
+    /// exp(i p) = 0: g. At g = 1 both phases are the same, at g = 0 they are independent.
+    pub(super) fn new(start: f64, roughness: f64, seed: i32, coherence_length: f64) -> (Self, Option<Self>) {
+        let mut random = generator(seed);
         let mut octaves = vec![Octave::default(); OCTAVES];
         let edge = |i: usize| libm::exp2(i as f64 / PER_OCTAVE as f64) * LOWEST;
         for i in 0..PER_OCTAVE {
@@ -133,26 +152,55 @@ impl Irregular {
                 octave.wavenumber[i] = TAU * n;
                 octave.cos_part[i] = amplitude * cos;
                 octave.sin_part[i] = amplitude * sin;
-                octave.gain[i] = gain(TAU * n * length);
                 n *= 2.0;
                 width *= 2.0;
             }
         }
-        Self { start, octaves }
+        let left = Self { start, octaves };
+        if coherence_length == 0.0 {
+            return (left, None);
+        }
+        // after all phases of the left track, which so are those of the road without a coherence
+        let mut right = left.clone();
+        for i in 0..PER_OCTAVE {
+            for octave in &mut right.octaves {
+                let g = libm::exp(-coherence_length * octave.wavenumber[i] / TAU);
+                let (sin, cos) = libm::sincos(TAU * random.uniform());
+                // cos d and sin d less the denominator 1 + 2 g cos p + g²
+                let (by_cos, by_sin) = (2.0 * g + (1.0 + g * g) * cos, (1.0 - g * g) * sin);
+                let size = libm::hypot(by_cos, by_sin);
+                // g = 1 within rounding, and p half a turn
+                let (by_cos, by_sin) = if size > 0.0 { (by_cos / size, by_sin / size) } else { (1.0, 0.0) };
+                let (a, b) = (octave.cos_part[i], octave.sin_part[i]);
+                octave.cos_part[i] = a * by_cos - b * by_sin;
+                octave.sin_part[i] = a * by_sin + b * by_cos;
+            }
+        }
+        (left, Some(right))
     }
 
-    /// Filtered height, slope and curvature at `s`.
-    pub(super) fn at(&self, s: f64) -> [f64; 3] {
+    /// What a window of `length` multiplies the lines of every octave with.
+    pub(super) fn gains(&self, length: f64) -> Vec<Lines> {
+        self.octaves.iter().map(|octave| octave.wavenumber.map(|k| gain(k * length))).collect()
+    }
+
+    /// Octaves, and so [`gains`](Self::gains).
+    pub(super) fn len(&self) -> usize {
+        self.octaves.len()
+    }
+
+    /// Mean height over a window about `s` whose `gains` these are, its slope and curvature.
+    pub(super) fn mean<'a>(&self, s: f64, gains: impl IntoIterator<Item = &'a Lines>) -> [f64; 3] {
         let x = s - self.start;
         if self.octaves.is_empty() || x <= 0.0 {
             return [0.0; 3];
         }
         // one sum for each line of an octave: independent sums are quick
         let mut sums = [[0.0; PER_OCTAVE]; 3];
-        self.for_octaves(x, |octave, sin, cos| {
+        self.for_octaves(x, gains, |octave, gain, sin, cos| {
             for i in 0..PER_OCTAVE {
                 let k = octave.wavenumber[i];
-                let (a, b) = (octave.gain[i] * octave.cos_part[i], octave.gain[i] * octave.sin_part[i]);
+                let (a, b) = (gain[i] * octave.cos_part[i], gain[i] * octave.sin_part[i]);
                 let value = a * cos[i] + b * sin[i];
                 sums[0][i] += value;
                 sums[1][i] += k * (b * cos[i] - a * sin[i]);
@@ -164,30 +212,26 @@ impl Irregular {
         [fade * w, fade * slope + by_x * w, fade * curvature + 2.0 * by_x * slope + by_xx * w]
     }
 
-    /// Height at `s`, not filtered.
-    pub(super) fn raw(&self, s: f64) -> f64 {
-        let x = s - self.start;
-        let mut z = 0.0;
-        if x > 0.0 {
-            self.for_octaves(x, |octave, sin, cos| {
-                for i in 0..PER_OCTAVE {
-                    z += octave.cos_part[i] * cos[i] + octave.sin_part[i] * sin[i];
-                }
-            });
-        }
-        fade_in(x).0 * z
+    /// Height, slope and curvature at `s`.
+    pub(super) fn at(&self, s: f64) -> [f64; 3] {
+        self.mean(s, std::iter::repeat(&[1.0; PER_OCTAVE]))
     }
 
-    /// Calls `f` with every octave and the sines and cosines of its phases at `x`.
+    /// Calls `f` with every octave, its gains and the sines and cosines of its phases at `x`.
     #[inline]
-    fn for_octaves(&self, x: f64, mut f: impl FnMut(&Octave, &[f64; PER_OCTAVE], &[f64; PER_OCTAVE])) {
+    fn for_octaves<'a>(
+        &self,
+        x: f64,
+        gains: impl IntoIterator<Item = &'a Lines>,
+        mut f: impl FnMut(&Octave, &Lines, &Lines, &Lines),
+    ) {
         let Some(first) = self.octaves.first() else { return };
         let (mut sin, mut cos) = ([0.0; PER_OCTAVE], [0.0; PER_OCTAVE]);
         for i in 0..PER_OCTAVE {
             (sin[i], cos[i]) = libm::sincos(first.wavenumber[i] * x);
         }
-        for octave in &self.octaves {
-            f(octave, &sin, &cos);
+        for (octave, gain) in self.octaves.iter().zip(gains) {
+            f(octave, gain, &sin, &cos);
             for i in 0..PER_OCTAVE {
                 (sin[i], cos[i]) = (2.0 * sin[i] * cos[i], 1.0 - 2.0 * sin[i] * sin[i]);
             }
@@ -197,7 +241,7 @@ impl Irregular {
     /// True if [`new`](Self::new) can have made it.
     pub(super) fn is_whole(&self) -> bool {
         let finite = |o: &Octave| {
-            [o.wavenumber, o.cos_part, o.sin_part, o.gain].iter().flatten().all(|value| value.is_finite())
+            [o.wavenumber, o.cos_part, o.sin_part].iter().flatten().all(|value| value.is_finite())
         };
         self.start.is_finite()
             && (self.octaves.is_empty() || self.octaves.len() == OCTAVES)
@@ -216,35 +260,4 @@ fn fade_in(x: f64) -> (f64, f64, f64) {
     let k = PI / FADE_IN;
     let (sin, cos) = libm::sincos(k * x);
     (0.5 * (1.0 - cos), 0.5 * k * sin, 0.5 * k * k * cos)
-}
-
-/// Steele, Lea and Flood's generator (2014): a counter that is scrambled.
-struct SplitMix64(u64);
-
-impl SplitMix64 {
-    /// The next number, at least 0 and below 1.
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^= z >> 31;
-        // 53 bits are what a number holds
-        (z >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::SplitMix64;
-
-    #[test]
-    fn the_generator_is_the_published_one() {
-        let mut random = SplitMix64(1_234_567);
-        // the first numbers of the authors' generator
-        for published in [6_457_827_717_110_365_317_u64, 3_203_168_211_198_807_973, 9_817_491_932_198_370_423]
-        {
-            assert_eq!(random.uniform(), (published >> 11) as f64 / (1_u64 << 53) as f64);
-        }
-    }
 }

@@ -1,6 +1,7 @@
-//! What a tire stands on: at each instant a plane under the belt, which may tilt and move.
+//! What a tire stands on: points of a road, or at each instant a plane under a body, which may tilt and move.
 
-use super::motion::{Motion, cross, rotation_x, rotation_y, rotation_z};
+use crate::mechanics::{Motion, cross, rotation_x, rotation_y, rotation_z};
+use crate::road::{Point, Window};
 use nalgebra::{Matrix3, Vector3};
 
 /// The road under a belt at an instant. The road itself does not move; that the plane does comes
@@ -19,11 +20,15 @@ pub struct Plane {
     pub friction: f64,
 }
 
-/// Whatever knows the road under a belt.
+/// Whatever knows the road under a tire. What it makes of it is the tire's: it asks for the plane under a body,
+/// bridged over a length of its own, or for points.
 pub trait Ground {
-    /// The plane under `belt` at a share of the step from 0 to 1. The belt's position is seen from
-    /// the point below the rim's centre at that instant.
-    fn under(&self, belt: &Motion<f64>, share: f64) -> Plane;
+    /// The plane under `body` at a share of the step from 0 to 1, for a tire that bridges the road over `window`.
+    /// The body's position is seen from the point below the rim's centre at that instant.
+    fn plane(&self, body: &Motion<f64>, window: &Window, share: f64) -> Plane;
+
+    /// The road as it is at x and y \[m\], seen from the point below the rim's centre, at a share of the step.
+    fn point(&self, x: f64, y: f64, share: f64) -> Point;
 }
 
 /// The unbounded plane z = 0.
@@ -34,21 +39,25 @@ pub struct Flat {
 }
 
 impl Ground for Flat {
-    fn under(&self, belt: &Motion<f64>, _share: f64) -> Plane {
+    fn plane(&self, body: &Motion<f64>, _window: &Window, _share: f64) -> Plane {
         Plane {
-            clearance: belt.position.z,
-            clearance_rate: belt.velocity.z,
+            clearance: body.position.z,
+            clearance_rate: body.velocity.z,
             slope: [0.0; 2],
             slope_rate: [0.0; 2],
             friction: self.friction,
         }
     }
+
+    fn point(&self, _x: f64, _y: f64, _share: f64) -> Point {
+        Point { height: 0.0, slope: [0.0; 2], friction: self.friction }
+    }
 }
 
 impl Plane {
-    /// The road's plane as a rim at height `height` sees it that stands still at its place.
-    pub fn level(height: f64, slope: [f64; 2], friction: f64) -> Self {
-        Self { clearance: height, clearance_rate: 0.0, slope, slope_rate: [0.0; 2], friction }
+    /// A level plane `height` \[m\] below a body that keeps its height.
+    pub fn level(height: f64, friction: f64) -> Self {
+        Self { clearance: height, clearance_rate: 0.0, slope: [0.0; 2], slope_rate: [0.0; 2], friction }
     }
 
     fn is_level(&self) -> bool {

@@ -3,7 +3,7 @@
 
 use latsch::model::{Model, Native, Settings, Slave};
 use latsch::rig::RingBrushFlatTrack;
-use latsch::tire::ring_brush::{Parameters, Tire};
+use latsch::tire::ring_brush::{Parameters, Prepared};
 use std::sync::OnceLock;
 
 pub mod rolling;
@@ -54,9 +54,9 @@ pub fn example() -> Parameters {
     example_tire().parameters().clone()
 }
 
-pub fn example_tire() -> Tire {
-    static TIRE: OnceLock<Tire> = OnceLock::new();
-    TIRE.get_or_init(|| flat_track(&[PRINTED_PRESSURE]).model().tire().clone()).clone()
+pub fn example_tire() -> Prepared {
+    static TIRE: OnceLock<Prepared> = OnceLock::new();
+    TIRE.get_or_init(|| flat_track(&[PRINTED_PRESSURE]).model().tire().prepared.clone()).clone()
 }
 
 /// Fails unless the two agree to `tolerance`, relative to the expected number.

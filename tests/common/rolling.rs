@@ -1,7 +1,8 @@
 //! Stationary operating points in the notation of the source, through the product's solver.
 
 use latsch::tire::Motion;
-use latsch::tire::ring_brush::{Stationary, Tire, Vertical, stationary_refined};
+use latsch::tire::Vertical;
+use latsch::tire::ring_brush::{Prepared, Stationary, stationary_refined};
 use nalgebra::Vector3;
 
 /// An operating point. `alpha` is the source's slip angle: the opposite of the rig's `slip_angle`.
@@ -20,7 +21,7 @@ pub const FREE: Point = Point { load: 5000.0, speed: 10.0, slip: 0.0, alpha: 0.0
 
 impl Point {
     /// The rim's motion (4.36).
-    pub fn rim(&self, tire: &Tire) -> Motion<f64> {
+    pub fn rim(&self, tire: &Prepared) -> Motion<f64> {
         let (sin, cos) = (self.steer - self.alpha).sin_cos();
         let spin = (self.slip + 1.0) * self.speed * self.alpha.cos() / tire.parameters().rolling_radius;
         // cos(pi/2) is 6e-17 and not the locked wheel that is meant
@@ -35,7 +36,7 @@ impl Point {
 
     /// The stationary state with this many intervals along each stripe.
     #[track_caller]
-    pub fn solve(&self, tire: &Tire, intervals: usize) -> Stationary {
+    pub fn solve(&self, tire: &Prepared, intervals: usize) -> Stationary {
         match stationary_refined(tire, &self.rim(tire), Vertical::Load(self.load), 1.0, intervals) {
             Ok(found) => found,
             Err(e) => panic!("{self:?}: {e}"),

@@ -4,6 +4,7 @@ use crate::models::{channel, run, wire};
 use latsch::cosimulate::{BondKind, Plan, PlannedBond, Transfer, parse_toml, read_system, write_corrected};
 use latsch::fmi::archive::ModelLibrary;
 use latsch::model::Value;
+use latsch::shipped::MODELS;
 use std::path::Path;
 
 const GOOD: &str = r#"
@@ -215,7 +216,7 @@ fn files_that_parameters_name_go_with_a_corrected_system() {
     let text = "[component.rig]\nmodel = \"ring-brush-flat-track\"\nparameters = \"rig.toml\"\nset = { stripes = 4 }\n";
     std::fs::write(at("system.toml"), text).unwrap();
     let fitted = [("rig.friction_sliding_zero".to_owned(), 0.8)];
-    let library = ModelLibrary::shipped().unwrap();
+    let library = ModelLibrary::shipped(MODELS).unwrap();
     write_corrected(&at("system.toml"), &at("corrected"), &fitted, &[], &library).unwrap();
     // nothing outside is needed
     for name in ["road.csv", "rig.toml", "system.toml"] {

@@ -4,7 +4,7 @@ use latsch::cosimulate::{
     Experiment, Outcome, Plan, PlannedComponent, Source, System, cosimulate, parse_toml,
 };
 use latsch::model::{
-    Access, Model, Native, Settings, Slave, Variable, input, integer_parameter, output, parameter,
+    Access, Model, Native, Settings, Slave, Table, input, integer_parameter, output, parameter,
 };
 use latsch::{Error, Result, integer, real};
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,7 @@ impl Course {
 
 macro_rules! course {
     ($field:ident) => {
-        Access::Rated(
+        Access::rated(
             |m: &Self| m.$field.end,
             |m: &mut Self, end, rate| m.$field = Course { end, rate: rate.unwrap_or(0.0) },
         )
@@ -70,23 +70,25 @@ impl Side {
 impl Model for Side {
     const NAME: &'static str = "side";
     const DESCRIPTION: &'static str = "A mass between a wall and another mass";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        parameter("step_size", "s", real!(step_size), 1e-4, "Step"),
-        parameter("mass", "kg", real!(mass), 1.0, "Mass").min(1e-6),
-        parameter("stiffness", "N/m", real!(stiffness), 0.0, "To the wall"),
-        parameter("damping", "N.s/m", real!(damping), 0.0, "To the wall"),
-        parameter("coupling_stiffness", "N/m", real!(coupling_stiffness), 0.0, "To the other"),
-        parameter("coupling_damping", "N.s/m", real!(coupling_damping), 0.0, "To the other"),
-        parameter("x0", "m", real!(x0), 0.0, "Position at the start"),
-        input("force", "N", course!(force), 0.0, "Force from outside"),
-        input("other_position", "m", course!(other_position), 0.0, "Position of the other"),
-        input("other_velocity", "m/s", course!(other_velocity), 0.0, "Velocity of the other"),
-        output("position", "m", real!(x), "Position"),
-        output("velocity", "m/s", real!(v), "Velocity"),
-        output("reaction", "N", real!(reaction), "Force on the other"),
-        output("largest_force_change", "N", real!(largest_force_change), "Within a step, of the input"),
-        parameter("moves_at_most", "m", real!(moves_at_most), 1e300, "With the same force"),
-    ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            parameter("step_size", "s", real!(step_size), 1e-4, "Step"),
+            parameter("mass", "kg", real!(mass), 1.0, "Mass").min(1e-6),
+            parameter("stiffness", "N/m", real!(stiffness), 0.0, "To the wall"),
+            parameter("damping", "N.s/m", real!(damping), 0.0, "To the wall"),
+            parameter("coupling_stiffness", "N/m", real!(coupling_stiffness), 0.0, "To the other"),
+            parameter("coupling_damping", "N.s/m", real!(coupling_damping), 0.0, "To the other"),
+            parameter("x0", "m", real!(x0), 0.0, "Position at the start"),
+            input("force", "N", course!(force), 0.0, "Force from outside"),
+            input("other_position", "m", course!(other_position), 0.0, "Position of the other"),
+            input("other_velocity", "m/s", course!(other_velocity), 0.0, "Velocity of the other"),
+            output("position", "m", real!(x), "Position"),
+            output("velocity", "m/s", real!(v), "Velocity"),
+            output("reaction", "N", real!(reaction), "Force on the other"),
+            output("largest_force_change", "N", real!(largest_force_change), "Within a step, of the input"),
+            parameter("moves_at_most", "m", real!(moves_at_most), 1e300, "With the same force"),
+        ])
+    }
 
     fn step_size(&self) -> f64 {
         self.step_size
@@ -135,15 +137,17 @@ pub struct Spring {
 impl Model for Spring {
     const NAME: &'static str = "spring";
     const DESCRIPTION: &'static str = "A spring";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        parameter("step_size", "s", real!(step_size), 1e-4, "Step"),
-        parameter("stiffness", "N/m", real!(stiffness), 100.0, "Stiffness"),
-        input("position", "m", real!(position), 0.0, "Position").range(-1e6, 1e6),
-        output("force", "N", real!(force), "Force"),
-        output("moment", "N.m", real!(moment), "On a lever of one metre"),
-        output("count", "", integer!(count), "Steps"),
-        integer_parameter("start_count", integer!(start_count), 0, "Steps at the start"),
-    ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            parameter("step_size", "s", real!(step_size), 1e-4, "Step"),
+            parameter("stiffness", "N/m", real!(stiffness), 100.0, "Stiffness"),
+            input("position", "m", real!(position), 0.0, "Position").range(-1e6, 1e6),
+            output("force", "N", real!(force), "Force"),
+            output("moment", "N.m", real!(moment), "On a lever of one metre"),
+            output("count", "", integer!(count), "Steps"),
+            integer_parameter("start_count", integer!(start_count), 0, "Steps at the start"),
+        ])
+    }
 
     fn step_size(&self) -> f64 {
         self.step_size
@@ -175,13 +179,15 @@ pub struct Strut {
 impl Model for Strut {
     const NAME: &'static str = "strut";
     const DESCRIPTION: &'static str = "A spring that is told the velocity of its end";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        parameter("stiffness", "N/mm", real!(stiffness), 0.1, "Stiffness"),
-        parameter("start", "mm", real!(start), 0.0, "Stretch at the start"),
-        input("velocity", "mm/s", real!(velocity), 0.0, "Velocity"),
-        output("force", "N", real!(force), "Force on the end"),
-        output("stretch", "mm", real!(stretch), "Stretch"),
-    ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            parameter("stiffness", "N/mm", real!(stiffness), 0.1, "Stiffness"),
+            parameter("start", "mm", real!(start), 0.0, "Stretch at the start"),
+            input("velocity", "mm/s", real!(velocity), 0.0, "Velocity"),
+            output("force", "N", real!(force), "Force on the end"),
+            output("stretch", "mm", real!(stretch), "Stretch"),
+        ])
+    }
 
     fn step_size(&self) -> f64 {
         1e-4

@@ -7,10 +7,12 @@ struct Bomb { fuse: f64, left: f64 }
 impl Model for Bomb {
     const NAME: &'static str = "bomb";
     const DESCRIPTION: &'static str = "Panics";
-    const VARIABLES: &'static [Variable<Self>] = &[
+    fn variables() -> Table<Self> {
+        Table::new([
         input("fuse", "1", real!(fuse), 0.0, "Burns"),
         output("left", "1", real!(left), "What is left"),
-    ];
+    ])
+    }
 
     fn step_size(&self) -> f64 { 1e-4 }
 

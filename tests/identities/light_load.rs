@@ -4,7 +4,7 @@ use super::*;
 
 /// Sum of the bristles' normal forces.
 fn carried(rig: &common::FlatTrack) -> f64 {
-    let (state, p) = (rig.model().state(), rig.model().tire().parameters());
+    let (state, p) = (&rig.model().tire().state, &rig.model().tire().parameters);
     state.bristles.pressure.iter().sum::<f64>() * p.cell_area()
 }
 
@@ -38,7 +38,7 @@ fn limited_tilt_never_pulls() {
     run(&mut rig, |rig| {
         assert_eq!(get(rig, "negative_pressure_share"), 0.0);
         limited += i32::from(get(rig, "pressure_state") == 4.0);
-        assert!(rig.model().state().bristles.pressure.iter().all(|p| *p >= 0.0));
+        assert!(rig.model().tire().state.bristles.pressure.iter().all(|p| *p >= 0.0));
         assert_close("carried", carried(rig), get(rig, "patch_force_z"), 1e-10);
     });
     assert!(limited > 100, "{limited}");

@@ -10,9 +10,11 @@ mod light_load;
 use common::rolling::Point;
 use common::{assert_close, example, flat_track, get, set};
 use latsch::model::Slave;
+use latsch::road::Road;
+use latsch::tire::Vertical;
 use latsch::tire::ring_brush::{
-    Bristles, Contact, Limits, Loads, Parameters, PressureState, State, Tire, Tops, Vertical, acceleration,
-    advance, coupling, patch_on_belt, stationary, stationary_coupling,
+    Bristles, Contact, Limits, Loads, Parameters, Prepared, PressureState, State, Tops, advance, coupling,
+    patch_on_belt, stationary, stationary_coupling,
 };
 use latsch::tire::{Flat, Motion};
 use nalgebra::{Matrix3, Vector3};
@@ -99,8 +101,8 @@ prop_compose! {
         penetration in 1e-3..0.035f64,
         lagged in vector(1.0),
         lag_rates in vector(1.0),
-    ) -> (Tire, Motion<f64>, [Loads<f64>; 2]) {
-        let tire = Tire::new(&p).unwrap();
+    ) -> (Prepared, Motion<f64>, [Loads<f64>; 2]) {
+        let tire = Prepared::new(&p, &Road::default()).unwrap();
         belt.position.z = 0.0;
         belt.position.z = Contact::new(&p, &belt).depth - penetration;
         let loads = |v: Vector3<f64>, size: f64| Loads {
@@ -112,7 +114,7 @@ prop_compose! {
     }
 }
 
-fn evaluate(tire: &Tire, belt: &Motion<f64>, lagged: &Loads<f64>) -> State {
+fn evaluate(tire: &Prepared, belt: &Motion<f64>, lagged: &Loads<f64>) -> State {
     let mut state = State {
         belt: *belt,
         lagged: *lagged,
@@ -136,7 +138,7 @@ proptest! {
     fn pressure_carries_normal_force_and_moment((tire, belt, [lagged, _]) in situation(), limit in any::<bool>()) {
         let mut p = tire.parameters().clone();
         p.limit_pressure_tilt = limit;
-        let tire = Tire::new(&p).unwrap();
+        let tire = Prepared::new(&p, &Road::default()).unwrap();
         let state = evaluate(&tire, &belt, &lagged);
         let (b, normal) = (&state.bristles, state.patch.force.z);
         let contact = Contact::new(&p, &belt);
@@ -327,7 +329,7 @@ proptest! {
         let about_centre = rotation * torque + (foot - belt.position).cross(&(rotation * load));
         prop_assert!(small(&(wrench.moment - about_centre)) < 1e-9);
 
-        let (linear, angular) = acceleration(p, &belt, &wrench);
+        let (linear, angular) = p.belt().acceleration(&belt, &wrench, p.gravity);
         let weight = Vector3::new(0.0, 0.0, -p.belt_mass * p.gravity);
         prop_assert!(small(&(linear * p.belt_mass - rotation * load - weight)) < 1e-9);
         let momentum = |t: f64| {
@@ -403,7 +405,7 @@ proptest! {
         p in parameters(), load in 1500.0..6000.0f64, speed in 0.5..40.0f64, slip in -0.08..0.08f64,
         alpha in -0.12..0.12f64, camber in -0.08..0.08f64, turn in -PI..PI,
     ) {
-        let tire = Tire::new(&p).unwrap();
+        let tire = Prepared::new(&p, &Road::default()).unwrap();
         let point = Point { load, speed, slip, alpha, camber, steer: 0.0 };
         let solve = |point: Point| stationary(&tire, &point.rim(&tire), Vertical::Load(load), 1.0);
         let state = solve(point).unwrap();
@@ -435,7 +437,7 @@ proptest! {
     /// A wheel that stands (check 8) or hangs and rolls (check 9, C.29).
     #[test]
     fn standing_and_airborne(p in parameters(), deflection in 1e-3..0.03f64, speed in 0.0..60.0f64) {
-        let tire = Tire::new(&p).unwrap();
+        let tire = Prepared::new(&p, &Road::default()).unwrap();
         let standing = Motion::default();
         let state = stationary(&tire, &standing, Vertical::Height(p.radius - deflection), 1.0).unwrap();
         let (f, m) = (state.on_rim.force, state.on_rim.moment);

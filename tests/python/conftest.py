@@ -23,6 +23,10 @@ MODELS = {
     "ring-brush-tire": (dict(rim_velocity_y=0.3, road_slope_x=0.02), dict(rim_spin_rate=35.0, friction_factor=0.7)),
     "ring-brush-wheel": (dict(steer=0.02, brake_torque=300.0), dict(axle_force_y=-500.0, brake_torque=2500.0)),
     "ring-brush-corner": (dict(brake_torque=800.0), dict(brake_torque=3000.0, friction_factor=0.5)),
+    "magic-formula-flat-track": (dict(deflection=0.02, path_speed=15.0, slip_angle=0.02), dict(slip=0.1)),
+    "magic-formula-tire": (dict(rim_velocity_y=0.3, road_slope_x=0.02), dict(rim_spin_rate=35.0, friction_factor=0.7)),
+    "magic-formula-wheel": (dict(steer=0.02, brake_torque=300.0), dict(axle_force_y=-500.0, brake_torque=2500.0)),
+    "magic-formula-corner": (dict(brake_torque=800.0), dict(brake_torque=3000.0, friction_factor=0.5)),
     "brake-hydraulics": (dict(driver_pressure=5e6), dict(inlet_valve=0.0, outlet_valve=0.4)),
     "abs-controller": (dict(wheel_speed_1=60.0, driver_pressure=1e7), dict(wheel_speed_1=45.0)),
 }

@@ -10,7 +10,7 @@
 use crate::magic_formula::MagicFormula;
 use crate::magic_wheel::STANDSTILL;
 use crate::rk4::{between, rk4};
-use latsch::model::{Access, Model, Variable, input, output, parameter};
+use latsch::model::{Access, Model, Table, input, output, parameter};
 use latsch::{Result, real};
 use serde::{Deserialize, Serialize};
 
@@ -91,119 +91,122 @@ impl Model for BrakeCorner {
     const NAME: &'static str = "brake-corner";
     const DESCRIPTION: &'static str =
         "A quarter of a vehicle that brakes: pressure of the brake in, speeds, brake torque and slip out";
-    const DOCUMENTATION: &'static str =
-        "<h2>Start</h2><p>It starts rolling freely at <code>start_speed</code>, whatever the pressure.</p>";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        parameter("mass", "kg", real!(corner.mass), 400.0, "Mass that the wheel brakes (placeholder)")
-            .range(50.0, 5000.0)
-            .tunable(),
-        parameter(
-            "brake_factor",
-            "m3",
-            real!(corner.brake_factor),
-            2.4e-4,
-            "Brake torque over pressure: pad friction times piston area times radius (placeholder)",
-        )
-        .range(1e-5, 1e-2)
-        .nominal(1e-4)
-        .tunable(),
-        parameter(
-            "friction",
-            "1",
-            real!(corner.tire.friction),
-            1.1,
-            "Largest tire force over load (placeholder)",
-        )
-        .range(0.1, 3.0)
-        .tunable(),
-        parameter(
-            "slip_stiffness",
-            "1",
-            real!(corner.tire.slip_stiffness),
-            18.0,
-            "Tire force over load and slip, at small slip (placeholder)",
-        )
-        .range(1.0, 100.0)
-        .tunable(),
-        parameter(
-            "shape",
-            "1",
-            real!(corner.tire.shape),
-            1.4,
-            "Shape factor C of the tire: the larger, the steeper the fall beyond the peak (placeholder)",
-        )
-        .range(1.05, 1.95)
-        .tunable(),
-        parameter(
-            "radius",
-            "m",
-            real!(corner.radius),
-            0.32,
-            "Rolling radius, and lever of the tire force (placeholder)",
-        )
-        .range(0.1, 1.0)
-        .tunable(),
-        parameter(
-            "spin_inertia",
-            "kg.m2",
-            real!(corner.spin_inertia),
-            1.3,
-            "Moment of inertia about the wheel's axis (placeholder)",
-        )
-        .range(0.1, 20.0)
-        .tunable(),
-        parameter(
-            "slip_relaxation_length",
-            "m",
-            real!(corner.slip_relaxation),
-            0.2,
-            "Relaxation length of the slip (placeholder)",
-        )
-        .range(0.02, 2.0)
-        .tunable(),
-        input(
-            "line_pressure",
-            "Pa",
-            real!(corner.inputs.pressure),
-            0.0,
-            "Pressure in the brake; below 0 counts as 0",
-        )
-        .range(-1e8, 1e8),
-        input("load", "N", real!(corner.inputs.load), 4000.0, "Wheel load; below 0 counts as 0")
-            .range(-1e5, 1e5),
-        input(
-            "start_speed",
-            "m/s",
-            real!(corner.start_speed),
-            30.0,
-            "Speed at the start; without effect later",
-        )
-        .range(0.0, 150.0),
-        output("vehicle_speed", "m/s", real!(corner.state[0]), "Speed of the vehicle").nominal(20.0),
-        output("wheel_speed", "rad/s", real!(corner.state[1]), "Speed of rotation of the wheel")
-            .nominal(60.0),
-        output(
-            "pressure",
-            "Pa",
-            Access::Real(|m: &Self| m.corner.inputs.pressure.max(0.0), |_: &mut Self, _| {}),
-            "Pressure at the pads",
-        )
-        .nominal(1e6),
-        output(
-            "brake_torque",
-            "N.m",
-            Access::Real(|m: &Self| m.corner.torque(m.corner.inputs.pressure), |_: &mut Self, _| {}),
-            "Torque of the brake against the rotation",
-        )
-        .nominal(500.0),
-        output(
-            "slip",
-            "1",
-            Access::Real(|m: &Self| m.corner.slip(), |_: &mut Self, _| {}),
-            "Brake slip 1 - omega R / v, positive when braking",
-        )
-        .nominal(0.05),
+    const DOCUMENTATION: &'static [&'static str] = &[
+        "<h2>Start</h2><p>It starts rolling freely at <code>start_speed</code>, whatever the pressure.</p>",
     ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            parameter("mass", "kg", real!(corner.mass), 400.0, "Mass that the wheel brakes (placeholder)")
+                .range(50.0, 5000.0)
+                .tunable(),
+            parameter(
+                "brake_factor",
+                "m3",
+                real!(corner.brake_factor),
+                2.4e-4,
+                "Brake torque over pressure: pad friction times piston area times radius (placeholder)",
+            )
+            .range(1e-5, 1e-2)
+            .nominal(1e-4)
+            .tunable(),
+            parameter(
+                "friction",
+                "1",
+                real!(corner.tire.friction),
+                1.1,
+                "Largest tire force over load (placeholder)",
+            )
+            .range(0.1, 3.0)
+            .tunable(),
+            parameter(
+                "slip_stiffness",
+                "1",
+                real!(corner.tire.slip_stiffness),
+                18.0,
+                "Tire force over load and slip, at small slip (placeholder)",
+            )
+            .range(1.0, 100.0)
+            .tunable(),
+            parameter(
+                "shape",
+                "1",
+                real!(corner.tire.shape),
+                1.4,
+                "Shape factor C of the tire: the larger, the steeper the fall beyond the peak (placeholder)",
+            )
+            .range(1.05, 1.95)
+            .tunable(),
+            parameter(
+                "radius",
+                "m",
+                real!(corner.radius),
+                0.32,
+                "Rolling radius, and lever of the tire force (placeholder)",
+            )
+            .range(0.1, 1.0)
+            .tunable(),
+            parameter(
+                "spin_inertia",
+                "kg.m2",
+                real!(corner.spin_inertia),
+                1.3,
+                "Moment of inertia about the wheel's axis (placeholder)",
+            )
+            .range(0.1, 20.0)
+            .tunable(),
+            parameter(
+                "slip_relaxation_length",
+                "m",
+                real!(corner.slip_relaxation),
+                0.2,
+                "Relaxation length of the slip (placeholder)",
+            )
+            .range(0.02, 2.0)
+            .tunable(),
+            input(
+                "line_pressure",
+                "Pa",
+                real!(corner.inputs.pressure),
+                0.0,
+                "Pressure in the brake; below 0 counts as 0",
+            )
+            .range(-1e8, 1e8),
+            input("load", "N", real!(corner.inputs.load), 4000.0, "Wheel load; below 0 counts as 0")
+                .range(-1e5, 1e5),
+            input(
+                "start_speed",
+                "m/s",
+                real!(corner.start_speed),
+                30.0,
+                "Speed at the start; without effect later",
+            )
+            .range(0.0, 150.0),
+            output("vehicle_speed", "m/s", real!(corner.state[0]), "Speed of the vehicle").nominal(20.0),
+            output("wheel_speed", "rad/s", real!(corner.state[1]), "Speed of rotation of the wheel")
+                .nominal(60.0),
+            output(
+                "pressure",
+                "Pa",
+                Access::computed(|m: &Self| m.corner.inputs.pressure.max(0.0)),
+                "Pressure at the pads",
+            )
+            .nominal(1e6),
+            output(
+                "brake_torque",
+                "N.m",
+                Access::computed(|m: &Self| m.corner.torque(m.corner.inputs.pressure)),
+                "Torque of the brake against the rotation",
+            )
+            .nominal(500.0),
+            output(
+                "slip",
+                "1",
+                Access::computed(|m: &Self| m.corner.slip()),
+                "Brake slip 1 - omega R / v, positive when braking",
+            )
+            .nominal(0.05),
+        ])
+    }
 
     fn step_size(&self) -> f64 {
         1e-3
@@ -244,165 +247,169 @@ impl AbsBrake {
 impl Model for AbsBrake {
     const NAME: &'static str = "abs-brake";
     const DESCRIPTION: &'static str = "A quarter of a vehicle that brakes with an anti-lock controller inside: the driver's pressure in, speeds, pressure, brake torque and slip out";
-    const DOCUMENTATION: &'static str = "<h2>Start</h2><p>It starts rolling freely at <code>start_speed</code>, with the driver's pressure.</p>";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        parameter("mass", "kg", real!(corner.mass), 400.0, "Mass that the wheel brakes (placeholder)")
-            .range(50.0, 5000.0)
-            .tunable(),
-        parameter(
-            "brake_factor",
-            "m3",
-            real!(corner.brake_factor),
-            2.4e-4,
-            "Brake torque over pressure: pad friction times piston area times radius (placeholder)",
-        )
-        .range(1e-5, 1e-2)
-        .nominal(1e-4)
-        .tunable(),
-        parameter(
-            "friction",
-            "1",
-            real!(corner.tire.friction),
-            1.1,
-            "Largest tire force over load (placeholder)",
-        )
-        .range(0.1, 3.0)
-        .tunable(),
-        parameter(
-            "slip_stiffness",
-            "1",
-            real!(corner.tire.slip_stiffness),
-            18.0,
-            "Tire force over load and slip, at small slip (placeholder)",
-        )
-        .range(1.0, 100.0)
-        .tunable(),
-        parameter(
-            "shape",
-            "1",
-            real!(corner.tire.shape),
-            1.3,
-            "Shape factor C of the tire: the larger, the steeper the fall beyond the peak (placeholder)",
-        )
-        .range(1.05, 1.95)
-        .tunable(),
-        parameter(
-            "radius",
-            "m",
-            real!(corner.radius),
-            0.32,
-            "Rolling radius, and lever of the tire force (placeholder)",
-        )
-        .range(0.1, 1.0)
-        .tunable(),
-        parameter(
-            "spin_inertia",
-            "kg.m2",
-            real!(corner.spin_inertia),
-            1.3,
-            "Moment of inertia about the wheel's axis (placeholder)",
-        )
-        .range(0.1, 20.0)
-        .tunable(),
-        parameter(
-            "slip_relaxation_length",
-            "m",
-            real!(corner.slip_relaxation),
-            0.2,
-            "Relaxation length of the slip (placeholder)",
-        )
-        .range(0.02, 2.0)
-        .tunable(),
-        parameter(
-            "build_rate",
-            "Pa/s",
-            real!(build_rate),
-            6e7,
-            "Rise of the pressure at full opening (placeholder)",
-        )
-        .range(1e5, 1e10)
-        .nominal(1e7)
-        .tunable(),
-        parameter(
-            "dump_rate",
-            "Pa/s",
-            real!(dump_rate),
-            9e7,
-            "Fall of the pressure at full opening (placeholder)",
-        )
-        .range(1e5, 1e10)
-        .nominal(1e7)
-        .tunable(),
-        parameter(
-            "slip_target",
-            "1",
-            real!(slip_target),
-            0.1,
-            "Slip at which the controller holds the pressure (placeholder)",
-        )
-        .range(0.01, 0.9)
-        .tunable(),
-        parameter(
-            "slip_width",
-            "1",
-            real!(slip_width),
-            0.05,
-            "Difference of slip that opens a valve fully (placeholder)",
-        )
-        .range(0.005, 1.0)
-        .tunable(),
-        parameter(
-            "controller_radius",
-            "m",
-            real!(controller_radius),
-            0.32,
-            "Rolling radius that the controller takes for true (placeholder)",
-        )
-        .range(0.1, 1.0)
-        .tunable(),
-        input(
-            "driver_pressure",
-            "Pa",
-            real!(corner.inputs.pressure),
-            0.0,
-            "Pressure that the driver gives; below 0 counts as 0",
-        )
-        .range(-1e8, 1e8),
-        input("load", "N", real!(corner.inputs.load), 4000.0, "Wheel load; below 0 counts as 0")
-            .range(-1e5, 1e5),
-        input(
-            "start_speed",
-            "m/s",
-            real!(corner.start_speed),
-            30.0,
-            "Speed at the start; without effect later",
-        )
-        .range(0.0, 150.0),
-        output("vehicle_speed", "m/s", real!(corner.state[0]), "Speed of the vehicle").nominal(20.0),
-        output("wheel_speed", "rad/s", real!(corner.state[1]), "Speed of rotation of the wheel")
-            .nominal(60.0),
-        output(
-            "pressure",
-            "Pa",
-            Access::Real(|m: &Self| m.corner.state[3].max(0.0), |_: &mut Self, _| {}),
-            "Pressure at the pads",
-        )
-        .nominal(1e6),
-        output(
-            "brake_torque",
-            "N.m",
-            Access::Real(|m: &Self| m.corner.torque(m.corner.state[3]), |_: &mut Self, _| {}),
-            "Torque of the brake against the rotation",
-        )
-        .nominal(500.0),
-        output(
-            "slip",
-            "1",
-            Access::Real(|m: &Self| m.corner.slip(), |_: &mut Self, _| {}),
-            "Brake slip 1 - omega R / v, positive when braking",
-        )
-        .nominal(0.05),
+    const DOCUMENTATION: &'static [&'static str] = &[
+        "<h2>Start</h2><p>It starts rolling freely at <code>start_speed</code>, with the driver's pressure.</p>",
     ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            parameter("mass", "kg", real!(corner.mass), 400.0, "Mass that the wheel brakes (placeholder)")
+                .range(50.0, 5000.0)
+                .tunable(),
+            parameter(
+                "brake_factor",
+                "m3",
+                real!(corner.brake_factor),
+                2.4e-4,
+                "Brake torque over pressure: pad friction times piston area times radius (placeholder)",
+            )
+            .range(1e-5, 1e-2)
+            .nominal(1e-4)
+            .tunable(),
+            parameter(
+                "friction",
+                "1",
+                real!(corner.tire.friction),
+                1.1,
+                "Largest tire force over load (placeholder)",
+            )
+            .range(0.1, 3.0)
+            .tunable(),
+            parameter(
+                "slip_stiffness",
+                "1",
+                real!(corner.tire.slip_stiffness),
+                18.0,
+                "Tire force over load and slip, at small slip (placeholder)",
+            )
+            .range(1.0, 100.0)
+            .tunable(),
+            parameter(
+                "shape",
+                "1",
+                real!(corner.tire.shape),
+                1.3,
+                "Shape factor C of the tire: the larger, the steeper the fall beyond the peak (placeholder)",
+            )
+            .range(1.05, 1.95)
+            .tunable(),
+            parameter(
+                "radius",
+                "m",
+                real!(corner.radius),
+                0.32,
+                "Rolling radius, and lever of the tire force (placeholder)",
+            )
+            .range(0.1, 1.0)
+            .tunable(),
+            parameter(
+                "spin_inertia",
+                "kg.m2",
+                real!(corner.spin_inertia),
+                1.3,
+                "Moment of inertia about the wheel's axis (placeholder)",
+            )
+            .range(0.1, 20.0)
+            .tunable(),
+            parameter(
+                "slip_relaxation_length",
+                "m",
+                real!(corner.slip_relaxation),
+                0.2,
+                "Relaxation length of the slip (placeholder)",
+            )
+            .range(0.02, 2.0)
+            .tunable(),
+            parameter(
+                "build_rate",
+                "Pa/s",
+                real!(build_rate),
+                6e7,
+                "Rise of the pressure at full opening (placeholder)",
+            )
+            .range(1e5, 1e10)
+            .nominal(1e7)
+            .tunable(),
+            parameter(
+                "dump_rate",
+                "Pa/s",
+                real!(dump_rate),
+                9e7,
+                "Fall of the pressure at full opening (placeholder)",
+            )
+            .range(1e5, 1e10)
+            .nominal(1e7)
+            .tunable(),
+            parameter(
+                "slip_target",
+                "1",
+                real!(slip_target),
+                0.1,
+                "Slip at which the controller holds the pressure (placeholder)",
+            )
+            .range(0.01, 0.9)
+            .tunable(),
+            parameter(
+                "slip_width",
+                "1",
+                real!(slip_width),
+                0.05,
+                "Difference of slip that opens a valve fully (placeholder)",
+            )
+            .range(0.005, 1.0)
+            .tunable(),
+            parameter(
+                "controller_radius",
+                "m",
+                real!(controller_radius),
+                0.32,
+                "Rolling radius that the controller takes for true (placeholder)",
+            )
+            .range(0.1, 1.0)
+            .tunable(),
+            input(
+                "driver_pressure",
+                "Pa",
+                real!(corner.inputs.pressure),
+                0.0,
+                "Pressure that the driver gives; below 0 counts as 0",
+            )
+            .range(-1e8, 1e8),
+            input("load", "N", real!(corner.inputs.load), 4000.0, "Wheel load; below 0 counts as 0")
+                .range(-1e5, 1e5),
+            input(
+                "start_speed",
+                "m/s",
+                real!(corner.start_speed),
+                30.0,
+                "Speed at the start; without effect later",
+            )
+            .range(0.0, 150.0),
+            output("vehicle_speed", "m/s", real!(corner.state[0]), "Speed of the vehicle").nominal(20.0),
+            output("wheel_speed", "rad/s", real!(corner.state[1]), "Speed of rotation of the wheel")
+                .nominal(60.0),
+            output(
+                "pressure",
+                "Pa",
+                Access::computed(|m: &Self| m.corner.state[3].max(0.0)),
+                "Pressure at the pads",
+            )
+            .nominal(1e6),
+            output(
+                "brake_torque",
+                "N.m",
+                Access::computed(|m: &Self| m.corner.torque(m.corner.state[3])),
+                "Torque of the brake against the rotation",
+            )
+            .nominal(500.0),
+            output(
+                "slip",
+                "1",
+                Access::computed(|m: &Self| m.corner.slip()),
+                "Brake slip 1 - omega R / v, positive when braking",
+            )
+            .nominal(0.05),
+        ])
+    }
 
     fn step_size(&self) -> f64 {
         1e-3

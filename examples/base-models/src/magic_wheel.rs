@@ -5,7 +5,7 @@
 
 use crate::magic_formula::MagicFormula;
 use crate::rk4::{between, rk4};
-use latsch::model::{Access, Model, Variable, input, output, parameter};
+use latsch::model::{Access, Model, Table, input, output, parameter};
 use latsch::{Result, real};
 use serde::{Deserialize, Serialize};
 
@@ -59,118 +59,112 @@ impl MagicWheel {
 impl Model for MagicWheel {
     const NAME: &'static str = "magic-wheel";
     const DESCRIPTION: &'static str = "A wheel with spin inertia and a Magic-Formula-like tire with relaxation: brake torque, slip angle, camber, load and speed in";
-    const DOCUMENTATION: &'static str = "<h2>Start</h2><p>It starts rolling freely, without the brake, at the slip angle that it is given.</p>";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        parameter("friction", "1", real!(tire.friction), 1.0, "Largest force over load (placeholder)")
-            .range(0.1, 3.0)
-            .tunable(),
-        parameter(
-            "slip_stiffness",
-            "1",
-            real!(tire.slip_stiffness),
-            20.0,
-            "Longitudinal force over load and slip, at small slip (placeholder)",
-        )
-        .range(1.0, 100.0)
-        .tunable(),
-        parameter(
-            "cornering_stiffness",
-            "1/rad",
-            real!(tire.cornering_stiffness),
-            15.0,
-            "Lateral force over load and slip angle, at small angles (placeholder)",
-        )
-        .range(1.0, 100.0)
-        .tunable(),
-        parameter("shape", "1", real!(tire.shape), 1.4, "Shape factor C (placeholder)")
-            .range(1.05, 1.95)
-            .tunable(),
-        parameter(
-            "trail",
-            "m",
-            real!(tire.trail),
-            0.03,
-            "Pneumatic trail at small slip angles (placeholder)",
-        )
-        .range(0.0, 0.2)
-        .tunable(),
-        parameter(
-            "camber_moment",
-            "m/rad",
-            real!(tire.camber_moment),
-            0.01,
-            "Aligning moment over load and camber (placeholder)",
-        )
-        .range(-0.1, 0.1)
-        .nominal(0.01)
-        .tunable(),
-        parameter(
-            "radius",
-            "m",
-            real!(radius),
-            0.32,
-            "Rolling radius, and lever of the longitudinal force (placeholder)",
-        )
-        .range(0.1, 1.0)
-        .tunable(),
-        parameter(
-            "spin_inertia",
-            "kg.m2",
-            real!(spin_inertia),
-            1.2,
-            "Moment of inertia about the wheel's axis (placeholder)",
-        )
-        .range(0.1, 20.0)
-        .tunable(),
-        parameter(
-            "slip_relaxation_length",
-            "m",
-            real!(slip_relaxation),
-            0.2,
-            "Relaxation length of the longitudinal slip (placeholder)",
-        )
-        .range(0.02, 2.0)
-        .tunable(),
-        parameter(
-            "relaxation_length",
-            "m",
-            real!(relaxation),
-            0.5,
-            "Relaxation length of the slip angle (placeholder)",
-        )
-        .range(0.02, 5.0)
-        .tunable(),
-        input(
-            "brake_torque",
-            "N.m",
-            real!(inputs.brake_torque),
-            0.0,
-            "Torque of the brake against the rotation",
-        )
-        .range(-1e5, 1e5),
-        input("slip_angle", "rad", real!(inputs.slip_angle), 0.0, "Slip angle").range(-1.0, 1.0),
-        input("camber", "rad", real!(inputs.camber), 0.0, "Inclination angle").range(-1.0, 1.0),
-        input("load", "N", real!(inputs.load), 4000.0, "Wheel load; below 0 counts as 0").range(-1e5, 1e5),
-        input("speed", "m/s", real!(inputs.speed), 20.0, "Travel speed").range(0.0, 150.0),
-        output(
-            "force_x",
-            "N",
-            Access::Real(|m: &Self| m.force(0), |_: &mut Self, _| {}),
-            "Longitudinal force",
-        )
-        .nominal(1000.0),
-        output("force_y", "N", Access::Real(|m: &Self| m.force(1), |_: &mut Self, _| {}), "Lateral force")
-            .nominal(1000.0),
-        output(
-            "moment_z",
-            "N.m",
-            Access::Real(|m: &Self| m.force(2), |_: &mut Self, _| {}),
-            "Aligning moment",
-        )
-        .nominal(30.0),
-        output("wheel_speed", "rad/s", real!(state[0]), "Speed of rotation").nominal(60.0),
-        output("wheel_angle", "rad", real!(state[3]), "Angle of rotation since the start").nominal(100.0),
+    const DOCUMENTATION: &'static [&'static str] = &[
+        "<h2>Start</h2><p>It starts rolling freely, without the brake, at the slip angle that it is given.</p>",
     ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            parameter("friction", "1", real!(tire.friction), 1.0, "Largest force over load (placeholder)")
+                .range(0.1, 3.0)
+                .tunable(),
+            parameter(
+                "slip_stiffness",
+                "1",
+                real!(tire.slip_stiffness),
+                20.0,
+                "Longitudinal force over load and slip, at small slip (placeholder)",
+            )
+            .range(1.0, 100.0)
+            .tunable(),
+            parameter(
+                "cornering_stiffness",
+                "1/rad",
+                real!(tire.cornering_stiffness),
+                15.0,
+                "Lateral force over load and slip angle, at small angles (placeholder)",
+            )
+            .range(1.0, 100.0)
+            .tunable(),
+            parameter("shape", "1", real!(tire.shape), 1.4, "Shape factor C (placeholder)")
+                .range(1.05, 1.95)
+                .tunable(),
+            parameter(
+                "trail",
+                "m",
+                real!(tire.trail),
+                0.03,
+                "Pneumatic trail at small slip angles (placeholder)",
+            )
+            .range(0.0, 0.2)
+            .tunable(),
+            parameter(
+                "camber_moment",
+                "m/rad",
+                real!(tire.camber_moment),
+                0.01,
+                "Aligning moment over load and camber (placeholder)",
+            )
+            .range(-0.1, 0.1)
+            .nominal(0.01)
+            .tunable(),
+            parameter(
+                "radius",
+                "m",
+                real!(radius),
+                0.32,
+                "Rolling radius, and lever of the longitudinal force (placeholder)",
+            )
+            .range(0.1, 1.0)
+            .tunable(),
+            parameter(
+                "spin_inertia",
+                "kg.m2",
+                real!(spin_inertia),
+                1.2,
+                "Moment of inertia about the wheel's axis (placeholder)",
+            )
+            .range(0.1, 20.0)
+            .tunable(),
+            parameter(
+                "slip_relaxation_length",
+                "m",
+                real!(slip_relaxation),
+                0.2,
+                "Relaxation length of the longitudinal slip (placeholder)",
+            )
+            .range(0.02, 2.0)
+            .tunable(),
+            parameter(
+                "relaxation_length",
+                "m",
+                real!(relaxation),
+                0.5,
+                "Relaxation length of the slip angle (placeholder)",
+            )
+            .range(0.02, 5.0)
+            .tunable(),
+            input(
+                "brake_torque",
+                "N.m",
+                real!(inputs.brake_torque),
+                0.0,
+                "Torque of the brake against the rotation",
+            )
+            .range(-1e5, 1e5),
+            input("slip_angle", "rad", real!(inputs.slip_angle), 0.0, "Slip angle").range(-1.0, 1.0),
+            input("camber", "rad", real!(inputs.camber), 0.0, "Inclination angle").range(-1.0, 1.0),
+            input("load", "N", real!(inputs.load), 4000.0, "Wheel load; below 0 counts as 0")
+                .range(-1e5, 1e5),
+            input("speed", "m/s", real!(inputs.speed), 20.0, "Travel speed").range(0.0, 150.0),
+            output("force_x", "N", Access::computed(|m: &Self| m.force(0)), "Longitudinal force")
+                .nominal(1000.0),
+            output("force_y", "N", Access::computed(|m: &Self| m.force(1)), "Lateral force").nominal(1000.0),
+            output("moment_z", "N.m", Access::computed(|m: &Self| m.force(2)), "Aligning moment")
+                .nominal(30.0),
+            output("wheel_speed", "rad/s", real!(state[0]), "Speed of rotation").nominal(60.0),
+            output("wheel_angle", "rad", real!(state[3]), "Angle of rotation since the start").nominal(100.0),
+        ])
+    }
 
     fn step_size(&self) -> f64 {
         1e-3

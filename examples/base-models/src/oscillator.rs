@@ -1,7 +1,7 @@
 //! `oscillator`: m x'' = F - c x' - k x.
 
 use crate::rk4::{between, rk4};
-use latsch::model::{Access, Model, Variable, input, output, parameter};
+use latsch::model::{Access, Model, Table, input, output, parameter};
 use latsch::{Result, real};
 use serde::{Deserialize, Serialize};
 
@@ -26,26 +26,30 @@ impl Oscillator {
 impl Model for Oscillator {
     const NAME: &'static str = "oscillator";
     const DESCRIPTION: &'static str = "A mass on a linear spring and damper, moved by a force";
-    const DOCUMENTATION: &'static str = "<h2>Equation</h2><p>m x&#8243; = F &minus; c x&#8242; &minus; k x; it starts at rest, where the spring carries the force.</p>";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        parameter("mass", "kg", real!(mass), 10.0, "Mass (placeholder)").range(1.0, 100.0).tunable(),
-        parameter("stiffness", "N/m", real!(stiffness), 4000.0, "Stiffness of the spring (placeholder)")
-            .range(100.0, 1e5)
-            .tunable(),
-        parameter("damping", "N.s/m", real!(damping), 80.0, "Damping (placeholder)")
-            .range(0.0, 1e4)
-            .tunable(),
-        input("force", "N", real!(force), 0.0, "Force on the mass").range(-1e6, 1e6),
-        output("position", "m", real!(position), "Position of the mass").nominal(0.01),
-        output("velocity", "m/s", real!(velocity), "Velocity of the mass").nominal(0.2),
-        output(
-            "acceleration",
-            "m/s2",
-            Access::Real(|m: &Self| m.acceleration(m.force, m.position, m.velocity), |_: &mut Self, _| {}),
-            "Acceleration of the mass",
-        )
-        .nominal(5.0),
+    const DOCUMENTATION: &'static [&'static str] = &[
+        "<h2>Equation</h2><p>m x&#8243; = F &minus; c x&#8242; &minus; k x; it starts at rest, where the spring carries the force.</p>",
     ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            parameter("mass", "kg", real!(mass), 10.0, "Mass (placeholder)").range(1.0, 100.0).tunable(),
+            parameter("stiffness", "N/m", real!(stiffness), 4000.0, "Stiffness of the spring (placeholder)")
+                .range(100.0, 1e5)
+                .tunable(),
+            parameter("damping", "N.s/m", real!(damping), 80.0, "Damping (placeholder)")
+                .range(0.0, 1e4)
+                .tunable(),
+            input("force", "N", real!(force), 0.0, "Force on the mass").range(-1e6, 1e6),
+            output("position", "m", real!(position), "Position of the mass").nominal(0.01),
+            output("velocity", "m/s", real!(velocity), "Velocity of the mass").nominal(0.2),
+            output(
+                "acceleration",
+                "m/s2",
+                Access::computed(|m: &Self| m.acceleration(m.force, m.position, m.velocity)),
+                "Acceleration of the mass",
+            )
+            .nominal(5.0),
+        ])
+    }
 
     fn step_size(&self) -> f64 {
         1e-3

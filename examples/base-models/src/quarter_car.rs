@@ -4,7 +4,7 @@
 //! and the wheel load (m_b + m_w) g + k_t (z_r - z_w).
 
 use crate::rk4::{between, rk4};
-use latsch::model::{Access, Model, Variable, input, output, parameter};
+use latsch::model::{Access, Model, Table, input, output, parameter};
 use latsch::{Result, real};
 use serde::{Deserialize, Serialize};
 
@@ -54,88 +54,87 @@ impl Model for QuarterCar {
     const NAME: &'static str = "quarter-car";
     const DESCRIPTION: &'static str =
         "Two masses over a road: body, suspension, wheel and tire of one corner, linear";
-    const DOCUMENTATION: &'static str = "<h2>Axes</h2><p>Everything points upwards and counts from the position at rest. The wheel load contains the weight; the tire pulls if the road falls away fast enough.</p>";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        parameter("body_mass", "kg", real!(body_mass), 350.0, "Sprung mass (placeholder)")
-            .range(50.0, 3000.0)
-            .tunable(),
-        parameter("wheel_mass", "kg", real!(wheel_mass), 45.0, "Unsprung mass (placeholder)")
-            .range(5.0, 300.0)
-            .tunable(),
-        parameter(
-            "suspension_stiffness",
-            "N/m",
-            real!(suspension_stiffness),
-            25e3,
-            "Stiffness of the suspension at the wheel (placeholder)",
-        )
-        .range(1e3, 3e5)
-        .tunable(),
-        parameter(
-            "suspension_damping",
-            "N.s/m",
-            real!(suspension_damping),
-            1800.0,
-            "Damping of the suspension at the wheel (placeholder)",
-        )
-        .range(0.0, 3e4)
-        .tunable(),
-        parameter(
-            "tire_stiffness",
-            "N/m",
-            real!(tire_stiffness),
-            2e5,
-            "Radial stiffness of the tire (placeholder)",
-        )
-        .range(1e4, 2e6)
-        .tunable(),
-        input("road_height", "m", real!(inputs.road_height), 0.0, "Height of the road under the wheel")
-            .range(-10.0, 10.0),
-        input("body_force", "N", real!(inputs.body_force), 0.0, "Force on the body").range(-1e6, 1e6),
-        input(
-            "suspension_force",
-            "N",
-            real!(inputs.suspension_force),
-            0.0,
-            "Force beside spring and damper that pushes body and wheel apart",
-        )
-        .range(-1e6, 1e6),
-        output(
-            "body_acceleration",
-            "m/s2",
-            Access::Real(|m: &Self| m.acceleration(2), |_: &mut Self, _| {}),
-            "Acceleration of the body",
-        )
-        .nominal(2.0),
-        output(
-            "wheel_acceleration",
-            "m/s2",
-            Access::Real(|m: &Self| m.acceleration(3), |_: &mut Self, _| {}),
-            "Acceleration of the wheel",
-        )
-        .nominal(20.0),
-        output(
-            "suspension_deflection",
-            "m",
-            Access::Real(|m: &Self| m.state[0] - m.state[1], |_: &mut Self, _| {}),
-            "Body minus wheel: positive in rebound",
-        )
-        .nominal(0.02),
-        output(
-            "suspension_velocity",
-            "m/s",
-            Access::Real(|m: &Self| m.state[2] - m.state[3], |_: &mut Self, _| {}),
-            "Its rate",
-        )
-        .nominal(0.3),
-        output(
-            "wheel_load",
-            "N",
-            Access::Real(Self::wheel_load, |_: &mut Self, _| {}),
-            "Force of the road on the tire",
-        )
-        .nominal(4000.0),
+    const DOCUMENTATION: &'static [&'static str] = &[
+        "<h2>Axes</h2><p>Everything points upwards and counts from the position at rest. The wheel load contains the weight; the tire pulls if the road falls away fast enough.</p>",
     ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            parameter("body_mass", "kg", real!(body_mass), 350.0, "Sprung mass (placeholder)")
+                .range(50.0, 3000.0)
+                .tunable(),
+            parameter("wheel_mass", "kg", real!(wheel_mass), 45.0, "Unsprung mass (placeholder)")
+                .range(5.0, 300.0)
+                .tunable(),
+            parameter(
+                "suspension_stiffness",
+                "N/m",
+                real!(suspension_stiffness),
+                25e3,
+                "Stiffness of the suspension at the wheel (placeholder)",
+            )
+            .range(1e3, 3e5)
+            .tunable(),
+            parameter(
+                "suspension_damping",
+                "N.s/m",
+                real!(suspension_damping),
+                1800.0,
+                "Damping of the suspension at the wheel (placeholder)",
+            )
+            .range(0.0, 3e4)
+            .tunable(),
+            parameter(
+                "tire_stiffness",
+                "N/m",
+                real!(tire_stiffness),
+                2e5,
+                "Radial stiffness of the tire (placeholder)",
+            )
+            .range(1e4, 2e6)
+            .tunable(),
+            input("road_height", "m", real!(inputs.road_height), 0.0, "Height of the road under the wheel")
+                .range(-10.0, 10.0),
+            input("body_force", "N", real!(inputs.body_force), 0.0, "Force on the body").range(-1e6, 1e6),
+            input(
+                "suspension_force",
+                "N",
+                real!(inputs.suspension_force),
+                0.0,
+                "Force beside spring and damper that pushes body and wheel apart",
+            )
+            .range(-1e6, 1e6),
+            output(
+                "body_acceleration",
+                "m/s2",
+                Access::computed(|m: &Self| m.acceleration(2)),
+                "Acceleration of the body",
+            )
+            .nominal(2.0),
+            output(
+                "wheel_acceleration",
+                "m/s2",
+                Access::computed(|m: &Self| m.acceleration(3)),
+                "Acceleration of the wheel",
+            )
+            .nominal(20.0),
+            output(
+                "suspension_deflection",
+                "m",
+                Access::computed(|m: &Self| m.state[0] - m.state[1]),
+                "Body minus wheel: positive in rebound",
+            )
+            .nominal(0.02),
+            output(
+                "suspension_velocity",
+                "m/s",
+                Access::computed(|m: &Self| m.state[2] - m.state[3]),
+                "Its rate",
+            )
+            .nominal(0.3),
+            output("wheel_load", "N", Access::computed(Self::wheel_load), "Force of the road on the tire")
+                .nominal(4000.0),
+        ])
+    }
 
     fn step_size(&self) -> f64 {
         1e-3

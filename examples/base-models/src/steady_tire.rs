@@ -4,7 +4,7 @@
 
 use crate::magic_formula::MagicFormula;
 use crate::rk4::{between, rk4};
-use latsch::model::{Access, Model, Variable, input, output, parameter};
+use latsch::model::{Access, Model, Table, input, output, parameter};
 use latsch::{Result, real};
 use serde::{Deserialize, Serialize};
 
@@ -36,95 +36,88 @@ impl SteadyTire {
 impl Model for SteadyTire {
     const NAME: &'static str = "steady-tire";
     const DESCRIPTION: &'static str = "A Magic-Formula-like tire without transients: slip, slip angle, camber, load and speed in, forces and aligning moment out";
-    const DOCUMENTATION: &'static str = "<h2>Axes</h2><p>Forces of the road on the tire, ISO 8855: a positive slip angle gives a negative lateral force and a positive aligning moment; slip is positive when driving.</p>";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        parameter("friction", "1", real!(tire.friction), 1.0, "Largest force over load (placeholder)")
-            .range(0.1, 3.0)
-            .tunable(),
-        parameter(
-            "slip_stiffness",
-            "1",
-            real!(tire.slip_stiffness),
-            20.0,
-            "Longitudinal force over load and slip, at small slip (placeholder)",
-        )
-        .range(1.0, 100.0)
-        .tunable(),
-        parameter(
-            "cornering_stiffness",
-            "1/rad",
-            real!(tire.cornering_stiffness),
-            15.0,
-            "Lateral force over load and slip angle, at small angles (placeholder)",
-        )
-        .range(1.0, 100.0)
-        .tunable(),
-        parameter(
-            "shape",
-            "1",
-            real!(tire.shape),
-            1.4,
-            "Shape factor C: above 1, forces fall beyond their peak (placeholder)",
-        )
-        .range(1.05, 1.95)
-        .tunable(),
-        parameter(
-            "trail",
-            "m",
-            real!(tire.trail),
-            0.03,
-            "Pneumatic trail at small slip angles (placeholder)",
-        )
-        .range(0.0, 0.2)
-        .tunable(),
-        parameter(
-            "camber_moment",
-            "m/rad",
-            real!(tire.camber_moment),
-            0.01,
-            "Aligning moment over load and camber (placeholder)",
-        )
-        .range(-0.1, 0.1)
-        .nominal(0.01)
-        .tunable(),
-        parameter(
-            "rolling_radius",
-            "m",
-            real!(rolling_radius),
-            0.32,
-            "Distance rolled freely per radian (placeholder)",
-        )
-        .range(0.1, 1.0),
-        input("slip", "1", real!(slip), 0.0, "Longitudinal slip, positive when driving").range(-1.0, 2.0),
-        input("slip_angle", "rad", real!(slip_angle), 0.0, "Slip angle").range(-1.0, 1.0),
-        input("camber", "rad", real!(camber), 0.0, "Inclination angle").range(-1.0, 1.0),
-        input("load", "N", real!(load), 4000.0, "Wheel load; below 0 counts as 0").range(-1e5, 1e5),
-        input("speed", "m/s", real!(speed), 20.0, "Travel speed").range(0.0, 150.0),
-        output(
-            "force_x",
-            "N",
-            Access::Real(|m: &Self| m.force(0), |_: &mut Self, _| {}),
-            "Longitudinal force",
-        )
-        .nominal(1000.0),
-        output("force_y", "N", Access::Real(|m: &Self| m.force(1), |_: &mut Self, _| {}), "Lateral force")
-            .nominal(1000.0),
-        output(
-            "moment_z",
-            "N.m",
-            Access::Real(|m: &Self| m.force(2), |_: &mut Self, _| {}),
-            "Aligning moment",
-        )
-        .nominal(30.0),
-        output(
-            "wheel_speed",
-            "rad/s",
-            Access::Real(|m: &Self| m.spin(m.slip, m.speed), |_: &mut Self, _| {}),
-            "Speed of rotation",
-        )
-        .nominal(60.0),
-        output("wheel_angle", "rad", real!(angle), "Angle of rotation since the start").nominal(100.0),
+    const DOCUMENTATION: &'static [&'static str] = &[
+        "<h2>Axes</h2><p>Forces of the road on the tire, ISO 8855: a positive slip angle gives a negative lateral force and a positive aligning moment; slip is positive when driving.</p>",
     ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            parameter("friction", "1", real!(tire.friction), 1.0, "Largest force over load (placeholder)")
+                .range(0.1, 3.0)
+                .tunable(),
+            parameter(
+                "slip_stiffness",
+                "1",
+                real!(tire.slip_stiffness),
+                20.0,
+                "Longitudinal force over load and slip, at small slip (placeholder)",
+            )
+            .range(1.0, 100.0)
+            .tunable(),
+            parameter(
+                "cornering_stiffness",
+                "1/rad",
+                real!(tire.cornering_stiffness),
+                15.0,
+                "Lateral force over load and slip angle, at small angles (placeholder)",
+            )
+            .range(1.0, 100.0)
+            .tunable(),
+            parameter(
+                "shape",
+                "1",
+                real!(tire.shape),
+                1.4,
+                "Shape factor C: above 1, forces fall beyond their peak (placeholder)",
+            )
+            .range(1.05, 1.95)
+            .tunable(),
+            parameter(
+                "trail",
+                "m",
+                real!(tire.trail),
+                0.03,
+                "Pneumatic trail at small slip angles (placeholder)",
+            )
+            .range(0.0, 0.2)
+            .tunable(),
+            parameter(
+                "camber_moment",
+                "m/rad",
+                real!(tire.camber_moment),
+                0.01,
+                "Aligning moment over load and camber (placeholder)",
+            )
+            .range(-0.1, 0.1)
+            .nominal(0.01)
+            .tunable(),
+            parameter(
+                "rolling_radius",
+                "m",
+                real!(rolling_radius),
+                0.32,
+                "Distance rolled freely per radian (placeholder)",
+            )
+            .range(0.1, 1.0),
+            input("slip", "1", real!(slip), 0.0, "Longitudinal slip, positive when driving").range(-1.0, 2.0),
+            input("slip_angle", "rad", real!(slip_angle), 0.0, "Slip angle").range(-1.0, 1.0),
+            input("camber", "rad", real!(camber), 0.0, "Inclination angle").range(-1.0, 1.0),
+            input("load", "N", real!(load), 4000.0, "Wheel load; below 0 counts as 0").range(-1e5, 1e5),
+            input("speed", "m/s", real!(speed), 20.0, "Travel speed").range(0.0, 150.0),
+            output("force_x", "N", Access::computed(|m: &Self| m.force(0)), "Longitudinal force")
+                .nominal(1000.0),
+            output("force_y", "N", Access::computed(|m: &Self| m.force(1)), "Lateral force").nominal(1000.0),
+            output("moment_z", "N.m", Access::computed(|m: &Self| m.force(2)), "Aligning moment")
+                .nominal(30.0),
+            output(
+                "wheel_speed",
+                "rad/s",
+                Access::computed(|m: &Self| m.spin(m.slip, m.speed)),
+                "Speed of rotation",
+            )
+            .nominal(60.0),
+            output("wheel_angle", "rad", real!(angle), "Angle of rotation since the start").nominal(100.0),
+        ])
+    }
 
     fn step_size(&self) -> f64 {
         1e-3

@@ -1,6 +1,6 @@
 //! What an unloaded instrumented belt should measure: always the same.
 
-use latsch::model::{Model, Variable, input, output, parameter};
+use latsch::model::{Model, Table, input, output, parameter};
 use latsch::{Result, real};
 use serde::{Deserialize, Serialize};
 
@@ -15,13 +15,21 @@ pub struct ConstantMoment {
 impl Model for ConstantMoment {
     const NAME: &'static str = "constant-moment";
     const DESCRIPTION: &'static str = "The pitch moment of an instrumented belt without a load on it";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        parameter("moment", "N.m", real!(moment), 0.0, "Zero of the load cells")
-            .range(-1e3, 1e3)
-            .nominal(1.0),
-        input("belt_speed", "m/s", real!(belt_speed), 0.0, "Speed of the belt, without effect on the moment"),
-        output("pitch_moment", "N.m", real!(pitch_moment), "Pitch moment that the load cells measure"),
-    ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            parameter("moment", "N.m", real!(moment), 0.0, "Zero of the load cells")
+                .range(-1e3, 1e3)
+                .nominal(1.0),
+            input(
+                "belt_speed",
+                "m/s",
+                real!(belt_speed),
+                0.0,
+                "Speed of the belt, without effect on the moment",
+            ),
+            output("pitch_moment", "N.m", real!(pitch_moment), "Pitch moment that the load cells measure"),
+        ])
+    }
     const COMMUNICATION_STEP: f64 = 2.5e-3;
     const STOP_TIME: f64 = 60.0;
 

@@ -1,6 +1,6 @@
 //! A mass on a spring and a damper, all linear.
 
-use latsch::model::{Model, Variable, input, output, parameter};
+use latsch::model::{Model, Table, input, output, parameter};
 use latsch::{Result, real};
 use serde::{Deserialize, Serialize};
 
@@ -74,17 +74,19 @@ impl LinearOscillator {
 impl Model for LinearOscillator {
     const NAME: &'static str = "linear-oscillator";
     const DESCRIPTION: &'static str = "A mass on a linear spring and a linear damper under a force";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        parameter("mass", "kg", real!(mass), 1.0, "Mass").range(1e-9, 1e9),
-        parameter("damping", "N.s/m", real!(damping), 1.0, "Damping, force by velocity").range(0.0, 1e9),
-        parameter("stiffness", "N/m", real!(stiffness), 100.0, "Stiffness, force by position")
-            .range(1e-9, 1e12),
-        parameter("offset", "N", real!(offset), 0.0, "Constant force besides the input").range(-1e6, 1e6),
-        parameter("gain", "1", real!(gain), 1.0, "Force on the mass by the input").range(-1e6, 1e6),
-        input("force", "N", real!(force), 0.0, "Force on the mass"),
-        output("position", "m", real!(position), "Position of the mass, from where the spring is free"),
-        output("velocity", "m/s", real!(velocity), "Velocity of the mass"),
-    ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            parameter("mass", "kg", real!(mass), 1.0, "Mass").range(1e-9, 1e9),
+            parameter("damping", "N.s/m", real!(damping), 1.0, "Damping, force by velocity").range(0.0, 1e9),
+            parameter("stiffness", "N/m", real!(stiffness), 100.0, "Stiffness, force by position")
+                .range(1e-9, 1e12),
+            parameter("offset", "N", real!(offset), 0.0, "Constant force besides the input").range(-1e6, 1e6),
+            parameter("gain", "1", real!(gain), 1.0, "Force on the mass by the input").range(-1e6, 1e6),
+            input("force", "N", real!(force), 0.0, "Force on the mass"),
+            output("position", "m", real!(position), "Position of the mass, from where the spring is free"),
+            output("velocity", "m/s", real!(velocity), "Velocity of the mass"),
+        ])
+    }
     const COMMUNICATION_STEP: f64 = 4.096e-4;
     const STOP_TIME: f64 = 10.0;
 

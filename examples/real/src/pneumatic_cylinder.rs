@@ -1,6 +1,6 @@
 //! A pneumatic cylinder whose seals do not rub.
 
-use latsch::model::{Model, Variable, input, output, parameter};
+use latsch::model::{Model, Table, input, output, parameter};
 use latsch::{Result, real};
 use serde::{Deserialize, Serialize};
 
@@ -18,28 +18,32 @@ impl Model for PneumaticCylinder {
     const NAME: &'static str = "pneumatic-cylinder";
     const DESCRIPTION: &'static str =
         "A pneumatic cylinder with its pressure on one side: pressure times area";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        parameter("area", "m2", real!(area), 4.9e-4, "Area of the piston").range(1e-6, 1.0).nominal(4.9e-4),
-        input("pressure", "Pa", real!(pressure), 0.0, "Pressure in the cylinder above the ambient")
-            .nominal(5e5),
-        input(
-            "velocity",
-            "m/s",
-            real!(velocity),
-            0.0,
-            "Velocity of the rod, outwards, without effect on the force",
-        )
-        .nominal(0.01),
-        input(
-            "position",
-            "m",
-            real!(position),
-            0.0,
-            "Position of the rod, outwards, without effect on the force",
-        )
-        .nominal(0.01),
-        output("force", "N", real!(force), "Force of the rod on what it pushes"),
-    ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            parameter("area", "m2", real!(area), 4.9e-4, "Area of the piston")
+                .range(1e-6, 1.0)
+                .nominal(4.9e-4),
+            input("pressure", "Pa", real!(pressure), 0.0, "Pressure in the cylinder above the ambient")
+                .nominal(5e5),
+            input(
+                "velocity",
+                "m/s",
+                real!(velocity),
+                0.0,
+                "Velocity of the rod, outwards, without effect on the force",
+            )
+            .nominal(0.01),
+            input(
+                "position",
+                "m",
+                real!(position),
+                0.0,
+                "Position of the rod, outwards, without effect on the force",
+            )
+            .nominal(0.01),
+            output("force", "N", real!(force), "Force of the rod on what it pushes"),
+        ])
+    }
     const COMMUNICATION_STEP: f64 = 0.01;
     const STOP_TIME: f64 = 20.0;
 

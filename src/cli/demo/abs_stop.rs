@@ -1,14 +1,13 @@
 //! The same braking with and without ABS on several roads: three FMUs wired to each other.
 
+use super::stop::{StopFigures, StopRun, StopScene, stop_page};
 use latsch::control::{AbsController, BrakeHydraulics};
 use latsch::cosimulate::{Experiment, Plan, cosimulate, energy_warnings, parse_toml};
 use latsch::fmi::archive::ModelLibrary;
 use latsch::model::{Causality, Model, Native, Setting, Settings, Slave};
 
 use latsch::recording::{Channel, Recording, write_csv};
-use latsch::report::{
-    Html, PatchFrame, Section, StopFigures, StopRun, StopScene, Table, stop_page, write_html,
-};
+use latsch::report::{Html, PatchFrame, Section, Table, write_html};
 use latsch::rig::RingBrushCorner;
 use latsch::{Error, Result, write_file};
 use std::fmt::Write as _;
@@ -233,7 +232,7 @@ connect = {{ driver_pressure = {driver}, friction_factor = \"corner.friction_fac
         let mut frames = twin.frames;
         frames.truncate(shown);
         let model = twin.slave.model();
-        let parameters = &model.mounted().parameters;
+        let parameters = &model.mounted().tire.parameters;
         let run = StopRun {
             name: if abs { "with ABS" } else { "without ABS" }.into(),
             recording,
@@ -287,7 +286,7 @@ impl Twin {
                 slave.step(first + (k - 1) as f64 * step, step)?;
             }
             if k % EVERY == 0 {
-                frames.push(PatchFrame::of(slave.model().mounted(), recording.time[k], ""));
+                frames.push(PatchFrame::of(&slave.model().mounted().tire, recording.time[k], ""));
             }
         }
         let index = slave.find("vehicle_distance")?;
@@ -323,7 +322,7 @@ fn profile(corner: &RingBrushCorner, end: f64) -> Vec<[f64; 2]> {
     let points: Vec<[f64; 2]> = (0..=steps)
         .map(|i| {
             let x = -3.0 + i as f64 * ROAD_STEP;
-            [x, corner.road().raw_height(x)]
+            [x, corner.road().at(x, 0.0).height]
         })
         .collect();
     let mut corners: Vec<[f64; 2]> = Vec::new();

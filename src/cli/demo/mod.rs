@@ -2,9 +2,11 @@
 
 mod abs_stop;
 mod flat_track;
+mod stop;
 
 use super::print;
 use latsch::fmi::archive::ModelLibrary;
+use latsch::shipped::MODELS;
 use latsch::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -22,7 +24,7 @@ pub fn run(args: &Args) -> Result<()> {
     for folder in [&runs, &track] {
         std::fs::create_dir_all(folder).map_err(|e| Error::file(format!("{}: {e}", folder.display())))?;
     }
-    let library = ModelLibrary::shipped()?;
+    let library = ModelLibrary::shipped(MODELS)?;
     // they take equally long and have nothing to do with each other
     let (stop, rig) = std::thread::scope(|scope| {
         let rig = scope.spawn(|| flat_track::run(&track, &library));

@@ -9,7 +9,7 @@ mod wheel;
 
 use self::reference::{Limits, Reference, Wheels};
 use self::wheel::{Event, PHASES, Phase, Thresholds, Wheel};
-use crate::model::{Access, Model, Variable, input, integer_parameter, local, output, parameter};
+use crate::model::{Access, Model, Table, input, integer_parameter, local, output, parameter};
 use crate::{Error, Result, integer, real};
 use serde::{Deserialize, Serialize};
 
@@ -36,27 +36,28 @@ impl Model for AbsController {
     const NAME: &'static str = "abs-controller";
     const DESCRIPTION: &'static str = "Rule-based anti-lock brake controller for one to four wheels: wheel speeds and the driver's pressure in, openings of the valves out";
     const STOP_TIME: f64 = 5.0;
-    const DOCUMENTATION: &'static str = include_str!("documentation.html");
-    const VARIABLES: &'static [Variable<Self>] = &[
+    const DOCUMENTATION: &'static [&'static str] = &[include_str!("documentation.html")];
+    fn variables() -> Table<Self> {
+        Table::new([
         input("wheel_speed_1", "rad/s", real!(wheel_speeds[0]), 0.0, "Spin speed of wheel 1, positive forward; not used where wheels is less").range(-1e4, 1e4),
         input("wheel_speed_2", "rad/s", real!(wheel_speeds[1]), 0.0, "Spin speed of wheel 2, positive forward; not used where wheels is less").range(-1e4, 1e4),
         input("wheel_speed_3", "rad/s", real!(wheel_speeds[2]), 0.0, "Spin speed of wheel 3, positive forward; not used where wheels is less").range(-1e4, 1e4),
         input("wheel_speed_4", "rad/s", real!(wheel_speeds[3]), 0.0, "Spin speed of wheel 4, positive forward; not used where wheels is less").range(-1e4, 1e4),
         input("driver_pressure", "Pa", real!(driver_pressure), 0.0, "Pressure in the master cylinder, over ambient").range(-1e7, 1e8),
         output("inlet_valve_1", "1", real!(wheels[0].inlet), "Opening of the inlet valve of wheel 1").discrete(),
-        output("outlet_valve_1", "1", Access::Real(|m: &Self| m.wheels[0].outlet(), |_: &mut Self, _| {}), "Opening of the outlet valve of wheel 1").discrete(),
+        output("outlet_valve_1", "1", Access::computed(|m: &Self| m.wheels[0].outlet()), "Opening of the outlet valve of wheel 1").discrete(),
         output("inlet_valve_2", "1", real!(wheels[1].inlet), "Opening of the inlet valve of wheel 2").discrete(),
-        output("outlet_valve_2", "1", Access::Real(|m: &Self| m.wheels[1].outlet(), |_: &mut Self, _| {}), "Opening of the outlet valve of wheel 2").discrete(),
+        output("outlet_valve_2", "1", Access::computed(|m: &Self| m.wheels[1].outlet()), "Opening of the outlet valve of wheel 2").discrete(),
         output("inlet_valve_3", "1", real!(wheels[2].inlet), "Opening of the inlet valve of wheel 3").discrete(),
-        output("outlet_valve_3", "1", Access::Real(|m: &Self| m.wheels[2].outlet(), |_: &mut Self, _| {}), "Opening of the outlet valve of wheel 3").discrete(),
+        output("outlet_valve_3", "1", Access::computed(|m: &Self| m.wheels[2].outlet()), "Opening of the outlet valve of wheel 3").discrete(),
         output("inlet_valve_4", "1", real!(wheels[3].inlet), "Opening of the inlet valve of wheel 4").discrete(),
-        output("outlet_valve_4", "1", Access::Real(|m: &Self| m.wheels[3].outlet(), |_: &mut Self, _| {}), "Opening of the outlet valve of wheel 4").discrete(),
+        output("outlet_valve_4", "1", Access::computed(|m: &Self| m.wheels[3].outlet()), "Opening of the outlet valve of wheel 4").discrete(),
         output("reference_speed", "m/s", real!(reference.speed), "The controller's own estimate of the vehicle's speed").discrete(),
-        output("active", "", Access::Boolean(|m: &Self| m.in_use().iter().any(|w| w.phase != Phase::Off), |_: &mut Self, _| {}), "True while the brake of at least one wheel is not left to the driver"),
-        output("phase_1", "", Access::Integer(|m: &Self| m.wheels[0].phase as i32 + 1, |_: &mut Self, _| {}), "What is being done with wheel 1").items(PHASES),
-        output("phase_2", "", Access::Integer(|m: &Self| m.wheels[1].phase as i32 + 1, |_: &mut Self, _| {}), "What is being done with wheel 2").items(PHASES),
-        output("phase_3", "", Access::Integer(|m: &Self| m.wheels[2].phase as i32 + 1, |_: &mut Self, _| {}), "What is being done with wheel 3").items(PHASES),
-        output("phase_4", "", Access::Integer(|m: &Self| m.wheels[3].phase as i32 + 1, |_: &mut Self, _| {}), "What is being done with wheel 4").items(PHASES),
+        output("active", "", Access::computed_boolean(|m: &Self| m.in_use().iter().any(|w| w.phase != Phase::Off)), "True while the brake of at least one wheel is not left to the driver"),
+        output("phase_1", "", Access::computed_integer(|m: &Self| m.wheels[0].phase as i32 + 1), "What is being done with wheel 1").items(PHASES),
+        output("phase_2", "", Access::computed_integer(|m: &Self| m.wheels[1].phase as i32 + 1), "What is being done with wheel 2").items(PHASES),
+        output("phase_3", "", Access::computed_integer(|m: &Self| m.wheels[2].phase as i32 + 1), "What is being done with wheel 3").items(PHASES),
+        output("phase_4", "", Access::computed_integer(|m: &Self| m.wheels[3].phase as i32 + 1), "What is being done with wheel 4").items(PHASES),
         output("slip_1", "1", real!(wheels[0].slip), "Brake slip of wheel 1 against the reference speed: 0 rolls, 1 is locked").discrete(),
         output("slip_2", "1", real!(wheels[1].slip), "Brake slip of wheel 2 against the reference speed: 0 rolls, 1 is locked").discrete(),
         output("slip_3", "1", real!(wheels[2].slip), "Brake slip of wheel 3 against the reference speed: 0 rolls, 1 is locked").discrete(),
@@ -98,7 +99,8 @@ impl Model for AbsController {
         parameter("activation_pressure", "Pa", real!(activation_pressure), 2e5, "Driver's pressure below which there is no intervention (placeholder)").range(0.0, 1e8).tunable(),
         parameter("switch_off_speed", "m/s", real!(switch_off_speed), 2.5, "Reference speed below which there is no intervention (placeholder)").range(0.1, 100.0).tunable(),
         parameter("sample_time", "s", real!(sample_time), 5e-3, "Time between two decisions: the step of the model's own time grid (placeholder)").range(1e-4, 0.1),
-    ];
+    ])
+    }
 
     fn step_size(&self) -> f64 {
         self.sample_time

@@ -4,7 +4,7 @@ use super::super::effort::Work;
 use super::*;
 use crate::effect::{Port, Signal, Source, find};
 use crate::fit::{Bench, Channel, Factory};
-use crate::model::{Interface, Model as Native, Settings, Slave, Variable, input, output, parameter};
+use crate::model::{Interface, Model as Native, Settings, Slave, Table, input, output, parameter};
 use crate::{Error, Result, real};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -25,12 +25,14 @@ const FORCE: usize = 2;
 impl Native for Spring {
     const NAME: &'static str = "spring";
     const DESCRIPTION: &'static str = "A spring";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        input("travel", "m", real!(travel), 0.0, "Travel").range(-2.0, 2.0),
-        input("speed", "m/s", real!(speed), 20.0, "Speed of the belt"),
-        output("force", "N", real!(force), "Force"),
-        parameter("limit", "m", real!(limit), 10.0, "Largest travel"),
-    ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            input("travel", "m", real!(travel), 0.0, "Travel").range(-2.0, 2.0),
+            input("speed", "m/s", real!(speed), 20.0, "Speed of the belt"),
+            output("force", "N", real!(force), "Force"),
+            parameter("limit", "m", real!(limit), 10.0, "Largest travel"),
+        ])
+    }
 
     fn step_size(&self) -> f64 {
         1e-3
@@ -293,10 +295,10 @@ fn programmes_that_cannot_be_run_are_left_out() {
 fn fitted_models_become_rivals() {
     let (bench, mut runs) = (bench(10.0), [run(2e-3, 20.0)]);
     // a lag of 20 ms with noise
-    let (noise, mut dice) = (0.02, super::super::blocks::Dice::new(3));
+    let (noise, mut random) = (0.02, crate::stats::SplitMix64::new(3));
     let x = 2.0 * PI * 0.02;
     for (value, time) in runs[0].channels[0].values.iter_mut().zip(&runs[0].time) {
-        let uniform = dice.bits() as f64 / u64::MAX as f64 - 0.5;
+        let uniform = random.bits() as f64 / u64::MAX as f64 - 0.5;
         let wave = ((2.0 * PI * time).sin() - x * (2.0 * PI * time).cos()) / (1.0 + x * x);
         *value = wave + noise * 12.0_f64.sqrt() * uniform;
     }

@@ -1,7 +1,7 @@
 //! One measured channel of one run beside its simulation: offset, gain and delay between them.
 
-use super::robust::{amplitude, deviation, mean, median};
 use crate::recording::Recording;
+use crate::stats::{amplitude, deviation, mean, median_interval};
 
 /// A measured channel beside the simulated one, on the same times.
 #[derive(Debug, Clone)]
@@ -56,7 +56,7 @@ impl<'a> Pair<'a> {
 
     /// The median interval \[s\].
     pub fn interval(&self) -> f64 {
-        median(&self.time.windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>())
+        median_interval(self.time)
     }
 
     /// The time \[s\] in which the simulation goes through one period of its mean frequency.

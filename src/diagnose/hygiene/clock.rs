@@ -2,9 +2,9 @@
 
 use super::against::Table;
 use super::align::{Pair, period};
-use super::robust::{correlation, deviation, mean, median};
 use super::{Fault, FaultKind, Severity, run_name, short};
 use crate::recording::Recording;
+use crate::stats::{correlation, deviation, mean, median};
 
 /// Windows that a run is cut into.
 const WINDOWS: usize = 8;

@@ -8,7 +8,7 @@
 
 use super::against::Table;
 use super::align::{Pair, period};
-use super::robust::{correlation, deviation, mean};
+use crate::stats::{Line, correlation, deviation, mean};
 
 /// A condition explains a deviation if a line through all runs has this correlation.
 const EXPLAINED: f64 = 0.95;
@@ -101,27 +101,6 @@ fn parts(samples: usize, within: &dyn Fn(usize, usize) -> Option<f64>) -> Vec<Pa
         .map(|k| (k * samples / count, (k + 1) * samples / count))
         .filter_map(|(from, to)| Some(Part { from, to, number: within(from, to)? }))
         .collect()
-}
-
-/// A straight line through points.
-struct Line {
-    slope: f64,
-    /// Its standard error.
-    error: f64,
-}
-
-impl Line {
-    /// By least squares; `None` for fewer than three points or if `x` does not vary.
-    fn through(x: &[f64], y: &[f64]) -> Option<Self> {
-        let (mean_x, mean_y) = (mean(x), mean(y));
-        let xx: f64 = x.iter().map(|x| (x - mean_x).powi(2)).sum();
-        if x.len() < 3 || xx.is_nan() || xx <= 0.0 {
-            return None;
-        }
-        let slope = x.iter().zip(y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum::<f64>() / xx;
-        let left: f64 = x.iter().zip(y).map(|(x, y)| (y - mean_y - slope * (x - mean_x)).powi(2)).sum();
-        Some(Self { slope, error: (left / (x.len() - 2) as f64 / xx).sqrt() })
-    }
 }
 
 /// Whether the runs without the odd one lie on the line, too, and go along it.

@@ -19,7 +19,6 @@ mod copies;
 mod explain;
 mod odd;
 mod raw;
-mod robust;
 mod swap;
 #[cfg(test)]
 mod tests;

@@ -8,9 +8,9 @@
 use super::against::Table;
 use super::align::{Fit, Pair, bandwidth};
 use super::explain::explained;
-use super::robust::{deviation, median, spread};
 use super::unit_sign::mean_agrees;
 use super::{Fault, FaultKind, Severity, run_name, short};
+use crate::stats::{deviation, median, spread};
 
 /// Fewer runs than this say nothing about what is usual.
 const RUNS: usize = 4;

@@ -1,8 +1,8 @@
 //! Channels that carry each other's name.
 
 use super::against::Table;
-use super::robust::deviation;
 use super::{Fault, FaultKind, Severity, run_name, short};
+use crate::stats::deviation;
 use std::collections::BTreeMap;
 
 /// What may be left, as a share of the measured channel's deviation, beside the simulation of the other

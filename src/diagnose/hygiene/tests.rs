@@ -7,17 +7,17 @@
 
 use super::*;
 use crate::recording::{Channel, Recording};
+use crate::stats::{self, SplitMix64};
 
-/// SplitMix64: every seed is another case.
-struct Random(u64);
+/// Every seed is another case.
+struct Random(SplitMix64);
 
 impl Random {
+    fn new(seed: u64) -> Self {
+        Self(SplitMix64::new(seed))
+    }
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        self.0.uniform()
     }
     fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.next()
@@ -26,7 +26,7 @@ impl Random {
         (self.next() * n as f64) as usize
     }
     fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.next()).sum::<f64>() - 6.0
+        self.0.normal()
     }
 }
 
@@ -214,7 +214,7 @@ fn case(random: &mut Random, lacks: usize) -> Case {
         let simulated = model.run(&programme, &times, length);
         let mut measured = truth.run(&programme, &times, length);
         for values in &mut measured {
-            let size = robust::deviation(values);
+            let size = stats::deviation(values);
             let step = 10f64.powf((size * random.within(0.002, 0.01)).log10().round());
             let mut coloured = 0.0;
             for value in values.iter_mut() {
@@ -291,7 +291,7 @@ fn physics_that_is_left_out_is_no_fault() {
     let tally = std::sync::Mutex::new(std::collections::BTreeMap::<FaultKind, Vec<u64>>::new());
     let count = seeds(200);
     let alarms = rate(count, |seed| {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let lacks = random.below(3);
         let found = faults(&case(&mut random, lacks));
         for fault in &found {
@@ -316,7 +316,7 @@ fn spoil(case: &mut Case, kind: &str, random: &mut Random) {
     let n = case.measured[run].time.len();
     let some = 1 + random.below((runs - 1) / 2);
     let odd: Vec<usize> = (0..some).map(|i| (run + i) % runs).collect();
-    let size = robust::amplitude(values(&mut case.measured[run], name));
+    let size = stats::amplitude(values(&mut case.measured[run], name));
     let sign = if random.next() < 0.5 { -1.0 } else { 1.0 };
     match kind {
         "time jumps back" => {
@@ -349,7 +349,7 @@ fn spoil(case: &mut Case, kind: &str, random: &mut Random) {
             // a rail that cuts off the top quarter
             let share = random.within(0.5, 0.8);
             let values = values(&mut case.measured[run], name);
-            let (low, high) = (robust::quantile(values, 0.01), robust::quantile(values, 0.99));
+            let (low, high) = (stats::quantile(values, 0.01), stats::quantile(values, 0.99));
             let rail = low + share * (high - low);
             values.iter_mut().for_each(|v| *v = v.min(rail));
         }
@@ -460,7 +460,7 @@ fn faults_are_found() {
     ] {
         let others = std::sync::atomic::AtomicU64::new(0);
         let found = rate(count, |seed| {
-            let mut random = Random(seed.wrapping_mul(1000) + 77);
+            let mut random = Random::new(seed.wrapping_mul(1000) + 77);
             let lacks = random.below(2);
             let mut case = case(&mut random, lacks);
             spoil(&mut case, what, &mut random);
@@ -501,7 +501,7 @@ fn channel_of(runs: &[(Vec<f64>, Vec<f64>)]) -> [Vec<Recording>; 2] {
 #[test]
 fn noise_about_a_level_has_no_gain() {
     for seed in 0..40 {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let mut runs = Vec::new();
         for _ in 0..8 {
             // the wheel hardly changes its speed; what is measured is noise
@@ -518,7 +518,7 @@ fn noise_about_a_level_has_no_gain() {
 #[test]
 fn a_gain_that_no_parameter_makes_is_a_calibration() {
     let with = |gain: f64| {
-        let mut random = Random(5);
+        let mut random = Random::new(5);
         let mut runs = Vec::new();
         for i in 0..5 {
             let rate = 0.03 + 0.01 * f64::from(i);

@@ -1,7 +1,7 @@
 //! Time stamps: what is wrong with them and what time the samples have after all.
 
-use super::robust::{median, quantile};
 use super::{Fault, FaultKind, Severity, short};
+use crate::stats::{median, quantile};
 
 /// An interval this many times the median one is a gap: a lost sample or two makes 2 or 3, and linear
 /// interpolation bridges them.

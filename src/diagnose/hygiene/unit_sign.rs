@@ -2,9 +2,9 @@
 
 use super::against::Table;
 use super::align::{Fit, Pair};
-use super::robust::{deviation, mean, median, spread};
 use super::{Fault, FaultKind, Severity, run_name, short};
 use crate::model::unit::Unit;
+use crate::stats::{deviation, mean, median, spread};
 
 /// Ratios of units: how many of the recorded unit make one of the named unit, and what that would be.
 /// Each is looked for upside down, too. The last entry has the quantities that are recorded in these units;

@@ -1,8 +1,8 @@
 //! Faults that the values of one channel show by themselves: rails, frozen values, spikes, coarse steps.
 
-use super::robust::{amplitude, noise, quantile};
 use super::{Fault, FaultKind, Severity, short};
 use crate::recording::{Channel, Recording};
+use crate::stats::{amplitude, noise, quantile};
 
 /// A channel whose noise is below this share of its amplitude is a command or a computed value: commands
 /// hold values and jump, and that is no fault.

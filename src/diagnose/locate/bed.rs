@@ -1,25 +1,8 @@
-//! Runs and noise for tests.
+//! Runs for tests.
 
-use crate::diagnose::blocks::Dice;
 use crate::fit::{Channel, Drive, Run};
 use crate::model::{Causality, Interface, Kind, Variability, VariableInfo};
 use std::sync::Arc;
-
-/// A number of the normal distribution.
-pub fn normal(dice: &mut Dice) -> f64 {
-    (0..12).map(|_| dice.bits() as f64 / u64::MAX as f64).sum::<f64>() - 6.0
-}
-
-/// Noise of variance 1 with a memory: each value `a` times the one before.
-pub fn coloured(dice: &mut Dice, a: f64, n: usize) -> Vec<f64> {
-    let mut y = normal(dice);
-    (0..n)
-        .map(|_| {
-            y = a * y + (1.0 - a * a).sqrt() * normal(dice);
-            y
-        })
-        .collect()
-}
 
 /// A run: inputs are the variables 0.., channels those after them.
 pub fn run(name: &str, step: f64, inputs: &[Vec<f64>], channels: &[Vec<f64>]) -> Run {
@@ -53,6 +36,7 @@ pub fn interface(inputs: &[(&str, &str)], outputs: &[(&str, &str)]) -> Interface
         min: None,
         max: None,
         nominal: None,
+        meaning: None,
     };
     let inputs = inputs.iter().map(|v| (v, Causality::Input));
     let outputs = outputs.iter().map(|v| (v, Causality::Output));

@@ -1,10 +1,10 @@
 //! An omnibus test that something is missing, whether or not anything explains it: sensors make their
 //! noise independently, so what the residuals of two channels share comes from the machine.
 
-use super::chance::coherent;
 use super::signals::{channels, even, interval, outputs, residual};
-use super::welch::{Lines, count, independent};
 use crate::fit::{Run, Traces};
+use crate::stats::chance::coherent;
+use crate::stats::welch::{Lines, count, independent};
 
 /// Probability of chance below which a common cause counts.
 const LEVEL: f64 = 1e-3;
@@ -214,16 +214,17 @@ fn with_slope(residual: &[Vec<f64>], slope: &[Vec<f64>]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bed::{coloured, normal, run};
+    use super::super::bed::run;
     use super::*;
-    use crate::diagnose::blocks::Dice;
+    use crate::stats::SplitMix64;
+    use crate::stats::testing::coloured;
     use std::f64::consts::PI;
 
     /// An oscillator under a wandering force: position, velocity, load cell.
     fn oscillator(n: usize, stiffness: impl Fn(usize) -> f64) -> (Vec<f64>, [Vec<f64>; 3]) {
         let (parts, h) = (10, 1e-3);
-        let mut dice = Dice::new(77);
-        let force = coloured(&mut dice, 0.9, n);
+        let mut random = SplitMix64::new(77);
+        let force = coloured(&mut random, 0.9, n);
         let (mut x, mut v) = (0.0, 0.0);
         let mut all = [Vec::new(), Vec::new(), Vec::new()];
         for (i, force) in force.iter().enumerate() {
@@ -247,13 +248,13 @@ mod tests {
     fn independent_noise_has_no_common_cause() {
         let mut alarms = 0;
         for seed in 0..200 {
-            let mut dice = Dice::new(1000 + seed);
+            let mut random = SplitMix64::new(1000 + seed);
             let n = [700, 1500, 3000][seed as usize % 3];
             let memory = [0.0, 0.7, 0.95, 0.995];
             let runs: Vec<Run> = (0..3)
                 .map(|r| {
                     let noise: Vec<Vec<f64>> = (0..3)
-                        .map(|c| coloured(&mut dice, memory[(seed as usize + c + r / 3) % 4], n))
+                        .map(|c| coloured(&mut random, memory[(seed as usize + c + r / 3) % 4], n))
                         .collect();
                     run("a", 0.01, &[], &noise)
                 })
@@ -281,13 +282,13 @@ mod tests {
     fn a_wandering_parameter_is_found() {
         for seed in 0..10 {
             let n = 4000;
-            let mut dice = Dice::new(seed);
-            let wander = coloured(&mut dice, 0.995, n);
+            let mut random = SplitMix64::new(seed);
+            let wander = coloured(&mut random, 0.995, n);
             let (input, mut measured) = oscillator(n, |i| 400.0 * (1.0 + 0.08 * wander[i]));
             let (_, simulated) = oscillator(n, |_| 400.0);
             for (m, s) in measured.iter_mut().zip(&simulated) {
                 let error = spread(&m.iter().zip(s).map(|(a, b)| a - b).collect::<Vec<_>>());
-                m.iter_mut().for_each(|v| *v += 0.5 * error * normal(&mut dice));
+                m.iter_mut().for_each(|v| *v += 0.5 * error * random.normal());
             }
             let run = run("a", 0.01, &[input], &measured);
             let common = common_cause(&[&run], &[simulated.to_vec()]).unwrap();
@@ -301,10 +302,10 @@ mod tests {
     #[test]
     fn errors_of_time_are_no_common_cause() {
         for seed in 0..20 {
-            let mut dice = Dice::new(seed);
+            let mut random = SplitMix64::new(seed);
             let n = 3000;
             let wave = |t: f64, f: f64| (2.0 * PI * f * t).sin() + 0.5 * (2.0 * PI * 1.7 * f * t + 1.0).cos();
-            let jitter: Vec<f64> = (0..n).map(|_| 0.002 * normal(&mut dice)).collect();
+            let jitter: Vec<f64> = (0..n).map(|_| 0.002 * random.normal()).collect();
             let trace = |c: usize, late: &dyn Fn(usize) -> f64| -> Vec<f64> {
                 let f = [1.0, 1.0, 1.3][c];
                 let gain = [1.0, 2.0, 1.0][c];
@@ -317,7 +318,7 @@ mod tests {
                 [("lag", &lagging as &dyn Fn(usize) -> f64), ("jitter", &jittery as &dyn Fn(usize) -> f64)]
             {
                 let measured: Vec<Vec<f64>> = (0..3)
-                    .map(|c| trace(c, late).iter().map(|v| v + 0.002 * normal(&mut dice)).collect())
+                    .map(|c| trace(c, late).iter().map(|v| v + 0.002 * random.normal()).collect())
                     .collect();
                 let run = run("a", 0.01, &[], &measured);
                 let common = common_cause(&[&run], std::slice::from_ref(&simulated));

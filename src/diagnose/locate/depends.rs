@@ -238,9 +238,10 @@ pub(super) fn rate_by_sample(values: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bed::{coloured, interface, normal, run};
+    use super::super::bed::{interface, run};
     use super::*;
-    use crate::diagnose::blocks::Dice;
+    use crate::stats::SplitMix64;
+    use crate::stats::testing::coloured;
 
     const INPUTS: [(&str, &str); 3] = [("load", "N"), ("slip_angle", "rad"), ("speed", "m/s")];
     const OUTPUTS: [(&str, &str); 2] = [("force_y", "N"), ("moment", "N.m")];
@@ -254,25 +255,25 @@ mod tests {
     }
 
     fn ask(seed: u64, wrong: impl Fn(Now) -> f64) -> Vec<String> {
-        let mut dice = Dice::new(seed);
+        let mut random = SplitMix64::new(seed);
         let n = 3000;
         let mut runs = Vec::new();
         let mut simulated = Vec::new();
         for _ in 0..4 {
-            let [load, angle, speed] = [0, 1, 2].map(|_| coloured(&mut dice, 0.98, n));
+            let [load, angle, speed] = [0, 1, 2].map(|_| coloured(&mut random, 0.98, n));
             let load: Vec<f64> = load.iter().map(|v| 3000.0 + 600.0 * v).collect();
             let angle: Vec<f64> = angle.iter().map(|v| 0.05 * v).collect();
             let speed: Vec<f64> = speed.iter().map(|v| 20.0 + 3.0 * v).collect();
             let force: Vec<f64> = load.iter().zip(&angle).map(|(f, a)| 10.0 * f * a).collect();
-            let moment = coloured(&mut dice, 0.9, n);
+            let moment = coloured(&mut random, 0.9, n);
             let (mut slid, mut measured) = (0.0, Vec::new());
             for i in 0..n {
                 slid += 0.01 * (force[i] * angle[i].tan() * speed[i]).abs();
                 let rate = if i > 0 { (angle[i] - angle[i - 1]) / 0.01 } else { 0.0 };
-                let now = Now { load: load[i], speed: speed[i], rate, slid, noise: normal(&mut dice) };
-                measured.push(force[i] + 20.0 * normal(&mut dice) + wrong(now));
+                let now = Now { load: load[i], speed: speed[i], rate, slid, noise: random.normal() };
+                measured.push(force[i] + 20.0 * random.normal() + wrong(now));
             }
-            let other = moment.iter().map(|m| m + 0.1 * normal(&mut dice)).collect();
+            let other = moment.iter().map(|m| m + 0.1 * random.normal()).collect();
             runs.push(run("a", 0.01, &[load, angle, speed], &[measured, other]));
             simulated.push(vec![force, moment]);
         }

@@ -1,16 +1,16 @@
 //! The significance map of the residual: channel by time, frequency, operating condition and order.
 
-use super::chance::{coherent, fisher, holm, student};
 use super::signals::{
     Signal, bin, bins, blocks, channels, even, inputs, interval, label, memory, name, outputs, residual,
 };
-use super::welch::{Lines, count, independent};
 use crate::diagnose::result::{Cell, CellKind};
 use crate::diagnose::roles::Roles;
-use crate::diagnose::spectrum::over_angle;
 use crate::effect::Role;
 use crate::fit::{Run, Traces};
 use crate::model::Interface;
+use crate::stats::chance::{coherent, fisher, holm, student};
+use crate::stats::welch::{Lines, count, independent};
+use crate::stats::{over_angle, root_mean_square};
 use realfft::num_complex::Complex;
 use std::f64::consts::PI;
 
@@ -98,8 +98,7 @@ pub fn map(
 }
 
 fn rms<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
-    let (sum, n) = values.filter(|v| v.is_finite()).fold((0.0, 0.0), |(sum, n), v| (sum + v * v, n + 1.0));
-    if n > 0.0 { f64::sqrt(sum / n) } else { 0.0 }
+    root_mean_square(values.copied().filter(|v| v.is_finite()))
 }
 
 /// Angles of wheels: those that there are, else integrals of their speeds.
@@ -346,27 +345,28 @@ fn mean_is_zero(blocks: &[(f64, f64)]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bed::{coloured, interface, normal, run};
+    use super::super::bed::{interface, run};
     use super::*;
-    use crate::diagnose::blocks::Dice;
+    use crate::stats::SplitMix64;
+    use crate::stats::testing::coloured;
 
     const INPUTS: [(&str, &str); 2] = [("load", "N"), ("wheel_angle", "rad")];
     const OUTPUTS: [(&str, &str); 2] = [("force_y", "N"), ("sliding", "m/s")];
 
     /// Runs of noise and of what `add` makes from load, angle and sample; and the map.
     fn look(seed: u64, add: impl Fn(f64, f64, usize) -> f64) -> Vec<Cell> {
-        let mut dice = Dice::new(seed);
+        let mut random = SplitMix64::new(seed);
         let n = 2400;
         let mut runs = Vec::new();
         let mut simulated = Vec::new();
         for r in 0..3 {
-            let slow = coloured(&mut dice, 0.99, n);
+            let slow = coloured(&mut random, 0.99, n);
             let load: Vec<f64> = slow.iter().map(|v| 3000.0 + 500.0 * v).collect();
             let angle: Vec<f64> = (0..n).map(|i| 20.0 * 0.01 * i as f64 + 1e-6 * (i * i) as f64).collect();
             let memory = [0.3, 0.9][seed as usize % 2];
-            let noise = [coloured(&mut dice, memory, n), coloured(&mut dice, 0.8, n)];
+            let noise = [coloured(&mut random, memory, n), coloured(&mut random, 0.8, n)];
             let force: Vec<f64> = load.iter().map(|f| 0.5 * f).collect();
-            let sliding = coloured(&mut dice, 0.9, n);
+            let sliding = coloured(&mut random, 0.9, n);
             let measured = [
                 (0..n).map(|i| force[i] + 10.0 * noise[0][i] + add(load[i], angle[i], i)).collect(),
                 (0..n).map(|i| sliding[i] + 0.1 * noise[1][i]).collect::<Vec<f64>>(),
@@ -428,9 +428,8 @@ mod tests {
 
     #[test]
     fn a_time_and_a_band_are_where_they_are() {
-        let mut dice = Dice::new(8);
-        let burst: Vec<f64> =
-            (0..2400).map(|i| if i < 300 { 25.0 * normal(&mut dice) } else { 0.0 }).collect();
+        let mut random = SplitMix64::new(8);
+        let burst: Vec<f64> = (0..2400).map(|i| if i < 300 { 25.0 * random.normal() } else { 0.0 }).collect();
         let cells = look(4, |_, _, i| burst[i]);
         let found = significant(&cells);
         let first: Vec<&&Cell> = found.iter().filter(|c| c.kind == CellKind::Time).collect();

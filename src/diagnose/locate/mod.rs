@@ -5,7 +5,6 @@
 //! measured minus simulated. Residuals are coloured, so that tests go by blocks longer than their memory
 //! or by independent segments of a spectrum.
 
-mod chance;
 mod common;
 mod depends;
 mod map;
@@ -13,7 +12,6 @@ mod noise;
 mod repeats;
 mod signals;
 mod structure;
-mod welch;
 
 pub use common::{Common, common_cause};
 pub use depends::{TIME, depends_on};

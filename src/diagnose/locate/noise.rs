@@ -1,8 +1,8 @@
 //! How much of a residual is noise of its own.
 
 use super::signals::{channels, even, inputs, interval, outputs, residual};
-use super::welch::{Lines, count, independent};
 use crate::fit::{Run, Traces};
+use crate::stats::welch::{Lines, count, independent};
 
 /// Segments that are tried, the longest first.
 const LENGTHS: [usize; 3] = [256, 128, 64];
@@ -59,20 +59,21 @@ pub fn noise(runs: &[&Run], simulated: &[Traces], channel: usize) -> Option<f64>
 
 #[cfg(test)]
 mod tests {
-    use super::super::bed::{coloured, normal, run};
+    use super::super::bed::run;
     use super::*;
-    use crate::diagnose::blocks::Dice;
+    use crate::stats::SplitMix64;
+    use crate::stats::testing::coloured;
 
     #[test]
     fn what_inputs_and_other_channels_explain_is_no_noise() {
         for seed in 0..20 {
-            let mut dice = Dice::new(seed);
+            let mut random = SplitMix64::new(seed);
             let n = 6000;
-            let input = coloured(&mut dice, 0.9, n);
-            let shared = coloured(&mut dice, 0.8, n);
-            let own = coloured(&mut dice, 0.5, n);
+            let input = coloured(&mut random, 0.9, n);
+            let shared = coloured(&mut random, 0.8, n);
+            let own = coloured(&mut random, 0.5, n);
             let a: Vec<f64> = (0..n).map(|i| 0.3 * own[i] + 0.5 * input[i] + shared[i]).collect();
-            let b: Vec<f64> = shared.iter().map(|s| 2.0 * s + 0.02 * normal(&mut dice)).collect();
+            let b: Vec<f64> = shared.iter().map(|s| 2.0 * s + 0.02 * random.normal()).collect();
             let flat = vec![0.0; n];
             let run = run("a", 0.01, &[input], &[a, b]);
             let simulated = [vec![flat.clone(), flat]];

@@ -2,6 +2,7 @@
 
 use super::signals::{channels, even, inputs, interval, residual};
 use crate::fit::{Run, Traces};
+use crate::stats::{mean, root_mean_square};
 
 /// An input is the same in two runs if they differ by less than this share of how it moves in them,
 const ALIKE: f64 = 0.1;
@@ -43,7 +44,7 @@ fn are_repeats(driven: &[Vec<Vec<f64>>], i: usize, j: usize) -> bool {
             return false;
         }
         let (a, b) = (&a[..shorter], &b[..shorter]);
-        let mean = a.iter().sum::<f64>() / shorter as f64;
+        let mean = mean(a);
         let moved = ALIKE * root_mean_square(a.iter().map(|v| v - mean));
         let difference = root_mean_square(a.iter().zip(b).map(|(a, b)| a - b));
         moves |= moved > 0.0 && difference <= moved;
@@ -54,30 +55,26 @@ fn are_repeats(driven: &[Vec<Vec<f64>>], i: usize, j: usize) -> bool {
     moves
 }
 
-fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, n) = values.fold((0.0, 0.0), |(sum, n), v| (sum + v * v, n + 1.0));
-    (sum / f64::max(n, 1.0)).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::bed::{coloured, normal, run};
+    use super::super::bed::run;
     use super::super::noise;
     use super::*;
-    use crate::diagnose::blocks::Dice;
+    use crate::stats::SplitMix64;
+    use crate::stats::testing::coloured;
 
     const N: usize = 3000;
 
     #[test]
     fn what_comes_again_in_repeats_is_no_noise_whatever_it_follows() {
-        let mut dice = Dice::new(7);
-        let courses = [coloured(&mut dice, 0.99, N), coloured(&mut dice, 0.99, N)];
+        let mut random = SplitMix64::new(7);
+        let courses = [coloured(&mut random, 0.99, N), coloured(&mut random, 0.99, N)];
         // the sensor of the input has noise, another input rests but for its noise
         let mut measured = |k: usize| {
-            let u: Vec<f64> = courses[k].iter().map(|u| u + 0.02 * normal(&mut dice)).collect();
-            let rests = (0..N).map(|_| 20.0 + 0.1 * normal(&mut dice)).collect();
+            let u: Vec<f64> = courses[k].iter().map(|u| u + 0.02 * random.normal()).collect();
+            let rests = (0..N).map(|_| 20.0 + 0.1 * random.normal()).collect();
             // even in the input, which no coherence sees
-            let y = courses[k].iter().map(|u| u * u + 0.1 * normal(&mut dice)).collect();
+            let y = courses[k].iter().map(|u| u * u + 0.1 * random.normal()).collect();
             run("a", 0.01, &[u, rests], &[y])
         };
         let runs = [measured(0), measured(1), measured(0), measured(0)];
@@ -95,11 +92,11 @@ mod tests {
 
     #[test]
     fn runs_at_rest_and_runs_of_other_lengths_repeat_nothing() {
-        let mut dice = Dice::new(3);
-        let rest = run("a", 0.01, &[vec![1.0; N]], &[coloured(&mut dice, 0.5, N)]);
+        let mut random = SplitMix64::new(3);
+        let rest = run("a", 0.01, &[vec![1.0; N]], &[coloured(&mut random, 0.5, N)]);
         let simulated = vec![vec![vec![0.0; N]]; 2];
         assert_eq!(scatter(&[&rest, &rest], &simulated), None);
-        let moves = coloured(&mut dice, 0.9, N);
+        let moves = coloured(&mut random, 0.9, N);
         let long = run("a", 0.01, std::slice::from_ref(&moves), &[vec![0.0; N]]);
         let short = run("b", 0.01, &[moves[..N / 2].to_vec()], &[vec![0.0; N / 2]]);
         assert_eq!(scatter(&[&long, &short], &[vec![vec![0.0; N]], vec![vec![0.0; N / 2]]]), None);

@@ -1,8 +1,8 @@
 //! Residuals, and the signals that they may depend on, of all runs alike.
 
-use crate::diagnose::blocks::redundancy;
 use crate::fit::{Run, Traces};
 use crate::model::Interface;
+use crate::stats::{mean, median, quantile_below, redundancy};
 
 /// Series longer than this are thinned before their memory is measured.
 const MANY: usize = 20_000;
@@ -81,9 +81,8 @@ pub fn label(interface: &Interface, variable: usize) -> String {
 
 /// The median sampling interval of all runs \[s\].
 pub fn interval(runs: &[&Run]) -> Option<f64> {
-    let mut all: Vec<f64> = runs.iter().flat_map(|r| r.time.windows(2).map(|w| w[1] - w[0])).collect();
-    all.sort_by(f64::total_cmp);
-    all.get(all.len() / 2).copied().filter(|step| step.is_finite() && *step > 0.0)
+    let all: Vec<f64> = runs.iter().flat_map(|r| r.time.windows(2).map(|w| w[1] - w[0])).collect();
+    Some(median(&all)).filter(|step| step.is_finite() && *step > 0.0)
 }
 
 /// Samples at equal distances: as they are if their times are within half an interval of that, else linear
@@ -122,7 +121,7 @@ pub fn even(time: &[f64], values: &[f64], step: f64) -> Vec<f64> {
 pub fn memory(series: &[Vec<f64>]) -> f64 {
     let of = |values: &Vec<f64>| {
         let thin = values.len().div_ceil(MANY);
-        let means: Vec<f64> = values.chunks(thin).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect();
+        let means: Vec<f64> = values.chunks(thin).map(mean).collect();
         redundancy(&means) * thin as f64
     };
     series.iter().filter(|s| s.len() >= 8).map(of).fold(1.0, f64::max)
@@ -153,7 +152,7 @@ pub fn bins(values: &[f64], count: usize) -> Vec<f64> {
         let between = distinct.windows(2).map(|w| 0.5 * (w[0] + w[1]));
         return std::iter::once(low).chain(between).chain([high]).collect();
     }
-    let mut edges: Vec<f64> = (0..=count).map(|i| sorted[i * (sorted.len() - 1) / count]).collect();
+    let mut edges: Vec<f64> = (0..=count).map(|i| quantile_below(&sorted, i, count)).collect();
     edges.dedup_by(|b, a| *b - *a < 1e-6 * range);
     if edges.len() < 3 { vec![low, 0.5 * (low + high), high] } else { edges }
 }

@@ -3,10 +3,10 @@
 
 use super::depends::{TIME, candidates, rate_by_sample};
 use super::signals::{bins, blocks, channels, memory, residual};
-use crate::diagnose::blocks::{redundancy, sign_flip};
 use crate::diagnose::roles::Roles;
 use crate::fit::{Run, Traces};
 use crate::model::Interface;
+use crate::stats::{about_mean, mean_or_zero, redundancy, sign_flip};
 use nalgebra::{DMatrix, DVector};
 
 /// Samples that functions are found from at most.
@@ -107,9 +107,8 @@ struct Signal {
 impl Signal {
     fn of(name: String, fit: Vec<f64>, check: Vec<f64>) -> Option<Self> {
         let finite: Vec<f64> = fit.iter().copied().filter(|v| v.is_finite()).collect();
-        let n = finite.len().max(1) as f64;
-        let mean = finite.iter().sum::<f64>() / n;
-        let spread = (finite.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let mean = mean_or_zero(&finite);
+        let spread = (about_mean(&finite) / finite.len().max(1) as f64).sqrt();
         let scale = |v: f64| if v.is_finite() { ((v - mean) / spread).clamp(-6.0, 6.0) } else { 0.0 };
         (spread > 1e-9 * mean.abs() && spread > 0.0).then(|| Self {
             is_rate: name.starts_with("rate of "),
@@ -385,9 +384,7 @@ fn through(
 fn important(design: &Design<'_>, chosen: &[usize], parts: &[Vec<f64>]) -> Vec<String> {
     let mut weights: Vec<(f64, &str)> = Vec::new();
     for (g, part) in chosen.iter().zip(parts) {
-        let n = part.len().max(1) as f64;
-        let mean = part.iter().sum::<f64>() / n;
-        let size = part.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+        let size = about_mean(part);
         for s in &design.groups[*g].signals {
             let name = design.signals[*s].name.as_str();
             match weights.iter_mut().find(|w| w.1 == name) {
@@ -431,9 +428,10 @@ fn solve(columns: &[DVector<f64>], target: &DVector<f64>) -> Option<DVector<f64>
 
 #[cfg(test)]
 mod tests {
-    use super::super::bed::{coloured, interface, normal, run};
+    use super::super::bed::{interface, run};
     use super::*;
-    use crate::diagnose::blocks::Dice;
+    use crate::stats::SplitMix64;
+    use crate::stats::testing::coloured;
 
     const INPUTS: [(&str, &str); 3] = [("load", "N"), ("slip_angle", "rad"), ("speed", "m/s")];
     const OUTPUTS: [(&str, &str); 2] = [("force_y", "N"), ("moment", "N.m")];
@@ -446,19 +444,19 @@ mod tests {
 
     /// The same with a parameter that moves the force by a function of the angle.
     fn ask_with(seed: u64, wrong: impl Fn([f64; 5]) -> f64, moves: Option<fn(f64) -> f64>) -> Vec<Structure> {
-        let mut dice = Dice::new(seed);
+        let mut random = SplitMix64::new(seed);
         let n = 2000;
         let (mut runs, mut simulated, mut sensitivity) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..6 {
-            let [load, angle, speed] = [0, 1, 2].map(|_| coloured(&mut dice, 0.98, n));
+            let [load, angle, speed] = [0, 1, 2].map(|_| coloured(&mut random, 0.98, n));
             let force: Vec<f64> = load.iter().zip(&angle).map(|(f, a)| 500.0 * a * (5.0 + f)).collect();
-            let noise = coloured(&mut dice, 0.7, n);
+            let noise = coloured(&mut random, 0.7, n);
             let measured = (0..n).map(|i| {
                 let rate = force[i] - force[i.saturating_sub(1)];
                 force[i] + 50.0 * noise[i] + wrong([load[i], angle[i], speed[i], force[i], rate])
             });
             let measured: Vec<f64> = measured.collect();
-            let other: Vec<f64> = (0..n).map(|_| normal(&mut dice)).collect();
+            let other: Vec<f64> = (0..n).map(|_| random.normal()).collect();
             let moved = |f: fn(f64) -> f64| angle.iter().map(|a| f(*a)).collect::<Vec<f64>>();
             sensitivity.push(vec![moves.map_or(vec![0.0; n], moved), vec![0.0; n]]);
             runs.push(run("a", 0.01, &[load, angle, speed], &[measured, other]));

@@ -4,7 +4,7 @@
 use super::tests::run;
 use crate::effect::file::Corrections;
 use crate::effect::{Attached, Attachment, Chosen, Effect, Signal, Source, find, forms};
-use crate::model::{Access, Model, Native, Settings, Slave, Variable, input, output, parameter};
+use crate::model::{Access, Model, Native, Settings, Slave, Table, input, output, parameter};
 use crate::rig::RingBrushFlatTrack;
 use crate::{Result, real};
 use serde::{Deserialize, Serialize};
@@ -46,26 +46,33 @@ impl Carriage {
 
 macro_rules! shown {
     ($m:ident => $value:expr) => {
-        Access::Real(|$m: &Self| $value, |_: &mut Self, _| {})
+        Access::computed(|$m: &Self| $value)
     };
 }
 
 impl Model for Carriage {
     const NAME: &'static str = "carriage";
     const DESCRIPTION: &'static str = "A linear tire that is pulled along";
-    const DOCUMENTATION: &'static str = "";
-    const VARIABLES: &'static [Variable<Self>] = &[
-        parameter("cornering_stiffness", "N/rad", real!(cornering_stiffness), 6e4, "Force per slip angle"),
-        parameter("trail", "m", real!(trail), 0.03, "Pneumatic trail"),
-        input("speed", "m/s", real!(speed), 20.0, "Speed along x"),
-        input("sideways", "m/s", real!(sideways), 0.0, "Speed along y"),
-        input("steer", "rad", real!(steer), 0.0, "Steer angle about z"),
-        input("slip_angle", "rad", real!(slip_angle), 0.0, "Slip angle besides"),
-        input("load", "N", real!(load), 4000.0, "Load"),
-        output("angle", "rad", shown!(m => m.angle()), "Slip angle of the tire"),
-        output("force_y", "N", shown!(m => m.side_force()), "Lateral force"),
-        output("moment_z", "N.m", shown!(m => -m.trail * m.side_force()), "Aligning moment"),
-    ];
+    fn variables() -> Table<Self> {
+        Table::new([
+            parameter(
+                "cornering_stiffness",
+                "N/rad",
+                real!(cornering_stiffness),
+                6e4,
+                "Force per slip angle",
+            ),
+            parameter("trail", "m", real!(trail), 0.03, "Pneumatic trail"),
+            input("speed", "m/s", real!(speed), 20.0, "Speed along x"),
+            input("sideways", "m/s", real!(sideways), 0.0, "Speed along y"),
+            input("steer", "rad", real!(steer), 0.0, "Steer angle about z"),
+            input("slip_angle", "rad", real!(slip_angle), 0.0, "Slip angle besides"),
+            input("load", "N", real!(load), 4000.0, "Load"),
+            output("angle", "rad", shown!(m => m.angle()), "Slip angle of the tire"),
+            output("force_y", "N", shown!(m => m.side_force()), "Lateral force"),
+            output("moment_z", "N.m", shown!(m => -m.trail * m.side_force()), "Aligning moment"),
+        ])
+    }
     fn step_size(&self) -> f64 {
         1e-3
     }

@@ -1,8 +1,8 @@
 //! The process that runs foreign code: one case, then it ends. What it finds it writes at once, so that
 //! it is kept if the code crashes.
 
-use super::cases::{CASES, Lab};
-use super::finding::Level;
+use super::lab::{Case, Lab, word};
+use super::reporter::{CALL, Line, Reporter, STDERR, STDOUT};
 use super::tree::Node;
 use super::unit::{self, CallNote, Functions, Maker, Outcome, STALE, STRANGE};
 use crate::fmi::import::Description;
@@ -10,100 +10,15 @@ use crate::fmi::import::library::{Handle, Names, find};
 use crate::fmi::import::log::Heard;
 use crate::fmi::import::slave::file_uri;
 use crate::{Error, Result};
-use serde::{Deserialize, Serialize};
-use std::collections::HashSet;
 use std::fs::File;
-use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::Ordering;
-use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The file for the name of the current call.
-pub(super) const CALL: &str = "call";
-/// A file with this name says that unknown value references crash the FMU.
-pub(super) const FRAGILE: &str = "fragile";
-/// Where the code's standard output goes.
-pub(super) const STDOUT: &str = "stdout";
-/// Where the code's standard error goes.
-pub(super) const STDERR: &str = "stderr";
-
-/// A finding on its way to the parent process, which adds citation and place.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Found {
-    pub(super) rule: String,
-    pub(super) level: Level,
-    pub(super) what: String,
-    /// The variable that it is about.
-    pub(super) variable: Option<String>,
-    /// The attribute of CoSimulation that it is about.
-    pub(super) attribute: Option<String>,
-}
-
-/// A line from this process.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Line {
-    /// Something is wrong.
-    Found(Found),
-    /// Something could not be checked, or nothing else makes sense.
-    Stop(String),
-    /// The case is through.
-    Done,
-}
-
-/// Writes findings to the parent.
-pub(super) struct Reporter {
-    out: Mutex<File>,
-    told: Mutex<HashSet<String>>,
-}
-
-impl Reporter {
-    fn send(&self, line: &Line) {
-        let Ok(mut text) = serde_json::to_vec(line) else { return };
-        text.push(b'\n');
-        // If nobody listens any more, there is nobody to tell.
-        let _ = self.out.lock().unwrap_or_else(PoisonError::into_inner).write_all(&text);
-    }
-
-    /// Sends a finding, once.
-    pub(super) fn found(&self, found: Found) {
-        let new = self
-            .told
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .insert(format!("{} {}", found.rule, found.what));
-        if new {
-            self.send(&Line::Found(found));
-        }
-    }
-
-    pub(super) fn report(&self, level: Level, rule: &str, what: impl Into<String>) {
-        self.found(Found { rule: rule.into(), level, what: what.into(), variable: None, attribute: None });
-    }
-
-    pub(super) fn error(&self, rule: &str, what: impl Into<String>) {
-        self.report(Level::Error, rule, what);
-    }
-
-    pub(super) fn warning(&self, rule: &str, what: impl Into<String>) {
-        self.report(Level::Warning, rule, what);
-    }
-
-    /// Nothing can be checked after this.
-    pub(super) fn stop(&self, why: impl Into<String>) {
-        self.send(&Line::Stop(why.into()));
-    }
-}
-
-/// Runs the case called `name` on the FMU unpacked in `folder`; `work` is a folder for notes. Findings go
-/// to standard output as lines of JSON. This process should do nothing else.
-///
-/// # Errors
-/// A wrong name, or folders that [`check`](super::check) did not make.
-pub fn run_child(name: &str, folder: &Path, work: &Path, timeout: Duration) -> Result<()> {
+/// Runs the one of these cases that is called `name`, as [`run_child`](super::run_child) says.
+pub(super) fn run(cases: &[Case], name: &str, folder: &Path, work: &Path, timeout: Duration) -> Result<()> {
     let begin = Instant::now();
-    let case = CASES
+    let case = cases
         .iter()
         .find(|case| case.name == name)
         .ok_or_else(|| Error::call(format!("there is no check {name:?}")))?;
@@ -118,7 +33,7 @@ pub fn run_child(name: &str, folder: &Path, work: &Path, timeout: Duration) -> R
     let results =
         unit::redirect(1, &out).ok_or_else(|| Error::call("standard output cannot be redirected"))?;
     unit::redirect(2, &err).ok_or_else(|| Error::call("standard error cannot be redirected"))?;
-    let reporter = Reporter { out: Mutex::new(results), told: Mutex::default() };
+    let reporter = Reporter::new(results);
 
     let resources = std::fs::canonicalize(folder).map_err(io)?.join("resources");
     std::fs::create_dir_all(&resources).map_err(io)?;
@@ -205,7 +120,7 @@ fn judge(outcome: &Outcome<'_>, reporter: &Reporter, categories: &[String], asyn
     }
     // The calls for statuses answer fmi2Discard where there is nothing to tell.
     if (1..=4).contains(&outcome.status) && outcome.messages.is_empty() && !call.ends_with("Status") {
-        let status = super::cases::word(outcome.status);
+        let status = word(outcome.status);
         reporter.error("L5", format!("{call} returned {status} without a message"));
     }
     for message in outcome.messages {

@@ -3,7 +3,7 @@
 mod structure;
 mod structured_names;
 
-use super::finding::{Finding, Place};
+use super::finding::{Finding, Level, Place};
 use super::schema::{CAUSALITIES, INITIALS, VARIABILITIES};
 use super::tree::Node;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -204,7 +204,7 @@ fn check_experiment(root: &Node, findings: &mut Vec<Finding>) {
     {
         let what = format!("stopTime = {stop} is not after startTime = {start}");
         // A run of no length is possible, if of little use.
-        let level = if stop < start { super::Level::Error } else { super::Level::Warning };
+        let level = if stop < start { Level::Error } else { Level::Warning };
         findings.push(Finding::new(level, "X18", at(experiment, "stopTime"), what));
     }
     for name in ["stepSize", "tolerance"] {

@@ -2,25 +2,38 @@
 //!
 //! [`check`] looks at the archive and at its modelDescription.xml, then runs the binary, one check
 //! after the other, each in a process of its own with a time limit: a crash or a hang is a finding.
+//!
+//! Each file uses only those below it:
+//!
+//! ```text
+//! mod (hands the cases to parent and child)
+//! parent  child  cases                what a case tries; processes know cases only as what they are given
+//!         lab                         what a case is and works with
+//!         unit  reporter              calls of the binary; what a case says
+//! archive  description  schema        what needs no binary
+//! report  finding  tree  rules
+//! ```
 
 mod archive;
 mod cases;
 mod child;
 mod description;
 mod finding;
+mod lab;
 mod parent;
+mod report;
+mod reporter;
 mod rules;
 mod schema;
 mod tree;
 mod unit;
 
-pub use child::run_child;
 pub use finding::{Also, Finding, Level, Place};
+pub use report::Report;
 pub use rules::{RULES, Rule};
 
 use super::import::{Archive, Description, MAX_LENGTH, MAX_UNPACKED};
 use crate::{Error, Result};
-use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tree::Node;
@@ -35,28 +48,6 @@ pub struct Options {
     pub timeout: Duration,
 }
 
-/// What was found.
-#[derive(Debug, Clone, Serialize)]
-pub struct Report {
-    /// In the order archive, description, binary.
-    pub findings: Vec<Finding>,
-    /// The checks of the binary that were run.
-    pub checks: Vec<&'static str>,
-    /// What was not checked, and why: sentences.
-    pub notes: Vec<String>,
-    /// The platforms that the archive has binaries for, such as "linux64", sorted.
-    pub platforms: Vec<String>,
-    /// The one whose binary was run.
-    pub ran: Option<String>,
-}
-
-impl Report {
-    /// How many findings are of this level.
-    pub fn count(&self, level: Level) -> usize {
-        self.findings.iter().filter(|f| f.level == level).count()
-    }
-}
-
 /// Checks the FMU at `path`. With a program in `options` this runs the FMU's code.
 ///
 /// # Errors
@@ -65,6 +56,15 @@ pub fn check(path: &Path, options: &Options) -> Result<Report> {
     let mut report = examine(path, options)?;
     report.findings = finding::group(report.findings);
     Ok(report)
+}
+
+/// Runs the case called `name` on the FMU unpacked in `folder`; `work` is a folder for notes. Findings go
+/// to standard output as lines of JSON. This process should do nothing else.
+///
+/// # Errors
+/// A wrong name, or folders that [`check`] did not make.
+pub fn run_child(name: &str, folder: &Path, work: &Path, timeout: Duration) -> Result<()> {
+    child::run(cases::CASES, name, folder, work, timeout)
 }
 
 /// The report with a finding for each place.
@@ -132,7 +132,7 @@ fn examine(path: &Path, options: &Options) -> Result<Report> {
         Ok(folder) => folder,
         Err(error) => return not_run(report, "Z1", &error),
     };
-    parent::run(program, options.timeout, folder.path(), &description, &root, &mut report)?;
+    parent::run(cases::CASES, program, options.timeout, folder.path(), &description, &root, &mut report)?;
     Ok(report)
 }
 

@@ -4,6 +4,10 @@
 use crate::model::Interface;
 use serde::{Deserialize, Serialize};
 
+#[cfg(feature = "host")]
+/// Name of the tool whose annotations say what variables mean.
+pub(in crate::fmi) const ANNOTATIONS: &str = "latsch";
+
 /// The content of a modelDescription.xml, with type definitions and FMI's defaults resolved.
 ///
 /// Where the standard's rules on single variables are broken (an input with `initial`, a parameter

@@ -25,6 +25,8 @@ pub(crate) mod xml;
 
 #[cfg(feature = "host")]
 pub use archive::{Archive, Limits, MAX_ENTRIES, MAX_UNPACKED};
+#[cfg(feature = "host")]
+pub(in crate::fmi) use description::ANNOTATIONS;
 pub use description::{Capabilities, Description, Experiment};
 pub use log::Message;
 #[cfg(feature = "host")]

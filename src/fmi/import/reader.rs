@@ -1,8 +1,8 @@
 //! Reads modelDescription.xml.
 
-use super::description::{Capabilities, Description, Experiment};
+use super::description::{ANNOTATIONS, Capabilities, Description, Experiment};
 use super::xml::{self, Element, Place};
-use crate::model::{Causality, Initial, Interface, Kind, Value, Variability, VariableInfo};
+use crate::model::{Causality, Initial, Interface, Kind, Meaning, Value, Variability, VariableInfo};
 use crate::{Error, Result};
 use std::collections::{HashMap, HashSet};
 
@@ -122,6 +122,10 @@ struct Reader {
     item_values: HashSet<i32>,
     rows: Vec<Row>,
     names: HashSet<String>,
+    /// The annotations that are being read are those of this tool.
+    own_annotations: bool,
+    /// What the author of the model says of its variables, by name.
+    meanings: Option<HashMap<String, Meaning>>,
 }
 
 impl Reader {
@@ -163,6 +167,23 @@ impl Reader {
                 Ok(())
             }
             ([_, "TypeDefinitions", "SimpleType", "Enumeration"], "Item") => self.item(element),
+            ([_, "VendorAnnotations"], "Tool") => {
+                self.own_annotations = element.text("name") == Some(ANNOTATIONS);
+                Ok(())
+            }
+            ([_, "VendorAnnotations", "Tool"], "Meanings") if self.own_annotations => {
+                self.meanings.get_or_insert_default();
+                Ok(())
+            }
+            ([_, "VendorAnnotations", "Tool", "Meanings"], "Variable") if self.own_annotations => {
+                let meaning = Meaning {
+                    role: element.text("role").and_then(word),
+                    purpose: element.text("purpose").and_then(word).unwrap_or_default(),
+                };
+                let name = element.required("name")?.to_owned();
+                self.meanings.get_or_insert_default().insert(name, meaning);
+                Ok(())
+            }
             ([_, "ModelVariables"], "ScalarVariable") => self.variable(element),
             ([_, "ModelVariables", "ScalarVariable"], name) => match Base::of(name) {
                 Some(base) => self.variable_type(element, base),
@@ -308,8 +329,13 @@ impl Reader {
         })?;
         let mut left = MAX_INHERITED;
         let find = |name: &str| self.types.get(name).and_then(|index| self.traits.get(*index));
-        let variables =
+        let mut variables =
             self.rows.into_iter().map(|row| resolve(row, find, &mut left)).collect::<Result<Vec<_>>>()?;
+        if let Some(meanings) = self.meanings {
+            for variable in &mut variables {
+                variable.meaning = Some(meanings.get(&variable.name).copied().unwrap_or_default());
+            }
+        }
         let start_time = self.experiment.start.unwrap_or(0.0);
         Ok(Description {
             fmi_version: root.version,
@@ -433,7 +459,13 @@ fn resolve<'a>(
         start: row.start,
         min,
         max,
+        meaning: None,
     })
+}
+
+/// A role or purpose from its word; one of a later version is none.
+fn word<T: serde::de::DeserializeOwned>(text: &str) -> Option<T> {
+    serde_json::from_value(serde_json::Value::String(text.into())).ok()
 }
 
 fn is_c_identifier(text: &str) -> bool {

@@ -1,7 +1,7 @@
 //! All that changes while a [`Native`](super::Native) runs: what a snapshot holds.
 
 use crate::clone_in_place;
-use crate::model::{Access, Causality, Interface, Kind, Model, Value};
+use crate::model::{Access, Causality, Interface, Kind, Model, Table, Value};
 use serde::{Deserialize, Serialize};
 
 /// Grid steps beyond this cannot be told apart in double precision.
@@ -77,26 +77,28 @@ impl Signal {
 clone_in_place!(Data<M> { clock, signals, grid, between, before });
 
 impl<M: Model> Data<M> {
-    pub(super) fn new(settings: &[(usize, Value)]) -> Self {
+    pub(super) fn new(table: &Table<M>, interface: &Interface, settings: &[(usize, Value)]) -> Self {
         let mut grid = M::default();
-        let mut signals = Vec::new();
-        for (index, row) in M::VARIABLES.iter().enumerate() {
-            let info = row.info(0);
-            let set = settings.iter().find(|(i, _)| *i == index).map(|(_, v)| v);
-            let Some(value) = set.or(info.start.as_ref()) else { continue };
-            put(&mut grid, index, value);
-            if let (Causality::Input, Value::Real(value)) = (info.causality, value) {
-                signals.push(Signal {
-                    variable: index,
-                    value: *value,
-                    since: 0.0,
-                    rate: None,
-                    rate_set_in: u64::MAX,
-                    natural: false,
-                    acceleration: 0.0,
-                });
-            }
+        table.write_starts(&mut grid);
+        for (index, value) in settings {
+            put(table, &mut grid, *index, value);
         }
+        let signals = interface
+            .with(Causality::Input)
+            .filter(|index| interface.variables[*index].kind == Kind::Real)
+            .map(|index| Signal {
+                variable: index,
+                value: match take(table, &grid, index) {
+                    Value::Real(value) => value,
+                    _ => 0.0,
+                },
+                since: 0.0,
+                rate: None,
+                rate_set_in: u64::MAX,
+                natural: false,
+                acceleration: 0.0,
+            })
+            .collect();
         let clock = Clock {
             phase: Phase::New,
             stale: true,
@@ -113,7 +115,7 @@ impl<M: Model> Data<M> {
     }
 
     /// Whether a run can lead to this, as far as [`Native`] relies on it.
-    pub(super) fn is_possible(&self, interface: &Interface) -> bool {
+    pub(super) fn is_possible(&self, table: &Table<M>, interface: &Interface) -> bool {
         let Clock { phase, start, stop, time, ticks, step_size, steps, time_before, .. } = self.clock;
         let times = [start, time, time_before].iter().all(|t| t.is_finite())
             && stop.is_none_or(|s| s.is_finite() && s > start);
@@ -140,7 +142,7 @@ impl<M: Model> Data<M> {
         let parameters = interface.with(Causality::Parameter).all(|index| {
             self.models()
                 .into_iter()
-                .all(|model| interface.variables[index].accept(&take(model, index)).is_ok())
+                .all(|model| interface.variables[index].accept(&take(table, model, index)).is_ok())
         });
         // what is stale is initialized before it is stepped
         let stale = self.clock.stale && phase != Phase::Running;
@@ -150,15 +152,15 @@ impl<M: Model> Data<M> {
 
     /// Sets the rates of inputs that have none from the master to the inputs that are their rates, as those
     /// are at the communication point.
-    pub(super) fn find_natural_rates(&mut self) {
+    pub(super) fn find_natural_rates(&mut self, table: &Table<M>) {
         let time = self.clock.time;
         for i in 0..self.signals.len() {
             let signal = self.signals[i];
-            let Some(name) = M::VARIABLES[signal.variable].natural_rate() else { continue };
+            let Some(name) = table.row(signal.variable).natural_rate() else { continue };
             if !signal.natural && signal.rate.is_some() {
                 continue;
             }
-            let Some(of) = self.signals.iter().find(|s| M::VARIABLES[s.variable].name() == name) else {
+            let Some(of) = self.signals.iter().find(|s| table.row(s.variable).name() == name) else {
                 debug_assert!(false, "{name} is no real input");
                 continue;
             };
@@ -181,8 +183,8 @@ impl<M: Model> Data<M> {
 }
 
 /// The value of a variable.
-fn take<M: Model>(model: &M, index: usize) -> Value {
-    match M::VARIABLES[index].access() {
+fn take<M: Model>(table: &Table<M>, model: &M, index: usize) -> Value {
+    match table.row(index).access() {
         Access::Real(get, _) | Access::Rated(get, _) => Value::Real(get(model)),
         Access::Integer(get, _) => Value::Integer(get(model)),
         Access::Boolean(get, _) => Value::Boolean(get(model)),
@@ -191,22 +193,22 @@ fn take<M: Model>(model: &M, index: usize) -> Value {
 }
 
 /// Writes a value that was accepted for the variable.
-pub(super) fn put<M: Model>(model: &mut M, index: usize, value: &Value) {
-    match (M::VARIABLES[index].access(), value) {
+pub(super) fn put<M: Model>(table: &Table<M>, model: &mut M, index: usize, value: &Value) {
+    match (table.row(index).access(), value) {
         (Access::Real(_, set), Value::Real(v)) => set(model, *v),
         (Access::Rated(_, set), Value::Real(v)) => set(model, *v, None),
         (Access::Integer(_, set), Value::Integer(v)) => set(model, *v),
         (Access::Boolean(_, set), Value::Boolean(v)) => set(model, *v),
         (Access::Text(_, set), Value::Text(v)) => set(model, v),
         // `VariableInfo::accept` lets no other pair through.
-        _ => debug_assert!(false, "{} = {value:?}", M::VARIABLES[index].name()),
+        _ => debug_assert!(false, "{} = {value:?}", table.row(index).name()),
     }
 }
 
 /// Writes the inputs' values at `time`.
-pub(super) fn feed<M: Model>(model: &mut M, signals: &[Signal], time: f64) {
+pub(super) fn feed<M: Model>(table: &Table<M>, model: &mut M, signals: &[Signal], time: f64) {
     for signal in signals {
-        match M::VARIABLES[signal.variable].access() {
+        match table.row(signal.variable).access() {
             Access::Real(_, set) => set(model, signal.at(time)),
             Access::Rated(_, set) => set(model, signal.at(time), signal.rate),
             _ => {}

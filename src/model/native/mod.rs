@@ -5,8 +5,8 @@ mod data;
 use self::data::{Data, Phase, feed, put};
 use super::slave::wrong_order;
 use super::{
-    Access, Causality, Initial, Interface, Kind, Model, Settings, Slave, Snapshot, Value, Variability,
-    VariableInfo, check_experiment, check_step,
+    Access, Causality, Get, Initial, Interface, Kind, Model, Settings, Slave, Snapshot, Table, Value,
+    Variability, VariableInfo, check_experiment, check_step,
 };
 use crate::{Error, Result};
 use uuid::Uuid;
@@ -22,9 +22,6 @@ const JUMP: f64 = 1e-2;
 /// More grid steps than this in one communication step are taken for a mistake.
 const MAX_TICKS_PER_STEP: f64 = 1e9;
 
-/// How to read a real variable.
-type Reader<M> = fn(&M) -> f64;
-
 /// A model that runs in this process.
 ///
 /// The model steps on the grid t0 + n h, whatever the master's communication points are: a point on
@@ -37,16 +34,21 @@ type Reader<M> = fn(&M) -> f64;
 /// rate ([`Variable::runs_on`](super::Variable::runs_on)) runs on from communication point to
 /// communication point with that.
 pub struct Native<M: Model> {
+    table: Table<M>,
     interface: Interface,
     settings: Vec<(usize, Value)>,
     /// The real outputs and how to read them: they are looked at after each step.
-    outputs: Vec<(usize, Reader<M>)>,
+    outputs: Vec<(usize, Get<M, f64>)>,
     data: Data<M>,
 }
 
 impl<M: Model> Native<M> {
     /// The interface of the model with the start values of its variable table.
     pub fn table() -> Interface {
+        Self::interface_of(&M::variables())
+    }
+
+    fn interface_of(table: &Table<M>) -> Interface {
         Interface {
             name: M::NAME.into(),
             description: M::DESCRIPTION.into(),
@@ -54,27 +56,30 @@ impl<M: Model> Native<M> {
             start_time: 0.0,
             stop_time: M::STOP_TIME,
             directional_derivatives: M::DIRECTIONAL_DERIVATIVES,
-            variables: (0..).zip(M::VARIABLES).map(|(i, v)| v.info(i)).collect(),
+            variables: table.infos(),
         }
     }
 
     /// A slave of the model with `settings` in place of the table's start values.
     ///
     /// # Errors
-    /// Settings of another model, or with names or values that the model does not accept.
+    /// Settings of another model, or with names or values that the model does not accept; a table that
+    /// contradicts itself.
     pub fn new(settings: &Settings) -> Result<Self> {
-        let mut interface = Self::table();
+        let table = M::variables();
+        table.check().map_err(|e| e.at(M::NAME))?;
+        let mut interface = Self::interface_of(&table);
         let settings = settings.check(&interface)?;
         for (index, value) in &settings {
             interface.variables[*index].start = Some(value.clone());
         }
-        let data = Data::new(&settings);
-        let outputs = interface.with(Causality::Output).filter_map(|i| match M::VARIABLES[i].access() {
-            Access::Real(get, _) | Access::Rated(get, _) => Some((i, get)),
+        let data = Data::new(&table, &interface, &settings);
+        let outputs = interface.with(Causality::Output).filter_map(|i| match table.row(i).access() {
+            Access::Real(get, _) | Access::Rated(get, _) => Some((i, get.clone())),
             _ => None,
         });
         let outputs = outputs.collect();
-        Ok(Self { interface, settings, outputs, data })
+        Ok(Self { table, interface, settings, outputs, data })
     }
 
     /// The model at the last communication point.
@@ -132,8 +137,8 @@ impl<M: Model> Native<M> {
         let parameter = self.interface.variables[index].causality == Causality::Parameter;
         if parameter || matches!(clock.phase, Phase::New | Phase::Starting) {
             clock.stale = true;
-            put(&mut self.data.grid, index, &value);
-            put(&mut self.data.between, index, &value);
+            put(&self.table, &mut self.data.grid, index, &value);
+            put(&self.table, &mut self.data.between, index, &value);
         }
         Ok(())
     }
@@ -178,7 +183,7 @@ impl<M: Model> Native<M> {
             let mut model = self.data.grid.clone();
             for (index, share) in direction {
                 let value = Value::Real(self.real_value(*index) + far * share);
-                put(&mut model, *index, &self.interface.variables[*index].accept(&value)?);
+                put(&self.table, &mut model, *index, &self.interface.variables[*index].accept(&value)?);
             }
             model.initialize()?;
             Ok(model)
@@ -194,10 +199,10 @@ impl<M: Model> Native<M> {
         unknowns
             .iter()
             .map(|index| {
-                let (Access::Real(get, _) | Access::Rated(get, _)) = M::VARIABLES[*index].access() else {
+                let (Access::Real(get, _) | Access::Rated(get, _)) = self.table.row(*index).access() else {
                     return Err(Error::variable(format!(
                         "{} is no real output",
-                        M::VARIABLES[*index].name()
+                        self.table.row(*index).name()
                     )));
                 };
                 let up = above.as_ref().map(|model| (get(model) - get(here)) / far);
@@ -217,14 +222,14 @@ impl<M: Model> Native<M> {
 
     /// The value of a real variable before the first step; 0 of any other.
     fn real_value(&self, index: usize) -> f64 {
-        match M::VARIABLES[index].access() {
+        match self.table.row(index).access() {
             Access::Real(get, _) | Access::Rated(get, _) => get(&self.data.grid),
             _ => 0.0,
         }
     }
 
-    /// The model to read from; brings it up to date during initialization.
-    fn readable(&mut self, index: usize) -> Result<&M> {
+    /// Makes a variable readable: during initialization it brings the model up to date.
+    fn make_readable(&mut self, index: usize) -> Result<()> {
         let info = self.info(index)?;
         match self.data.clock.phase {
             Phase::New => {
@@ -235,11 +240,11 @@ impl<M: Model> Native<M> {
             }
             _ => {}
         }
-        Ok(self.model())
+        Ok(())
     }
 
     fn advance(&mut self, target: f64) -> Result<()> {
-        let Data { clock, signals, grid, between, before } = &mut self.data;
+        let (table, Data { clock, signals, grid, between, before }) = (&self.table, &mut self.data);
         let h = clock.step_size;
         let position = (target - clock.start) / h;
         // Times of long runs are rounded more coarsely than the grid tolerance.
@@ -251,14 +256,14 @@ impl<M: Model> Native<M> {
                 clock.time_before = clock.start + clock.ticks as f64 * h;
             }
             clock.ticks += 1;
-            feed(grid, signals, clock.start + clock.ticks as f64 * h);
+            feed(table, grid, signals, clock.start + clock.ticks as f64 * h);
             grid.step(h)?;
         }
         let rest = target - (clock.start + clock.ticks as f64 * h);
         clock.off_grid = rest > tolerance * h;
         if clock.off_grid {
             between.clone_from(grid);
-            feed(between, signals, target);
+            feed(table, between, signals, target);
             if let Err(error) = between.step(rest) {
                 between.clone_from(grid);
                 return Err(error);
@@ -282,12 +287,15 @@ impl<M: Model> Slave for Native<M> {
             // What was set, even before a step passes it on to the model.
             return Ok(signal.at(self.data.clock.time));
         }
-        let model = self.readable(variable)?;
-        match M::VARIABLES[variable].access() {
+        self.make_readable(variable)?;
+        let model = self.model();
+        match self.table.row(variable).access() {
             Access::Real(get, _) | Access::Rated(get, _) => Ok(get(model)),
             Access::Integer(get, _) => Ok(f64::from(get(model))),
             Access::Boolean(get, _) => Ok(f64::from(u8::from(get(model)))),
-            Access::Text(..) => Err(Error::variable(format!("{} is a text", M::VARIABLES[variable].name()))),
+            Access::Text(..) => {
+                Err(Error::variable(format!("{} is a text", self.table.row(variable).name())))
+            }
         }
     }
 
@@ -304,10 +312,11 @@ impl<M: Model> Slave for Native<M> {
     }
 
     fn text(&mut self, variable: usize) -> Result<String> {
-        let model = self.readable(variable)?;
-        match M::VARIABLES[variable].access() {
+        self.make_readable(variable)?;
+        let model = self.model();
+        match self.table.row(variable).access() {
             Access::Text(get, _) => Ok(get(model).into()),
-            _ => Err(Error::variable(format!("{} is not a text", M::VARIABLES[variable].name()))),
+            _ => Err(Error::variable(format!("{} is not a text", self.table.row(variable).name()))),
         }
     }
 
@@ -376,7 +385,7 @@ impl<M: Model> Slave for Native<M> {
         let info = self.info(variable)?;
         let clock = self.data.clock;
         let (Access::Real(get, _), Causality::Output, Phase::Running) =
-            (M::VARIABLES[variable].access(), info.causality, clock.phase)
+            (self.table.row(variable).access(), info.causality, clock.phase)
         else {
             let what = format!("the derivative of {}", info.name);
             return Err(match clock.phase {
@@ -384,7 +393,7 @@ impl<M: Model> Slave for Native<M> {
                 _ => wrong_order(&what, "before the end of initialization or after a failed step"),
             });
         };
-        if !M::VARIABLES[variable].has_derivative() {
+        if !self.table.row(variable).has_derivative() {
             return Ok(0.0);
         }
         let past = clock.time - clock.time_before;
@@ -393,10 +402,10 @@ impl<M: Model> Slave for Native<M> {
         }
         // no step yet: look ahead on a copy, with the inputs on their way as a step would have them
         let mut ahead = self.data.clone();
-        ahead.find_natural_rates();
+        ahead.find_natural_rates(&self.table);
         let Data { clock, signals, grid, between, .. } = &mut ahead;
         between.clone_from(grid);
-        feed(between, signals, clock.start + clock.step_size);
+        feed(&self.table, between, signals, clock.start + clock.step_size);
         between.step(clock.step_size)?;
         Ok((get(between) - get(grid)) / clock.step_size)
     }
@@ -443,7 +452,10 @@ impl<M: Model> Slave for Native<M> {
         let (inputs, parameters): (Vec<_>, Vec<_>) = direction
             .into_iter()
             .partition(|(index, _)| self.interface.variables[*index].causality == Causality::Input);
-        let formulas = self.model().directional_derivatives(starting, &inputs, unknowns)?;
+        let name = |index: usize| self.interface.variables[index].name.as_str();
+        let named: Vec<(&str, f64)> = inputs.iter().map(|(index, share)| (name(*index), *share)).collect();
+        let wanted: Vec<&str> = unknowns.iter().map(|index| name(*index)).collect();
+        let formulas = self.model().directional_derivatives(starting, &named, &wanted)?;
         let by_inputs = match formulas.iter().position(Option::is_none) {
             None => vec![0.0; unknowns.len()],
             Some(_) if starting => self.differences(&inputs, unknowns)?,
@@ -486,7 +498,7 @@ impl<M: Model> Slave for Native<M> {
                 clock.step_size
             )));
         }
-        self.data.find_natural_rates();
+        self.data.find_natural_rates(&self.table);
         // a course that leaves its variable's range is refused before anything moves
         for signal in self.data.signals.iter().filter(|s| s.rate.is_some()) {
             let info = &self.interface.variables[signal.variable];
@@ -565,14 +577,14 @@ impl<M: Model> Slave for Native<M> {
         let data: Data<M> = postcard::from_bytes(payload)
             .map_err(|e| Error::call(format!("the bytes of the saved state cannot be read: {e}")))?;
         // A digest is no signature: whoever wants to can make a valid one.
-        if !data.is_possible(&self.interface) {
+        if !data.is_possible(&self.table, &self.interface) {
             return Err(Error::call("the bytes are not a state that this model can be in"));
         }
         Ok(Box::new(data))
     }
 
     fn reset(&mut self) -> Result<()> {
-        self.data = Data::new(&self.settings);
+        self.data = Data::new(&self.table, &self.interface, &self.settings);
         Ok(())
     }
 }

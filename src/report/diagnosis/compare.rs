@@ -2,6 +2,7 @@
 
 use crate::diagnose::{CellKind, Diagnosis};
 use crate::recording::{Channel, Recording, interpolate};
+use crate::stats::root_mean_square;
 use crate::{Error, Result};
 use std::f64::consts::PI;
 
@@ -59,8 +60,8 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
 
 /// The root mean square of the finite values; NaN without any.
 pub(super) fn rms(values: &[f64]) -> f64 {
-    let (sum, n) = values.iter().filter(|v| v.is_finite()).fold((0.0, 0), |(s, n), v| (s + v * v, n + 1));
-    (sum / f64::from(n)).sqrt()
+    let mut finite = values.iter().copied().filter(|v| v.is_finite()).peekable();
+    if finite.peek().is_none() { f64::NAN } else { root_mean_square(finite) }
 }
 
 impl<'a> Compared<'a> {

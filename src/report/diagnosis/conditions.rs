@@ -5,6 +5,7 @@ use super::courses::conditions;
 use crate::diagnose::Diagnosis;
 use crate::page::{Html, Section};
 use crate::report::plot::{Axis, Plot, Size, Tone};
+use crate::stats::{deviation, mean};
 
 const MAX_CONDITIONS: usize = 4;
 const MAX_CHANNELS: usize = 6;
@@ -87,7 +88,7 @@ fn plot(runs: &[Compared], condition: &str, channel: &str, unit: &str) -> Option
     if bins.len() < 2 {
         return None;
     }
-    let x: Vec<f64> = bins.iter().map(|b| mean(b.iter().map(|s| s.0))).collect();
+    let x: Vec<f64> = bins.iter().map(|b| mean(&b.iter().map(|s| s.0).collect::<Vec<_>>())).collect();
     let after: Option<Vec<Vec<f64>>> = bins.iter().map(|b| b.iter().map(|s| s.2).collect()).collect();
     let before: Vec<Vec<f64>> = bins.iter().map(|b| b.iter().map(|s| s.1).collect()).collect();
     let mut plot = Plot::new(channel, Axis::new(condition, condition_unit), Axis::new("residual", unit))
@@ -95,23 +96,13 @@ fn plot(runs: &[Compared], condition: &str, channel: &str, unit: &str) -> Option
         .columns(BINS * 4);
     for (name, tone, values) in [("before", Tone::Before, Some(before)), ("after", Tone::After, after)] {
         let Some(values) = values else { continue };
-        let (means, deviations): (Vec<f64>, Vec<f64>) = values
-            .iter()
-            .map(|v| {
-                let centre = mean(v.iter().copied());
-                (centre, mean(v.iter().map(|r| (r - centre) * (r - centre))).sqrt())
-            })
-            .unzip();
+        let (means, deviations): (Vec<f64>, Vec<f64>) =
+            values.iter().map(|v| (mean(v), deviation(v))).unzip();
         let low: Vec<f64> = means.iter().zip(&deviations).map(|(m, d)| m - d).collect();
         let high: Vec<f64> = means.iter().zip(&deviations).map(|(m, d)| m + d).collect();
         plot = plot.band(tone, &x, &low, &high).toned(name, tone, &x, &means);
     }
     Some(plot.html())
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, n) = values.fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
-    sum / n
 }
 
 /// Samples in the order of the condition, in bins of about equally many; equal conditions share one bin.

@@ -1,10 +1,10 @@
 //! Check runs over time, frequency and order.
 
 use super::compare::{Compared, Trace, rms};
-use crate::diagnose::spectrum::{Spectrum, over_angle, over_time};
 use crate::diagnose::{CellKind, Diagnosis};
 use crate::page::{Html, Section, Table, escape, number};
 use crate::report::plot::{Axis, Plot, Size, Tone};
+use crate::stats::{Spectrum, over_angle, over_time};
 use std::fmt::Write;
 
 /// So many runs and channels are drawn; of more the page would be too large to open.

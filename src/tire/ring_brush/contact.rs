@@ -2,8 +2,8 @@
 //! (4.12)-(4.15), and the lengths of the contact stripes (4.19), (4.20).
 
 use super::Parameters;
+use crate::mechanics::{Motion, rotation_z};
 use crate::solver::Real;
-use crate::tire::motion::{Motion, rotation_z};
 use nalgebra::{Matrix3, Vector3};
 
 /// The contact frame K on a flat road at z = 0: origin at the contact point, x along the belt's

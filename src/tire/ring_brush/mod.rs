@@ -15,7 +15,7 @@
 //! # Stages of a step
 //!
 //! Belt to mid-step and end (half kick, drift) - contact - pressure - bristles - patch lag - side
-//! wall and belt (second half kick). See [`Tire::step`].
+//! wall and belt (second half kick). See [`Prepared::step`].
 //!
 //! # Known differences from the source
 //!
@@ -25,24 +25,28 @@
 //!   own numbers seem to come from whole steps.
 //! * The band of sliding speeds below 1e-4 m/s, over which (4.32) blends static into sliding
 //!   friction, is left out: it is unstable and changes forces by less than 1e-4 N.
-//! * Only flat roads.
+//! * Roads: the source has flat ones. Here the belt rolls on the plane that a mean over the contact's length makes
+//!   of the road under it.
 
 mod belt;
 mod bristle;
 mod contact;
 mod parameters;
 mod patch;
+mod rows;
 mod sidewall;
 mod state;
 mod stationary;
 mod step;
+mod tire;
 
-pub use belt::{acceleration, patch_on_belt};
+pub use belt::patch_on_belt;
 pub use bristle::{Limits, Step, advance};
 pub use contact::Contact;
 pub use parameters::Parameters;
 pub use patch::{Deformation, Loads, Moments, Pressure, PressureState, Shape, Tops, moment_y};
 pub use sidewall::{Coupling, coupling, stationary as stationary_coupling};
 pub use state::{Bristles, PatchReport, State};
-pub use stationary::{Moved, Stationary, Vertical, stationary, stationary_refined};
-pub use step::{LOSS_TIME, Tire};
+pub use stationary::{Moved, Stationary, stationary, stationary_refined};
+pub use step::{LOSS_TIME, Prepared};
+pub use tire::RingBrush;

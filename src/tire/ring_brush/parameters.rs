@@ -5,8 +5,8 @@ use crate::solver::Real;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 
-/// Parameters of the tire, in SI units. The rig's variable table gives each its description, the
-/// source's symbol, its default (the source's example, section 4.2.10) and its range.
+/// Parameters of the tire, in SI units. The table of [`RingBrush`](super::RingBrush) gives each its description,
+/// the source's symbol, its default (the source's example, section 4.2.10) and its range.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[allow(missing_docs)] // said once, in the variable table
 pub struct Parameters {
@@ -15,6 +15,8 @@ pub struct Parameters {
     pub width: f64,
     pub cross_section_radius: f64,
     pub rolling_radius: f64,
+    /// Length of the contact that bridges edges of the road.
+    pub filter_length: f64,
     // belt
     pub belt_mass: f64,
     pub belt_inertia_diametral: f64,

@@ -1,8 +1,8 @@
 //! The side wall: spring-dampers in six degrees of freedom between rim and belt (4.2)-(4.9).
 
 use super::Parameters;
+use crate::mechanics::{Motion, Wrench, cross, rotation_x, rotation_y, rotation_z};
 use crate::solver::Real;
-use crate::tire::motion::{Motion, Wrench, cross, rotation_x, rotation_y, rotation_z};
 use nalgebra::{Matrix3, Vector3};
 
 /// What the side wall does at an instant. Frame 0, the belt's moment about the belt centre, the

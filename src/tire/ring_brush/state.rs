@@ -2,7 +2,7 @@
 
 use super::{Loads, Parameters, PressureState};
 use crate::clone_in_place;
-use crate::tire::motion::{Motion, Wrench};
+use crate::mechanics::{Motion, Wrench};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 

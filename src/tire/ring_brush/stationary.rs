@@ -9,12 +9,12 @@ use super::bristle::norm;
 use super::patch::{Moments, Pressure, Shape};
 use super::step::wind;
 use super::{
-    Bristles, Contact, Deformation, Limits, Loads, Parameters, State, Step, Tire, Tops, advance, moment_y,
-    patch_on_belt, stationary_coupling,
+    Bristles, Contact, Deformation, Limits, Loads, Parameters, Prepared, State, Step, Tops, advance,
+    moment_y, patch_on_belt, stationary_coupling,
 };
+use crate::mechanics::{Motion, Wrench};
 use crate::solver::{Convergence, Dual, Real, newton};
-use crate::tire::ground::Flat;
-use crate::tire::motion::{Motion, Wrench};
+use crate::tire::{Flat, Vertical};
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -25,15 +25,6 @@ const INTERVALS: usize = 200;
 const TOLERANCE: f64 = 1e-6;
 /// A time \[s\] in which every bristle of a wheel that does not spin has started to slide.
 const LONG: f64 = 1e3;
-
-/// What holds the rim in the vertical direction.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Vertical {
-    /// The height of the rim's centre over the road \[m\].
-    Height(f64),
-    /// The vertical force of the tire on the rim \[N\].
-    Load(f64),
-}
 
 /// A stationary state.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,7 +101,12 @@ impl<T: Real> Unknowns<T> {
 /// # Errors
 /// No stationary state was found: the source does not promise one, and far from straight rolling
 /// there may be none.
-pub fn stationary(tire: &Tire, rim: &Motion<f64>, vertical: Vertical, friction: f64) -> Result<Stationary> {
+pub fn stationary(
+    tire: &Prepared,
+    rim: &Motion<f64>,
+    vertical: Vertical,
+    friction: f64,
+) -> Result<Stationary> {
     stationary_refined(tire, rim, vertical, friction, INTERVALS)
 }
 
@@ -119,7 +115,7 @@ pub fn stationary(tire: &Tire, rim: &Motion<f64>, vertical: Vertical, friction: 
 /// # Errors
 /// As [`stationary`].
 pub fn stationary_refined(
-    tire: &Tire,
+    tire: &Prepared,
     rim: &Motion<f64>,
     vertical: Vertical,
     friction: f64,
@@ -200,7 +196,7 @@ fn straight_rolling(p: &Parameters, steer: f64, vertical: Vertical) -> [f64; 10]
 }
 
 fn search(
-    tire: &Tire,
+    tire: &Prepared,
     rim: &Motion<f64>,
     vertical: Vertical,
     friction: f64,
@@ -232,7 +228,7 @@ fn search(
 
 /// What is zero in a stationary state; a height that is held is that of `rim`.
 fn residual<T: Real>(
-    tire: &Tire,
+    tire: &Prepared,
     rim: &Motion<T>,
     vertical: Vertical,
     friction: T,
@@ -282,7 +278,7 @@ struct Patch<T: Real> {
 type Visit<'a> = dyn FnMut(usize, f64, ([f64; 2], bool)) + 'a;
 
 fn balance<T: Real>(
-    tire: &Tire,
+    tire: &Prepared,
     rim: &Motion<T>,
     friction: T,
     unknowns: &Unknowns<T>,
@@ -328,7 +324,7 @@ struct Node<T> {
 /// motion. A bristle that slides turns while it does; the bristle's law is of first order there, and
 /// of second with Richardson's extrapolation from one step and two half steps.
 fn continuum<T: Real>(
-    tire: &Tire,
+    tire: &Prepared,
     contact: &Contact<T>,
     spin_rate: T,
     friction: T,
@@ -472,7 +468,7 @@ impl<T: Real> Loads<T> {
 }
 
 fn describe(
-    tire: &Tire,
+    tire: &Prepared,
     rim: &Motion<f64>,
     friction: f64,
     x: &[f64; 10],
@@ -521,7 +517,7 @@ impl Stationary {
     /// The derivative of the state along a change of the rim's motion, height included, and of the
     /// friction factor, which `rim` and `friction` carry as the derivatives of their numbers: the implicit
     /// function theorem on the equations of the search. `None` where their Jacobian is singular.
-    pub fn along(&self, tire: &Tire, rim: &Motion<Dual<1>>, friction: Dual<1>) -> Option<Moved> {
+    pub fn along(&self, tire: &Prepared, rim: &Motion<Dual<1>>, friction: Dual<1>) -> Option<Moved> {
         let held = Vertical::Height(self.rim_height);
         let x = self.unknowns();
         let fixed = Motion {
@@ -547,7 +543,7 @@ impl Stationary {
     ///
     /// # Errors
     /// A state outside the model's validity.
-    pub fn state(&self, tire: &Tire, rim: &Motion<f64>) -> Result<State> {
+    pub fn state(&self, tire: &Prepared, rim: &Motion<f64>) -> Result<State> {
         let p = tire.parameters();
         let unknowns = Unknowns::from(&self.unknowns());
         let mut belt = unknowns.belt(rim);

@@ -3,11 +3,11 @@
 use super::patch::{Moments, Pressure, PressureState, Shape};
 use super::sidewall::{Coupling, coupling};
 use super::{
-    Bristles, Contact, Deformation, Limits, Loads, Parameters, State, Tops, acceleration, advance, moment_y,
-    patch_on_belt,
+    Bristles, Contact, Deformation, Limits, Loads, Parameters, State, Tops, advance, moment_y, patch_on_belt,
 };
-use crate::tire::ground::Ground;
-use crate::tire::motion::{Motion, Wrench};
+use crate::mechanics::{Motion, Wrench, drift, kick};
+use crate::road::{Road, Window};
+use crate::tire::Ground;
 use crate::{Error, Result, clone_in_place};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -20,28 +20,31 @@ pub const LOSS_TIME: f64 = 0.01;
 
 /// A tire with checked parameters and what follows from them.
 #[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
-pub struct Tire {
+pub struct Prepared {
     parameters: Parameters,
     /// Lateral places of the stripes \[m\].
     places: Vec<f64>,
     /// Radii of the belt shell above the stripes \[m\].
     radii: Vec<f64>,
+    /// The length over which the contact bridges the road.
+    window: Window,
 }
 
-clone_in_place!(Tire { parameters, places, radii });
+clone_in_place!(Prepared { parameters, places, radii, window });
 
-impl Tire {
-    /// A tire with these parameters.
+impl Prepared {
+    /// A tire with these parameters on this road.
     ///
     /// # Errors
-    /// Parameters that contradict each other.
-    pub fn new(parameters: &Parameters) -> Result<Self> {
+    /// Parameters that contradict each other, or the road.
+    pub fn new(parameters: &Parameters, road: &Road) -> Result<Self> {
         parameters.check()?;
         let stripes = 0..parameters.stripes as usize;
         Ok(Self {
             places: stripes.clone().map(|i| parameters.stripe_position(i)).collect(),
             radii: stripes.map(|i| parameters.stripe_radius(i)).collect(),
             parameters: parameters.clone(),
+            window: road.window(parameters.filter_length)?,
         })
     }
 
@@ -60,7 +63,8 @@ impl Tire {
     ///
     /// # Errors
     /// There is not.
-    pub fn check(&self, state: &State) -> Result<()> {
+    pub fn check(&self, state: &State, road: &Road) -> Result<()> {
+        self.window.check(road)?;
         let count = |number: i32| usize::try_from(number).unwrap_or(usize::MAX);
         let (stripes, n) = (count(self.parameters.stripes), count(self.parameters.bristles_per_stripe));
         let Bristles { x, laps, lengths, deflection_x, deflection_y, pressure, stick } = &state.bristles;
@@ -85,6 +89,11 @@ impl Tire {
     /// The parameters.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
+    }
+
+    /// The length over which the contact bridges the road.
+    pub fn window(&self) -> &Window {
+        &self.window
     }
 
     /// Lateral places of the stripes, from the largest +y \[m\] (4.16).
@@ -123,33 +132,31 @@ impl Tire {
         // belt: half a kick, drift; at the end with predicted velocities for the dampers
         let start = state.belt;
         let [linear, angular] = state.acceleration;
-        let velocity = start.velocity + linear * half;
-        let rates = start.rates + angular * half;
-        let mut travel = velocity * dt;
+        let (moving, turning) = (drift(start.velocity, linear, dt), drift(start.rates, angular, dt));
+        let mut travel = moving.travel;
         travel.x -= half * (before.velocity.x + after.velocity.x);
         travel.y -= half * (before.velocity.y + after.velocity.y);
-        let turn = rates * dt;
         let middle = Motion {
             position: start.position + travel * 0.5,
-            velocity,
-            angles: start.angles + turn * 0.5,
-            rates,
+            velocity: moving.velocity,
+            angles: start.angles + turning.travel * 0.5,
+            rates: turning.velocity,
         };
         let mut end = Motion {
             position: start.position + travel,
-            velocity: velocity + linear * half,
-            angles: start.angles + turn,
-            rates: rates + angular * half,
+            velocity: moving.predicted,
+            angles: start.angles + turning.travel,
+            rates: turning.predicted,
         };
-        let plane = ground.under(&end, 1.0);
+        let plane = ground.plane(&end, &self.window, 1.0);
         let on_plane = plane.relative(&end);
         check_belt(&end)?;
         check_belt(&on_plane)?;
 
         // patch: contact, pressure, bristles; seen from the plane under the belt the road is flat
         let contact = Contact::new(p, &on_plane);
-        let old_spin = ground.under(&start, 0.0).relative(&start).angles.y;
-        let on_middle_plane = ground.under(&middle, 0.5).relative(&middle);
+        let old_spin = ground.plane(&start, &self.window, 0.0).relative(&start).angles.y;
+        let on_middle_plane = ground.plane(&middle, &self.window, 0.5).relative(&middle);
         let lag_rates = ahead(&state.lag_rates, &state.lag_accelerations, half);
         let lagged_middle = ahead(&state.lagged, &lag_rates, half);
         let lagged_end = ahead(&state.lagged, &lag_rates, dt);
@@ -193,9 +200,9 @@ impl Tire {
             force: side.on_belt.force + to_road * patch.force,
             moment: side.on_belt.moment + to_road * patch.moment,
         };
-        let (linear, angular) = acceleration(p, &end, &sum);
-        end.velocity = velocity + linear * half;
-        end.rates = rates + angular * half;
+        let (linear, angular) = p.belt().acceleration(&end, &sum, p.gravity);
+        end.velocity = kick(moving.velocity, linear, dt);
+        end.rates = kick(turning.velocity, angular, dt);
         state.acceleration = [linear, angular];
         state.belt = end;
         state.on_rim = side.on_rim;

@@ -1,0 +1,24 @@
+//! Bodies, what acts between them, and the step that moves them.
+//!
+//! Everything here is a formula on plain values: a machine holds its bodies as fields, adds up the forces of its
+//! elements, and moves all bodies in the same halves of a velocity-Verlet step (see [`drift`]).
+//! Axes are those of frame 0: x and y horizontal, z up.
+
+mod bushing;
+mod element;
+mod motion;
+mod point_mass;
+mod rigid;
+mod spin;
+mod stability;
+mod verlet;
+
+pub use bushing::Bushing;
+pub use element::{BumpStop, SpringDamper, Strut};
+pub use motion::{Motion, Wrench};
+pub(crate) use motion::{cross, rotation_x, rotation_y, rotation_z};
+pub use point_mass::PointMass;
+pub use rigid::RigidBody;
+pub use spin::Spin;
+pub use stability::{ABOUT, ALONG, Link, Named, check_step_size};
+pub use verlet::{Drift, drift, kick};

@@ -1,0 +1,18 @@
+//! Tire property files (`.tir`): text files of sections `[NAME]`, assignments `KEY = value`, tables and comments.
+//!
+//! [`Document`] keeps every byte of a file and knows where its keys and values are: what is not changed is written as it
+//! was read, comments, blank lines, tables and unknown sections included. [`read`] makes a Magic Formula tire of a
+//! document, [`write()`] puts changed coefficients back into it, [`create`] writes a file from nothing.
+
+mod document;
+mod magic_formula;
+mod settings;
+mod units;
+
+pub use document::{Document, Entry, MAX_BYTES, MAX_ENTRIES, Note, Value};
+pub use magic_formula::{Reading, Side, create, read, write};
+pub use settings::settings;
+pub use units::Units;
+
+#[cfg(test)]
+mod tests;
