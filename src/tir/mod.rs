@@ -15,4 +15,5 @@ pub use settings::settings;
 pub use units::Units;
 
 #[cfg(test)]
+#[allow(clippy::field_reassign_with_default)] // one coefficient a line
 mod tests;

@@ -27,6 +27,7 @@ mod coefficients;
 mod forces;
 mod rows;
 #[cfg(test)]
+#[allow(clippy::field_reassign_with_default)] // one coefficient a line
 mod tests;
 mod tire;
 

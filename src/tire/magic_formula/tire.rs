@@ -330,10 +330,10 @@ impl Tire for MagicFormula {
         if at_rest > 0.0 && load > 0.0 {
             // where nothing rolls the deflection away, it ends where all of the contact slides
             let limit = self.limit(&output, load);
-            for i in 0..2 {
-                let excess = self.state.deflection[i].abs() - limit[i];
+            for (deflection, limit) in self.state.deflection.iter_mut().zip(limit) {
+                let excess = deflection.abs() - limit;
                 if excess > 0.0 {
-                    self.state.deflection[i] -= (at_rest * excess).copysign(self.state.deflection[i]);
+                    *deflection -= (at_rest * excess).copysign(*deflection);
                 }
             }
             output = self.evaluate(&to, plane.friction);
