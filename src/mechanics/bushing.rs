@@ -136,10 +136,10 @@ mod tests {
         /// across, and about one axis; about three axes at once to the order of the angle.
         #[test]
         fn what_it_gives_is_what_its_springs_lose(
-            a in motion(0.0), mut b in motion(0.0), bushing in bushing(), axis in 0..3_usize, turn in -0.5..0.5,
+            mut a in motion(1.0), mut b in motion(1.0), bushing in bushing(), axis in 0..3_usize, turn in -0.5..0.5,
         ) {
+            (a.angles, b.angles) = (Vector3::zeros(), Vector3::zeros());
             b.angles[axis] = turn;
-            let mut a = a;
             // the second body turns about this axis only, and the first not at all
             let rate = b.rates[axis];
             (a.rates, b.rates) = (Vector3::zeros(), Vector3::zeros());
