@@ -530,7 +530,7 @@ fn no_form_of_use_is_overlooked() {
         ),
         ("use super::high::*;", &["high"]),
         ("mod nested { use super::super::middle; }", &["middle"]),
-        ("pub(crate) fn f() -> crate::high::Top { todo!() }", &["high"]),
+        ("pub(crate) fn f() -> crate::high::Top { loop {} }", &["high"]),
         ("fn f(x: &'static str) -> char { let _: super::high::deep::Thing; 'x' }", &["high"]),
         ("fn f() { for x in crate::high::ALL { x(&crate::middle::Y) } }", &["high", "middle"]),
         // a name that is passed on is used where it is from, too

@@ -4,7 +4,7 @@
 mod common;
 
 use latsch::Result;
-use latsch::model::{Model, Native, Settings, Slave, Table, parameter};
+use latsch::model::{Model, Native, Settings, Slave, Table, local, parameter};
 use latsch::real;
 use latsch::rig::{Bare, Corner, FlatTrack, RingBrushCorner, RingBrushWheel, Wheel};
 use latsch::road::{Road, Window};
@@ -48,6 +48,9 @@ struct Ball {
     stiffness: f64,
     window: Window,
     force: Vector3<f64>,
+    /// Height of the road 0.1 m before and 0.2 m to the right of the wheel, and its friction: what a tire with more than
+    /// one contact point asks for.
+    beside: [f64; 2],
 }
 
 impl Tire for Ball {
@@ -56,7 +59,11 @@ impl Tire for Ball {
     type Inside = ();
 
     fn rows() -> Table<Self> {
-        Table::new([parameter("spring", "N/m", real!(stiffness), 2e5, "Stiffness").range(1.0, 1e9)])
+        Table::new([
+            parameter("spring", "N/m", real!(stiffness), 2e5, "Stiffness").range(1.0, 1e9),
+            local("beside", "m", real!(beside[0]), "Height beside the wheel"),
+            local("friction_beside", "1", real!(beside[1]), "Friction beside the wheel"),
+        ])
     }
     fn mount(&mut self, road: &Road) -> Result<()> {
         self.window = road.window(0.0)?;
@@ -93,6 +100,8 @@ impl Tire for Ball {
         let plane = ground.plane(rim, &self.window, 1.0);
         let load = self.stiffness * (0.3 - plane.clearance).max(0.0);
         self.force = plane.rotation() * Vector3::new(0.0, 0.0, load);
+        let point = ground.point(0.1, -0.2, 1.0);
+        self.beside = [point.height, point.friction];
         Ok(())
     }
     fn on_rim(&self) -> Wrench<f64> {
@@ -110,14 +119,32 @@ fn a_tire_of_twenty_lines_fits_every_rig() {
     let names = [Bare::<Ball>::NAME, FlatTrack::<Ball>::NAME, Wheel::<Ball>::NAME, Corner::<Ball>::NAME];
     assert_eq!(names, ["ball-tire", "ball-flat-track", "ball-wheel", "ball-corner"]);
 
-    let mut bare = Run::<Bare<Ball>>::new(&[("rim_z", 0.29), ("road_slope_x", 0.1)]);
+    let mut bare = Run::<Bare<Ball>>::new(&[
+        ("rim_z", 0.29),
+        ("road_slope_x", 0.1),
+        ("road_slope_y", 0.0),
+        ("friction_factor", 0.7),
+    ]);
+    // the plane through the origin, at a point of it
+    assert!((bare.get("beside") - 0.01).abs() < 1e-15 && bare.get("friction_beside") == 0.7);
     // the plane is 0.29 m below measured vertically, so 0.29 cos below measured along its normal
     let cos = 1.0 / 1.01_f64.sqrt();
     let load = 2e5 * (0.3 - 0.29 * cos);
     assert!((bare.get("force_z") - load * cos).abs() < 1e-9);
     assert!((bare.get("force_x") + load * 0.1 * cos).abs() < 1e-9);
 
-    let mut rig = Run::<FlatTrack<Ball>>::new(&[("deflection", 0.012)]);
+    // a cleat on the right track, friction of its own on the road; the wheel is 0.8 m to the right of the middle
+    let mut rig = Run::<FlatTrack<Ball>>::new(&[
+        ("deflection", 0.012),
+        ("friction_factor", 0.5),
+        ("road_kind", 4.0),
+        ("road_start", 0.05),
+        ("road_length", 0.1),
+        ("road_height", 0.02),
+        ("road_tracks", 3.0),
+        ("road_lateral_position", -0.8),
+    ]);
+    assert_eq!((rig.get("beside"), rig.get("friction_beside")), (0.02, 0.5));
     assert!((rig.get("force_z") - 2400.0).abs() < 1e-9);
 
     let mut wheel = Run::<Wheel<Ball>>::new(&[("initial_load", 4094.3), ("axle_force_z", -3800.0)]);

@@ -93,8 +93,8 @@ impl<M: Model> Native<M> {
     }
 
     fn fingerprint(&self) -> Uuid {
-        // The table, not the interface: start values travel inside the state.
-        Self::table().fingerprint()
+        // That of the table: start values travel inside the state.
+        Self::interface_of(&self.table).fingerprint()
     }
 
     /// The variable number `index`.
