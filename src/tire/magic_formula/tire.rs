@@ -71,6 +71,7 @@ struct Contact {
     penetration: f64,
     penetration_rate: f64,
     camber: f64,
+    yaw: f64,
     /// Velocity of the contact point along and across \[m/s\], and of the tread against the road along the wheel.
     travel: [f64; 2],
     sliding_x: f64,
@@ -104,6 +105,7 @@ impl MagicFormula {
             penetration,
             penetration_rate: -loaded_rate,
             camber,
+            yaw: rim.angles.z,
             travel: [velocity.x, velocity.y],
             sliding_x: velocity.x - rolling,
             rolling,
@@ -132,9 +134,8 @@ impl MagicFormula {
         0.5 * (1.0 + libm::cos(std::f64::consts::PI * speed / low))
     }
 
-    /// Forces of the state's deflections at a motion against a plane; W axes, at the contact point.
-    fn evaluate(&mut self, on_plane: &Motion<f64>, friction: f64) -> Output {
-        let at = self.contact(on_plane);
+    /// Forces of the state's deflections; W axes, at the contact point.
+    fn evaluate(&mut self, at: &Contact, friction: f64) -> Output {
         let load = vertical_force(&self.coefficients, at.penetration, at.penetration_rate);
         let relaxation = self.relaxation(load, at.camber);
         let state = &mut self.state;
@@ -163,9 +164,8 @@ impl MagicFormula {
     }
 
     /// Brings force and moment from the contact point to the rim.
-    fn pass_on(&mut self, on_plane: &Motion<f64>, plane: &Plane) {
-        let at = self.contact(on_plane);
-        let axes = plane.rotation() * rotation_z(on_plane.angles.z);
+    fn pass_on(&mut self, at: &Contact, plane: &Plane) {
+        let axes = plane.rotation() * rotation_z(at.yaw);
         let Wrench { force, moment } = self.state.contact;
         self.state.on_rim = Wrench { force: axes * force, moment: axes * (moment + cross(&at.arm, &force)) };
         let [_, aside] = at.travel;
@@ -273,8 +273,8 @@ impl Tire for MagicFormula {
         };
         let mut tire = self.clone();
         tire.state = State { deflection, ..State::default() };
-        tire.evaluate(&still, friction);
-        tire.pass_on(&still, &Plane::level(rim_height, friction));
+        tire.evaluate(&at, friction);
+        tire.pass_on(&at, &Plane::level(rim_height, friction));
         let on_rim = tire.state.on_rim;
         if on_rim.force.iter().chain(&on_rim.moment).all(|x| x.is_finite()) {
             Ok(Rest { rim_height, on_rim, inside: deflection })
@@ -325,7 +325,7 @@ impl Tire for MagicFormula {
             self.state.deflection[i] =
                 if load > 0.0 { follow(last[i], sliding[i], speed, relaxation[i], dt) } else { 0.0 };
         }
-        let mut output = self.evaluate(&to, plane.friction);
+        let mut output = self.evaluate(&new, plane.friction);
         let at_rest = self.share_at_rest(speed);
         if at_rest > 0.0 && load > 0.0 {
             // where nothing rolls the deflection away, it ends where all of the contact slides
@@ -336,7 +336,7 @@ impl Tire for MagicFormula {
                     *deflection -= (at_rest * excess).copysign(*deflection);
                 }
             }
-            output = self.evaluate(&to, plane.friction);
+            output = self.evaluate(&new, plane.friction);
             // a deflection that changes meets the damping of the tire, which a tire that rolls has in the formula
             let damping = at_rest * self.low_speed_damping;
             let most = [output.mu_x, output.mu_y].map(|mu| mu * load);
@@ -354,7 +354,7 @@ impl Tire for MagicFormula {
             self.state.contact.moment.z += couple;
         }
         let lost = self.state.power_loss;
-        self.pass_on(&to, &plane);
+        self.pass_on(&new, &plane);
         self.state.energy_loss += 0.5 * dt * (lost + self.state.power_loss);
         let Wrench { force, moment } = self.state.on_rim;
         if force.iter().chain(&moment).all(|x| x.is_finite()) {
