@@ -226,6 +226,12 @@ fn friction_that_falls_with_the_speed_has_stationary_starts_that_stay() {
                 ("camber", camber),
                 ("path_speed", speed),
                 ("friction_speed_falloff", falloff),
+                // so fine that the bristles' sums are the continuum's: at a slip angle of 0.15 what they are off by
+                // grows, as falling friction damps less than nothing
+                ("bristles_per_stripe", 60.0),
+                ("bristle_length", 0.007),
+                ("bristle_stiffness", 2e4),
+                ("bristle_damping", 0.325),
             ]);
             if get(&mut rig, "stationary_start") != 1.0 {
                 missed.push((slip, slip_angle, camber, speed));

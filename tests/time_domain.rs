@@ -151,21 +151,36 @@ fn z9_with_whole_step_entry_is_the_printed_one() {
     assert!((fine - 410.8).abs() < 0.05);
 }
 
+/// Finer bristles of the same rubber.
+fn finer(factor: f64) -> [(&'static str, f64); 4] {
+    [
+        ("bristles_per_stripe", 30.0 * factor),
+        ("bristle_length", 0.014 / factor),
+        ("bristle_stiffness", 4e4 / factor),
+        ("bristle_damping", 0.65 / factor),
+    ]
+}
+
 /// Loaded for its part of the step only, a bristle that enters does not know the step.
 #[test]
 fn z9_and_the_step() {
-    let limit = 410.0;
-    let steps = [2e-4, 1e-4, 5e-5, 2.5e-5, 2e-5];
+    let limit = z9(&[&finer(4.0)[..], &[("step_size", 2e-5)]].concat());
+    let steps = [5e-4, 2e-4, 1e-4, 5e-5, 2.5e-5, 2e-5];
     let exact = steps.map(|h| z9(&[("step_size", h)]));
     let whole = steps.map(|h| z9(&[("step_size", h), ("whole_step_entry", 1.0)]));
+    println!("limit {limit:.3} N");
     for ((h, exact), whole) in steps.iter().zip(exact).zip(whole) {
         println!("h {h:.1e}: {exact:.3} N, with whole steps {whole:.3} N");
     }
+    // what the spacing of 14 mm is off by in a short contact is not the step's
+    let finest = exact[5];
+    assert!((finest - limit).abs() < 5e-3 * limit, "{finest} for {limit}");
     for value in exact {
-        assert!((value - limit).abs() < 0.3, "{value}");
+        assert!((value - finest).abs() < 0.3, "{value} for {finest}");
     }
-    for k in 0..3 {
-        let ratio = (whole[k] - limit) / (whole[k + 1] - limit);
+    // with whole steps the error is of first order, around the printed limit
+    for k in 1..4 {
+        let ratio = (whole[k] - 410.0) / (whole[k + 1] - 410.0);
         assert!((1.6..2.5).contains(&ratio), "{ratio}");
     }
 }
@@ -210,22 +225,25 @@ fn z9_start_and_side_wall() {
     assert!(values.windows(2).all(|w| w[0] < w[1]));
 }
 
-/// Finer bristles of the same rubber: towards the continuum, 4988.80 N without the bristle's damper.
-/// With it 0.4 N remain, 1e-4: a bristle that enters slides for the first 0.03 mm, which steps of
+/// Finer bristles of the same rubber: towards the continuum with the third order and without a ripple, 4988.80 N without
+/// the bristle's damper. With it 0.4 N remain, 1e-4: a bristle that enters slides for the first 0.03 mm, which steps of
 /// some microseconds would have to resolve.
 #[test]
 fn refinement_of_bristles() {
     let s = Point { load: 6000.0, slip: 0.03, ..FREE }.solve(&example_tire(), 800);
-    let mean = |damping: f64, factor: f64, h: f64| {
-        let mut rig = flat_track(&[
-            ("deflection", 0.338 - s.rim_height),
-            ("slip", 0.03),
-            ("bristles_per_stripe", 30.0 * factor),
-            ("bristle_length", 0.014 / factor),
-            ("bristle_stiffness", 4e4 / factor),
-            ("bristle_damping", (damping / factor).max(1e-6)),
-            ("step_size", h),
-        ]);
+    let sums = |damping: f64, factor: f64, h: f64| {
+        let mut rig = flat_track(
+            &[
+                &finer(factor)[..],
+                &[
+                    ("deflection", 0.338 - s.rim_height),
+                    ("slip", 0.03),
+                    ("bristle_damping", (damping / factor).max(1e-6)),
+                    ("step_size", h),
+                ],
+            ]
+            .concat(),
+        );
         run(&mut rig, 0.1, |_| {});
         // 70 ms: 50 bristles of the coarsest kind
         let forces: Vec<f64> = (0..1400)
@@ -235,20 +253,24 @@ fn refinement_of_bristles() {
             })
             .collect();
         let mean = forces.iter().sum::<f64>() / 1400.0;
-        let variance = forces.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 1400.0;
+        let ripple = (forces.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 1400.0).sqrt();
         println!(
-            "{:4} bristles, h {h:.1e}, damper {damping}: mean {mean:.2} N, standard deviation {:.2} N",
+            "{:4} bristles, h {h:.1e}, damper {damping}: mean {mean:.2} N, standard deviation {ripple:.2} N",
             30.0 * factor,
-            variance.sqrt()
         );
-        mean
+        (mean, ripple)
     };
     let grids = [(1.0, 5e-5), (2.0, 5e-5), (4.0, 5e-5), (8.0, 2.5e-5)];
-    let errors = grids.map(|(factor, h)| (mean(0.0, factor, h) - 4988.80).abs());
-    assert!(errors[0] < 1.5 && errors[1] < 0.6 && errors[2] < 0.2 && errors[3] < 0.1, "{errors:?}");
-    let errors = grids.map(|(factor, h)| mean(0.65, factor, h) - 4995.04);
-    assert!(errors[0] < 2.0 && errors.windows(2).all(|e| e[0] > e[1]), "{errors:?}");
-    assert!(errors[3].abs() < 0.5, "{errors:?}");
+    for (damping, limit) in [(0.0, 4988.80), (0.65, 4995.04)] {
+        let found = grids.map(|(factor, h)| sums(damping, factor, h));
+        let errors = found.map(|(mean, _)| (mean - limit).abs());
+        assert!(errors[0] < 5e-4 * limit && errors[3] < 1e-4 * limit, "{errors:?}");
+        // 3.8 N when every bristle counted as a whole
+        assert!(found.iter().all(|(_, ripple)| *ripple < 0.8), "{found:?}");
+        if damping == 0.0 {
+            assert!(errors[1] < errors[0] / 6.0 && errors[2] < errors[1] / 6.0, "{errors:?}");
+        }
+    }
 }
 
 /// Vertical transient of a standing wheel: second order in the step.
@@ -282,6 +304,8 @@ fn second_order_in_time_with_a_sticking_patch() {
             ("path_speed", 0.0),
             ("deflection", 0.02),
             ("step_size", h),
+            // each bristle counts as a whole: shares have slopes that change as bristles pass the ends
+            ("whole_step_entry", 1.0),
             ("friction_static_zero", 10.0),
             ("friction_static_reference", 10.0),
             ("friction_sliding_zero", 10.0),

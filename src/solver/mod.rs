@@ -1,5 +1,6 @@
-//! Numerical methods: exact derivatives by dual numbers, Newton's method.
+//! Numerical methods: exact derivatives by dual numbers, Newton's method, elementary functions of four numbers at once.
 
+pub mod lanes;
 mod newton;
 mod real;
 

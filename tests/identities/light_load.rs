@@ -5,7 +5,8 @@ use super::*;
 /// Sum of the bristles' normal forces.
 fn carried(rig: &common::FlatTrack) -> f64 {
     let (state, p) = (&rig.model().tire().state, &rig.model().tire().parameters);
-    state.bristles.pressure.iter().sum::<f64>() * p.cell_area()
+    let (pressure, share) = (&state.bristles.pressure, &state.bristles.share);
+    pressure.iter().zip(share).map(|(p, share)| p * share).sum::<f64>() * p.cell_area()
 }
 
 fn run(rig: &mut common::FlatTrack, mut each: impl FnMut(&mut common::FlatTrack)) {

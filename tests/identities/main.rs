@@ -6,6 +6,7 @@ mod bristle;
 #[path = "../common/mod.rs"]
 mod common;
 mod light_load;
+mod passage;
 
 use common::rolling::Point;
 use common::{assert_close, example, flat_track, get, set};
@@ -143,14 +144,13 @@ proptest! {
         let (b, normal) = (&state.bristles, state.patch.force.z);
         let contact = Contact::new(&p, &belt);
         prop_assert_eq!(normal, contact.normal_force);
-        let n = b.x.len();
         let shift = p.patch_compliance_x * lagged.force_x;
         let (mut sum, mut tilting, mut lowest, mut gross, mut negative) = (0.0, 0.0, 0.0_f64, 0.0, 0.0);
         for (k, pressure) in b.pressure.iter().enumerate() {
-            let force = p.cell_area() * pressure;
+            let force = p.cell_area() * pressure * b.share[k];
             sum += force;
             gross += force.abs();
-            tilting += (b.x[k % n] + shift) * force;
+            tilting += (b.place(&p, k % b.stride()) + shift) * force;
             lowest = lowest.min(*pressure);
             negative -= force.min(0.0);
         }

@@ -30,10 +30,14 @@
 
 mod belt;
 mod bristle;
+mod bristles;
 mod contact;
+mod fronts;
 mod parameters;
+mod passage;
 mod patch;
 mod rows;
+mod share;
 mod sidewall;
 mod state;
 mod stationary;
@@ -42,11 +46,13 @@ mod tire;
 
 pub use belt::patch_on_belt;
 pub use bristle::{Limits, Step, advance};
+pub use bristles::Bristles;
 pub use contact::Contact;
 pub use parameters::Parameters;
+pub use passage::{Passage, Sums};
 pub use patch::{Deformation, Loads, Moments, Pressure, PressureState, Shape, Tops, moment_y};
 pub use sidewall::{Coupling, coupling, stationary as stationary_coupling};
-pub use state::{Bristles, PatchReport, State};
+pub use state::{PatchReport, State};
 pub use stationary::{Moved, Stationary, stationary, stationary_refined};
 pub use step::{LOSS_TIME, Prepared};
 pub use tire::RingBrush;

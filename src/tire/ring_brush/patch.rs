@@ -113,6 +113,28 @@ impl<T: Real> Tops<T> {
         ]
     }
 
+    /// The velocity of the tops of a stripe, as polynomials of their undeformed places.
+    pub fn at_stripe(&self, y: f64) -> Path<T> {
+        let Deformation { shift_x, shift_y, twist, bend } = self.deformation;
+        let [c0, c1, c2] = self.velocity_y;
+        let [aside, curved] = self.camber_parabola;
+        let yaw_rate = self.yaw_rate;
+        Path {
+            velocity_x: [
+                self.velocity_x - yaw_rate * (shift_y + aside + y),
+                -yaw_rate * twist,
+                -yaw_rate * (curved - bend),
+            ],
+            velocity_y: [c0 + yaw_rate * shift_x, c1 + yaw_rate, c2],
+            led: [twist * self.feed, self.camber_spin - bend * self.feed * 2.0],
+        }
+    }
+
+    /// Velocity of the bristles through the patch, negative in forward travel \[m/s\].
+    pub fn feed(&self) -> T {
+        self.feed
+    }
+
     /// Power \[W\] that a bristle takes out of the belt with `force` \[N\] on the patch at the undeformed
     /// place (x, y): what bends, damps and slides. To the sum over all belongs
     /// [`camber_power`](Self::camber_power).
@@ -132,6 +154,31 @@ impl<T: Real> Tops<T> {
     /// cambered belt about the road's normal brings.
     pub fn camber_power(&self, moment_z: T) -> T {
         -self.camber_spin * moment_z
+    }
+}
+
+/// Velocity over the road \[m/s\] of the tops of a stripe, as polynomials of the place x.
+#[derive(Debug, Clone, Copy)]
+pub struct Path<T> {
+    /// In x: coefficients 0 to 2.
+    pub velocity_x: [T; 3],
+    /// In y: coefficients 0 to 2.
+    pub velocity_y: [T; 3],
+    /// What of the velocity in y nobody pays for (see [`Tops::power`]): coefficients 0 and 1.
+    pub led: [T; 2],
+}
+
+impl Path<f64> {
+    /// Velocity of the top at x; see [`Tops::velocity`].
+    pub fn velocity(&self, x: f64) -> [f64; 2] {
+        [self.velocity_x, self.velocity_y].map(|[c0, c1, c2]| (c2 * x + c1) * x + c0)
+    }
+
+    /// Power \[W\] that a bristle at x takes out of the belt; see [`Tops::power`].
+    pub fn power(&self, x: f64, [force_x, force_y]: [f64; 2]) -> f64 {
+        let [velocity_x, velocity_y] = self.velocity(x);
+        let led = self.led[0] + self.led[1] * x;
+        -(force_x * velocity_x + force_y * (velocity_y - led))
     }
 }
 

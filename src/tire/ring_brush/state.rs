@@ -1,6 +1,6 @@
 //! All that changes in a tire during a run.
 
-use super::{Loads, Parameters, PressureState};
+use super::{Bristles, Loads, PressureState};
 use crate::clone_in_place;
 use crate::mechanics::{Motion, Wrench};
 use nalgebra::Vector3;
@@ -62,43 +62,6 @@ pub struct PatchReport {
     pub power_loss: f64,
 }
 
-/// The bristles, stripe by stripe: bristle j of stripe i has the index i n + j.
-#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
-pub struct Bristles {
-    /// Place along the patch, the same for all stripes \[m\] (4.17).
-    pub x: Vec<f64>,
-    /// Turns of the ring of bristles: a bristle whose number changes was taken out at one end and
-    /// put in at the other.
-    pub laps: Vec<f64>,
-    /// Lengths of the stripes \[m\].
-    pub lengths: Vec<f64>,
-    /// Deflections in x \[m\].
-    pub deflection_x: Vec<f64>,
-    /// Deflections in y \[m\].
-    pub deflection_y: Vec<f64>,
-    /// Pressures \[Pa\]; during a step, the shape of the pressure.
-    pub pressure: Vec<f64>,
-    /// Sticking.
-    pub stick: Vec<bool>,
-}
-
-impl Bristles {
-    /// Relaxed bristles out of contact.
-    pub fn new(p: &Parameters) -> Self {
-        let (stripes, n) = (p.stripes.max(0) as usize, p.bristles_per_stripe.max(0) as usize);
-        Self {
-            x: vec![0.0; n],
-            laps: vec![0.0; n],
-            lengths: vec![0.0; stripes],
-            deflection_x: vec![0.0; stripes * n],
-            deflection_y: vec![0.0; stripes * n],
-            pressure: vec![0.0; stripes * n],
-            stick: vec![false; stripes * n],
-        }
-    }
-}
-
-clone_in_place!(Bristles { x, laps, lengths, deflection_x, deflection_y, pressure, stick });
 clone_in_place!(State {
     belt,
     acceleration,

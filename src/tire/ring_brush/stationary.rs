@@ -7,7 +7,6 @@
 
 use super::bristle::norm;
 use super::patch::{Moments, Pressure, Shape};
-use super::step::wind;
 use super::{
     Bristles, Contact, Deformation, Limits, Loads, Parameters, Prepared, State, Step, Tops, advance,
     moment_y, patch_on_belt, stationary_coupling,
@@ -549,14 +548,15 @@ impl Stationary {
         let mut belt = unknowns.belt(rim);
         belt.angles.y = rim.angles.y - self.windup;
         let mut bristles = Bristles::new(p);
-        wind(p, &mut bristles, belt.angles.y);
+        bristles.wind(p, belt.angles.y);
+        bristles.look_at([0, bristles.per_stripe]);
         let contact = Contact::new(p, &belt);
         for (i, (y, radius)) in tire.stripe_places().iter().zip(tire.stripe_radii()).enumerate() {
             bristles.lengths[i] = contact.stripe_length(p, *y, *radius);
         }
 
         // bristles take over the deflection of the interval that they are in
-        let n = bristles.x.len();
+        let (n, stride) = (bristles.per_stripe, bristles.stride());
         let mut last = (usize::MAX, 0.0, [0.0; 2]);
         balance(tire, rim, self.friction, &unknowns, self.intervals, &mut |i, x, (deflection, stick)| {
             let (stripe, from, before) = std::mem::replace(&mut last, (i, x, deflection));
@@ -564,12 +564,12 @@ impl Stationary {
                 return;
             }
             for j in 0..n {
-                let part = (bristles.x[j] - from) / (x - from);
+                let part = (bristles.place(p, j) - from) / (x - from);
                 if part > 0.0 && part <= 1.0 {
-                    let k = i * n + j;
+                    let k = i * stride + j;
                     bristles.deflection_x[k] = before[0] + part * (deflection[0] - before[0]);
                     bristles.deflection_y[k] = before[1] + part * (deflection[1] - before[1]);
-                    bristles.stick[k] = stick;
+                    bristles.stick[k] = f64::from(u8::from(stick));
                 }
             }
         });

@@ -1,12 +1,13 @@
 //! The tire in time: one step of belt and patch.
 
-use super::patch::{Moments, Pressure, PressureState, Shape};
+use super::bristles::MAX_PER_STRIPE;
+use super::passage::{MAX_STRIPES, Passage};
+use super::patch::PressureState;
 use super::sidewall::{Coupling, coupling};
-use super::{
-    Bristles, Contact, Deformation, Limits, Loads, Parameters, State, Tops, advance, moment_y, patch_on_belt,
-};
+use super::{Contact, Deformation, Loads, Parameters, State, Tops, moment_y, patch_on_belt};
 use crate::mechanics::{Motion, Wrench, drift, kick};
 use crate::road::{Road, Window};
+use crate::solver::lanes::{LANES, level};
 use crate::tire::Ground;
 use crate::{Error, Result, clone_in_place};
 use nalgebra::Vector3;
@@ -26,11 +27,42 @@ pub struct Prepared {
     places: Vec<f64>,
     /// Radii of the belt shell above the stripes \[m\].
     radii: Vec<f64>,
+    /// The stripes in fours.
+    pub(super) lanes: StripeLanes,
     /// The length over which the contact bridges the road.
     window: Window,
 }
 
-clone_in_place!(Prepared { parameters, places, radii, window });
+/// What does not change of the stripes, with as many more that are never used as makes it a multiple of four.
+#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct StripeLanes {
+    /// Lateral places \[m\].
+    pub places: Vec<f64>,
+    /// Radii \[m\].
+    pub radii: Vec<f64>,
+    /// Logarithms to base 2 of the distances from the middle over half the width.
+    pub sides: Vec<f64>,
+}
+
+clone_in_place!(StripeLanes { places, radii, sides });
+clone_in_place!(Prepared { parameters, places, radii, lanes, window });
+
+impl StripeLanes {
+    fn new(p: &Parameters, places: &[f64], radii: &[f64]) -> Self {
+        let filled = |values: &[f64], with: f64| {
+            let mut filled = values.to_vec();
+            filled.resize(values.len().next_multiple_of(LANES), with);
+            filled
+        };
+        let sides: Vec<f64> = places.iter().map(|y| libm::log2((2.0 * y / p.width).abs())).collect();
+        Self { places: filled(places, 0.0), radii: filled(radii, f64::MIN_POSITIVE), sides: filled(&sides, 0.0) }
+    }
+
+    fn fits(&self, stripes: usize) -> bool {
+        let length = stripes.checked_next_multiple_of(LANES).unwrap_or(usize::MAX);
+        [&self.places, &self.radii, &self.sides].iter().all(|values| values.len() == length)
+    }
+}
 
 impl Prepared {
     /// A tire with these parameters on this road.
@@ -40,9 +72,18 @@ impl Prepared {
     pub fn new(parameters: &Parameters, road: &Road) -> Result<Self> {
         parameters.check()?;
         let stripes = 0..parameters.stripes as usize;
+        if stripes.end > MAX_STRIPES || parameters.bristles_per_stripe > MAX_PER_STRIPE as i32 {
+            return Err(Error::variable(format!(
+                "stripes = {} and bristles_per_stripe = {}: at most {MAX_STRIPES} and {MAX_PER_STRIPE} are possible",
+                stripes.end, parameters.bristles_per_stripe
+            )));
+        }
+        let places: Vec<f64> = stripes.clone().map(|i| parameters.stripe_position(i)).collect();
+        let radii: Vec<f64> = stripes.map(|i| parameters.stripe_radius(i)).collect();
         Ok(Self {
-            places: stripes.clone().map(|i| parameters.stripe_position(i)).collect(),
-            radii: stripes.map(|i| parameters.stripe_radius(i)).collect(),
+            lanes: StripeLanes::new(parameters, &places, &radii),
+            places,
+            radii,
             parameters: parameters.clone(),
             window: road.window(parameters.filter_length)?,
         })
@@ -65,21 +106,12 @@ impl Prepared {
     /// There is not.
     pub fn check(&self, state: &State, road: &Road) -> Result<()> {
         self.window.check(road)?;
-        let count = |number: i32| usize::try_from(number).unwrap_or(usize::MAX);
-        let (stripes, n) = (count(self.parameters.stripes), count(self.parameters.bristles_per_stripe));
-        let Bristles { x, laps, lengths, deflection_x, deflection_y, pressure, stick } = &state.bristles;
-        let vectors = [
-            (self.places.len(), stripes),
-            (self.radii.len(), stripes),
-            (x.len(), n),
-            (laps.len(), n),
-            (lengths.len(), stripes),
-            (deflection_x.len(), stripes.saturating_mul(n)),
-            (deflection_y.len(), stripes.saturating_mul(n)),
-            (pressure.len(), stripes.saturating_mul(n)),
-            (stick.len(), stripes.saturating_mul(n)),
-        ];
-        if vectors.iter().all(|(length, expected)| length == expected) {
+        let stripes = usize::try_from(self.parameters.stripes).unwrap_or(usize::MAX);
+        let is_whole = self.places.len() == stripes
+            && self.radii.len() == stripes
+            && self.lanes.fits(stripes)
+            && state.bristles.fits(&self.parameters);
+        if is_whole {
             Ok(())
         } else {
             Err(Error::call("the tire's stripes and bristles do not fit its parameters"))
@@ -163,16 +195,17 @@ impl Prepared {
         let middle_contact = Contact::new(p, &on_middle_plane);
         let tops = Tops::new(p, &middle_contact, on_middle_plane.rates.y, &lagged_middle, &lag_rates);
         let old_loads = state.loads;
-        self.advance_patch(
-            state,
-            &contact,
-            &tops,
-            &lagged_end,
-            (old_spin, on_plane.angles.y),
-            on_plane.rates.y,
-            plane.friction,
+        let passage = Passage {
+            contact: &contact,
+            tops: &tops,
+            deformation: &Deformation::new(p, &lagged_end),
+            moment: moment_y(p, &contact, on_plane.rates.y, lagged_end.force_x),
+            spin: on_plane.angles.y,
+            shift: p.rolling_radius * (on_plane.angles.y - old_spin),
+            friction: plane.friction,
             dt,
-        )?;
+        };
+        self.advance_patch(state, &passage)?;
 
         // lag of the patch's deformation (4.27), by the trapezoidal rule
         let lags = [p.patch_lag_x, p.patch_lag_y, p.patch_lag_twist];
@@ -215,169 +248,40 @@ impl Prepared {
         }
     }
 
-    /// Moves the bristles through the patch, spreads the normal force over them and sums up their
-    /// forces (4.17)-(4.34).
-    #[allow(clippy::too_many_arguments)] // the patch sits in the middle of everything
-    fn advance_patch(
-        &self,
-        state: &mut State,
-        contact: &Contact<f64>,
-        tops: &Tops<f64>,
-        lagged: &Loads<f64>,
-        (old_spin, new_spin): (f64, f64),
-        spin_rate: f64,
-        friction: f64,
-        dt: f64,
-    ) -> Result<()> {
+    /// Moves the bristles through the patch, and takes over their sums (4.17)-(4.34).
+    fn advance_patch(&self, state: &mut State, passage: &Passage<'_>) -> Result<()> {
         let p = &self.parameters;
-        let deformation = Deformation::new(p, lagged);
-        let shape = Shape::new(p, contact.penetration);
-        let bristles = &mut state.bristles;
-        let n = bristles.x.len();
-        let area = p.cell_area();
-
-        // bristles at one end of the ring go to the other, relaxed
-        wind(p, bristles, new_spin);
-        let shift = p.rolling_radius * (new_spin - old_spin);
-
-        // first pass: stripes and the shape of the pressure
-        let mut sums = Moments { s0: 0.0, s1: 0.0, s2: 0.0 };
-        let mut longest: f64 = 0.0;
-        for (i, (y, radius)) in self.places.iter().zip(&self.radii).enumerate() {
-            let length = contact.stripe_length(p, *y, *radius);
-            if length > p.ring_length() {
-                return Err(Error::numeric(format!(
-                    "the contact patch is {length:.3} m long, the ring of bristles only {:.3} m: more or longer bristles are needed for this deflection",
-                    p.ring_length()
-                )));
-            }
-            longest = longest.max(length);
-            let cells = &mut bristles.pressure[i * n..][..n];
-            if length <= 0.0 {
-                cells.fill(0.0);
-                continue;
-            }
-            let factor = shape.stripe(*y, length);
-            for (cell, x) in cells.iter_mut().zip(&bristles.x) {
-                *cell = if x.abs() <= 0.5 * length { shape.along(*x, length) * factor } else { 0.0 };
-                sums.s0 += *cell;
-                sums.s1 += x * *cell;
-                sums.s2 += x * x * *cell;
-            }
-        }
-
-        let moment = moment_y(p, contact, spin_rate, lagged.force_x);
-        let pressure = Pressure::new(
-            p,
-            &sums,
-            contact.normal_force,
-            moment + deformation.shift_x * contact.normal_force,
-            longest,
-        );
-
-        // second pass: bristles
-        let mut force = Vector3::new(0.0, 0.0, contact.normal_force);
-        let mut torque = Vector3::new(0.0, moment, 0.0);
-        let (mut touching, mut sliding) = (0_u32, 0_u32);
-        let (mut power, mut slip, mut negative, mut highest) = (0.0, 0.0, 0.0, 0.0_f64);
-        // what went into the bristles and is not in their springs is lost
-        let (mut work, mut stored) = (0.0, 0.0);
-        let square = |[x, y]: [f64; 2]| x * x + y * y;
-        for (i, (y, radius)) in self.places.iter().zip(&self.radii).enumerate() {
-            let length = contact.stripe_length(p, *y, *radius);
-            let old_length = std::mem::replace(&mut bristles.lengths[i], length);
-            for (j, &x) in bristles.x.iter().enumerate() {
-                let k = i * n + j;
-                let cell_pressure = pressure.at(x, bristles.pressure[k]);
-                bristles.pressure[k] = cell_pressure;
-                let old = [bristles.deflection_x[k], bristles.deflection_y[k]];
-                stored -= square(old);
-                if cell_pressure == 0.0 {
-                    // out of contact: no force, the deflection dies away (F = 0 in the bristle's law)
-                    let decay = p.bristle_damping / (p.bristle_damping + p.bristle_stiffness * dt);
-                    let new = old.map(|x| x * decay);
-                    stored += square(new);
-                    [bristles.deflection_x[k], bristles.deflection_y[k]] = new;
-                    bristles.stick[k] = false;
-                    continue;
-                }
-                let normal = area * cell_pressure;
-                let limits = Limits::new(p, cell_pressure, friction * normal);
-
-                // a bristle that came into contact within the step is loaded for the rest of it only
-                let inside = 0.5 * length - x.abs();
-                let inside_before = 0.5 * old_length - (x + shift).abs();
-                let enters = inside > 0.0 && inside_before < 0.0 && !p.whole_step_entry;
-                let loaded = if enters { inside / (inside - inside_before) } else { 1.0 };
-                let middle = x + 0.5 * shift * loaded;
-                let velocity = tops.velocity(middle, *y);
-                let step = advance(p, old, velocity, bristles.stick[k], &limits, dt * loaded);
-                [bristles.deflection_x[k], bristles.deflection_y[k]] = step.deflection;
-                bristles.stick[k] = step.stick;
-                stored += square(step.deflection);
-                work += loaded * tops.power(middle, *y, step.force);
-
-                let [place_x, place_y] = deformation.place(x, *y);
-                let [force_x, force_y] = step.force;
-                force.x += force_x;
-                force.y += force_y;
-                torque.x += place_y * normal;
-                torque.z += place_x * force_y - place_y * force_x;
-                touching += 1;
-                highest = highest.max(cell_pressure);
-                negative += (-normal).max(0.0);
-                if !step.stick {
-                    sliding += 1;
-                    power += libm::hypot(force_x, force_y) * step.slip_speed;
-                    slip += normal.max(0.0) * step.slip_speed;
-                }
-            }
-        }
-
-        state.loads = Loads { force_x: force.x, force_y: force.y, moment_z: torque.z };
+        let Passage { contact, tops, deformation, dt, .. } = *passage;
+        let stored = state.bristles.stored;
+        let (sums, pressure) = self.pass(level(), &mut state.bristles, passage)?;
+        let ([force_x, force_y], [moment_x, moment_z]) = (sums.force, sums.moment);
+        state.loads = Loads { force_x, force_y, moment_z };
         let patch = &mut state.patch;
         patch.penetration = contact.penetration;
-        patch.force = force;
-        patch.moment = torque;
+        patch.force = Vector3::new(force_x, force_y, contact.normal_force);
+        patch.moment = Vector3::new(moment_x, passage.moment, moment_z);
         patch.shift = [deformation.shift_x, deformation.shift_y];
         patch.twist = deformation.twist;
-        patch.pressure_max = highest;
-        patch.negative_share = if negative > 0.0 { negative / contact.normal_force } else { 0.0 };
+        patch.pressure_max = sums.highest;
+        patch.negative_share = if sums.negative > 0.0 { sums.negative / contact.normal_force } else { 0.0 };
         patch.pressure_state = match pressure.state {
             // the ends of the stripe need not carry a bristle
-            PressureState::Negative if negative == 0.0 => PressureState::Regular,
+            PressureState::Negative if sums.negative == 0.0 => PressureState::Regular,
             other => other,
         };
-        patch.sliding_share = if touching > 0 { f64::from(sliding) / f64::from(touching) } else { 0.0 };
-        patch.friction_power = power;
+        patch.sliding_share = if sums.touching > 0.0 { sums.sliding / sums.touching } else { 0.0 };
+        patch.friction_power = sums.power;
         if dt > 0.0 {
-            work += tops.camber_power(torque.z);
-            let lost = dt * work - 0.5 * p.bristle_stiffness * stored;
+            // what went into the bristles and is not in their springs is lost
+            let work = sums.work + tops.camber_power(moment_z);
+            let lost = dt * work - 0.5 * p.bristle_stiffness * (state.bristles.stored - stored);
             state.energy_loss += lost;
             patch.power_loss += (lost - dt * patch.power_loss) / (LOSS_TIME + dt);
         }
-        if negative + contact.normal_force > 0.0 {
-            state.sliding_distance += dt * slip / (negative + contact.normal_force);
+        if sums.negative + contact.normal_force > 0.0 {
+            state.sliding_distance += dt * sums.slip / (sums.negative + contact.normal_force);
         }
         Ok(())
-    }
-}
-
-/// Places the bristles for a spin angle (4.17) and relaxes those that change ends.
-pub(super) fn wind(p: &Parameters, bristles: &mut Bristles, spin: f64) {
-    let (cell, ring) = (p.bristle_length, p.ring_length());
-    let n = bristles.x.len();
-    for j in 0..n {
-        let unwound = -(j as f64 + 1.0) * cell - p.rolling_radius * spin;
-        let lap = (unwound / ring).floor();
-        bristles.x[j] = unwound - lap * ring - 0.5 * ring;
-        if std::mem::replace(&mut bristles.laps[j], lap) != lap {
-            for k in (j..bristles.stick.len()).step_by(n) {
-                bristles.deflection_x[k] = 0.0;
-                bristles.deflection_y[k] = 0.0;
-                bristles.stick[k] = false;
-            }
-        }
     }
 }
 

@@ -153,20 +153,21 @@ impl Tire for RingBrush {
     }
 
     fn cells(&self) -> Vec<Cell> {
-        let Bristles { x, pressure, stick, deflection_x, deflection_y, .. } = &self.state.bristles;
+        let bristles = &self.state.bristles;
+        let Bristles { pressure, stick, deflection_x, deflection_y, .. } = bristles;
         let p = self.prepared.parameters();
         let mut cells = Vec::new();
         for (i, y) in self.prepared.stripe_places().iter().enumerate() {
-            for (j, x) in x.iter().enumerate() {
-                let k = i * self.state.bristles.x.len() + j;
+            for j in 0..bristles.per_stripe {
+                let k = i * bristles.stride() + j;
                 if pressure[k] != 0.0 {
                     cells.push(Cell {
-                        x: *x,
+                        x: bristles.place(p, j),
                         y: *y,
                         length: p.bristle_length,
                         width: p.stripe_width(),
                         pressure: pressure[k],
-                        sliding: !stick[k],
+                        sliding: stick[k] == 0.0,
                         deflection: [deflection_x[k], deflection_y[k]],
                     });
                 }

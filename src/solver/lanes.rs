@@ -1,0 +1,230 @@
+//! Four numbers at once: elementary functions with the same bits on every processor.
+//!
+//! Every function is a fixed sequence of additions, multiplications, divisions and selections, each of which IEEE 754
+//! defines to the last bit. Nothing is contracted, and minima, maxima and roundings are comparisons and sums. So what
+//! a processor offers (AVX-512, AVX2, SSE2, NEON, or nothing) decides the speed and not the result. Four, because a contact
+//! is ten to twenty bristles long, of which eights would leave a third of the work to bristles that are not there.
+
+use fearless_simd::{Level, Simd, f64x4, prelude::*, u64x4};
+use std::sync::OnceLock;
+
+/// How many numbers are worked on at once.
+pub const LANES: usize = 4;
+
+/// The best that this processor offers, asked for once.
+pub fn level() -> Level {
+    static LEVEL: OnceLock<Level> = OnceLock::new();
+    *LEVEL.get_or_init(Level::new)
+}
+
+/// All that this processor offers, with names, the best first: for tests and benchmarks.
+pub fn levels() -> Vec<(&'static str, Level)> {
+    let best = level();
+    #[allow(unused_mut)] // other processors have one only
+    let mut all = Vec::new();
+    #[cfg(target_arch = "x86_64")]
+    {
+        all.extend(best.as_avx512().map(|l| ("AVX-512", l.level())));
+        all.extend(best.as_avx2().map(|l| ("AVX2", l.level())));
+        all.extend(best.as_sse4_2().map(|l| ("SSE4.2", l.level())));
+    }
+    all.push(("baseline", Level::baseline()));
+    all
+}
+
+/// Adding and taking away 1.5 * 2^52 rounds to a whole number, whose bits are then the lowest of the sum.
+const ROUND: f64 = 6_755_399_441_055_744.0;
+const EXPONENT_BIAS: u64 = 1023;
+const MANTISSA_BITS: u32 = 52;
+/// 2^f for f in [-1/2, 1/2]: Chebyshev interpolation, relative error 3.2e-16.
+const EXP2: [f64; 11] = [
+    1.0,
+    0.693_147_180_559_95,
+    0.240_226_506_959_100_97,
+    0.055_504_108_664_447_72,
+    0.009_618_129_107_606_888,
+    0.001_333_355_823_016_497_4,
+    0.000_154_035_304_417_360_5,
+    1.525_265_726_020_083_7e-5,
+    1.321_544_258_792_169e-6,
+    1.020_869_029_995_830_6e-7,
+    7.072_585_949_269_223e-9,
+];
+/// asin(s) / s over s², for s² in [0, 1/4]: Chebyshev interpolation, relative error 2.6e-17.
+const ASIN: [f64; 13] = [
+    1.0,
+    0.166_666_666_666_649_42,
+    0.075_000_000_003_852_01,
+    0.044_642_856_805_998_936,
+    0.030_381_959_697_685_14,
+    0.022_371_749_733_164_054,
+    0.017_359_779_641_349_98,
+    0.013_884_842_826_402_08,
+    0.012_170_138_592_391_726,
+    0.006_529_302_004_736_569_5,
+    0.019_513_468_251_252_167,
+    -0.016_187_392_271_599_134,
+    0.031_879_621_400_812_84,
+];
+
+/// By pairs, pairs of pairs and so on (Estrin): what does not depend on each other goes on at the same time.
+#[inline(always)]
+fn polynomial<S: Simd, const N: usize>(simd: S, coefficients: &[f64; N], x: f64x4<S>) -> f64x4<S> {
+    let zero = f64x4::splat(simd, 0.0);
+    let mut terms = [zero; 8];
+    for (pair, term) in coefficients.chunks(2).zip(&mut terms) {
+        *term = match pair {
+            [a, b] => x * *b + *a,
+            [a] => f64x4::splat(simd, *a),
+            _ => zero,
+        };
+    }
+    let mut power = x * x;
+    let mut count = N.div_ceil(2);
+    while count > 1 {
+        for k in 0..count / 2 {
+            terms[k] = terms[2 * k + 1] * power + terms[2 * k];
+        }
+        if count % 2 == 1 {
+            terms[count / 2] = terms[count - 1];
+        }
+        count = count.div_ceil(2);
+        power = power * power;
+    }
+    terms[0]
+}
+
+/// The larger one; `b` where one is not a number.
+#[inline(always)]
+pub fn larger<S: Simd>(a: f64x4<S>, b: f64x4<S>) -> f64x4<S> {
+    a.simd_gt(b).select(a, b)
+}
+
+/// The smaller one; `b` where one is not a number.
+#[inline(always)]
+pub fn smaller<S: Simd>(a: f64x4<S>, b: f64x4<S>) -> f64x4<S> {
+    a.simd_lt(b).select(a, b)
+}
+
+/// 2^x for x up to 1000, with a relative error of 8e-16; 2^-1000 for all that is less than -1000.
+#[inline(always)]
+pub fn exp2<S: Simd>(simd: S, x: f64x4<S>) -> f64x4<S> {
+    let x = larger(x, f64x4::splat(simd, -1000.0));
+    let whole = x + ROUND;
+    let scale = f64x4::from_bits((whole.to_bits() + EXPONENT_BIAS) << MANTISSA_BITS);
+    polynomial(simd, &EXP2, x - (whole - ROUND)) * scale
+}
+
+/// The logarithm to base 2 of normal positive numbers, with an error of 2e-16 of the larger of it and 1; about -1023 for 0.
+#[inline(always)]
+pub fn log2<S: Simd>(simd: S, x: f64x4<S>) -> f64x4<S> {
+    let bits = x.to_bits();
+    // the exponent in the lowest bits of 2^52, and what it multiplies, in [1, 2)
+    let exponent = f64x4::from_bits((bits >> MANTISSA_BITS) | 4_841_369_599_423_283_200_u64) - (4_503_599_627_370_496.0 + 1023.0);
+    let mantissa_mask: u64x4<S> = u64x4::splat(simd, (1 << MANTISSA_BITS) - 1);
+    let m = f64x4::from_bits((bits & mantissa_mask) | 4_607_182_418_800_017_408_u64);
+    // to around 1: 2 atanh((m - 1) / (m + 1)) as a series
+    let is_large = m.simd_gt(std::f64::consts::SQRT_2);
+    let m = is_large.select(m * 0.5, m);
+    let exponent = is_large.select(exponent + 1.0, exponent);
+    let s = (m - 1.0) / (m + 1.0);
+    const SERIES: [f64; 10] = {
+        let mut series = [0.0; 10];
+        let mut n = 0;
+        while n < 10 {
+            series[n] = 2.0 * std::f64::consts::LOG2_E / (2.0 * n as f64 + 1.0);
+            n += 1;
+        }
+        series
+    };
+    exponent + s * polynomial(simd, &SERIES, s * s)
+}
+
+/// The arc cosine for x in [1/2, 1], with a relative error of 8e-16.
+#[inline(always)]
+pub fn acos_near_one<S: Simd>(simd: S, x: f64x4<S>) -> f64x4<S> {
+    let z = (-x + 1.0) * 0.5;
+    z.sqrt() * polynomial(simd, &ASIN, z) * 2.0
+}
+
+/// The sum, always in the same order.
+#[inline(always)]
+pub fn sum<S: Simd>(v: f64x4<S>) -> f64 {
+    let [a, b, c, d]: [f64; LANES] = v.into();
+    (a + c) + (b + d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::dispatch;
+
+    /// A function at one point, on the best and on every other level, which have to agree to the bit.
+    macro_rules! each {
+        ($f:ident, $x:expr) => {{
+            let x: f64 = $x;
+            let at = |level: Level| -> [f64; LANES] {
+                dispatch!(level, simd => $f(simd, f64x4::splat(simd, x)).into())
+            };
+            let best = at(level());
+            for (name, other) in levels() {
+                assert_eq!(at(other).map(f64::to_bits), best.map(f64::to_bits), "{name} at {x}");
+            }
+            assert!(best.iter().all(|y| y.to_bits() == best[0].to_bits()));
+            best[0]
+        }};
+    }
+
+    fn shares(n: u32) -> impl Iterator<Item = f64> {
+        // a golden-ratio sequence: it meets no multiples of anything
+        (0..n).map(|k| (f64::from(k) * 0.618_033_988_749_895).fract())
+    }
+
+    #[test]
+    fn exp2_is_that_of_libm() {
+        for x in shares(20_000).map(|u| 40.0 * u - 30.0).chain([0.0, -0.5, 0.5, -1.0, -999.5, 10.0]) {
+            let (y, exact) = (each!(exp2, x), libm::exp2(x));
+            assert!((y / exact - 1.0).abs() <= 8e-16, "{x}: {y} for {exact}");
+        }
+        assert_eq!(each!(exp2, -1e9), libm::exp2(-1000.0));
+        assert_eq!(each!(exp2, f64::NEG_INFINITY), libm::exp2(-1000.0));
+    }
+
+    #[test]
+    fn log2_is_that_of_libm() {
+        let near_one = shares(5000).map(|u| 0.9 + 0.2 * u);
+        for x in shares(20_000).map(|u| libm::exp2(60.0 * u - 55.0)).chain(near_one) {
+            let (y, exact) = (each!(log2, x), libm::log2(x));
+            assert!((y - exact).abs() <= 4e-16 * exact.abs().max(1.0), "{x}: {y} for {exact}");
+        }
+        assert_eq!(each!(log2, 1.0), 0.0);
+        assert!(each!(log2, 0.0) < -1000.0);
+    }
+
+    #[test]
+    fn acos_is_that_of_libm() {
+        for x in shares(20_000).map(|u| 1.0 - 0.5 * u * u).chain([1.0, 0.5, 1.0 - 1e-15]) {
+            let (y, exact) = (each!(acos_near_one, x), libm::acos(x));
+            assert!((y - exact).abs() <= 8e-16 * exact, "{x}: {y} for {exact}");
+        }
+    }
+
+    /// The bristles' pressure is 1 - u^g with u^g = 2^(g (log2 x - log2 l)).
+    #[test]
+    fn a_power_of_a_quotient_is_that_of_libm() {
+        let (mut worst, mut relative) = (0.0_f64, 0.0_f64);
+        for (u, v) in shares(20_000).zip(shares(20_011).skip(11)) {
+            let (half, g) = (0.02 + 0.1 * v, 1.0 + 19.0 * u);
+            let x = half * (7.0 * u + 3.0 * v).fract();
+            let y = each!(exp2, g * (each!(log2, x) - each!(log2, half)));
+            let exact = libm::pow(x / half, g);
+            worst = worst.max((y - exact).abs());
+            if exact > 1e-12 {
+                relative = relative.max((y / exact - 1.0).abs());
+            }
+        }
+        // g times the rounding of logarithms of about 6
+        assert!(worst <= 1.5e-14 && relative <= 1e-13, "{worst} {relative}");
+        println!("u^g: error {worst:.1e}, relative {relative:.1e}");
+    }
+}

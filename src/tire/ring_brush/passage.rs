@@ -1,0 +1,421 @@
+//! The bristles' passage through the patch in a step: how the normal force is spread over them, what each does, and the
+//! sums of what they do (4.17)-(4.34). Four bristles are worked on at once.
+//!
+//! A bristle stands for the cell around it. So that sums over bristles do not ripple while these pass one by one, they
+//! are integrals over the stripe by the trapezoidal rule: up to the stripe's ends, which lie between bristles, and up to
+//! the front where bristles break away, which does so, too ([`Front`]). A bristle at an end counts in part.
+
+use super::bristles::Bristles;
+use super::fronts::{Fronts, Pattern, Stripe};
+use super::patch::{Moments, Pressure, PressureState, Shape};
+use super::bristle::norm;
+use super::share::share;
+use super::{Contact, Deformation, Limits, Parameters, Prepared, Tops};
+use crate::solver::lanes::{LANES, acos_near_one, exp2, larger, log2, smaller, sum};
+use crate::{Error, Result};
+use fearless_simd::{Level, Simd, dispatch, f64x4, prelude::*};
+
+/// Stripes that a tire has at most.
+pub(super) const MAX_STRIPES: usize = 64;
+/// A bristle that is by so many spacings out of the contact is in it by rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// What presses bristles on the road and moves them in a step.
+pub struct Passage<'a> {
+    /// The contact at the end of the step.
+    pub contact: &'a Contact<f64>,
+    /// The motion of the tops at mid-step.
+    pub tops: &'a Tops<f64>,
+    /// How the patch sits on the belt at the end of the step.
+    pub deformation: &'a Deformation<f64>,
+    /// Moment about the lateral axis that the pressures have to make \[N.m\] (4.22).
+    pub moment: f64,
+    /// Spin angle of the belt over the road at the end \[rad\].
+    pub spin: f64,
+    /// By how much bristles have come to the rear in the step \[m\].
+    pub shift: f64,
+    /// Factor on both coefficients of friction.
+    pub friction: f64,
+    /// The step \[s\].
+    pub dt: f64,
+}
+
+/// Sums over the bristles at the end of a step. Each counts as far as its cell is in contact.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sums {
+    /// Force on the patch, x and y \[N\].
+    pub force: [f64; 2],
+    /// Its moment about x and z \[N.m\].
+    pub moment: [f64; 2],
+    /// Bristles in contact.
+    pub touching: f64,
+    /// Bristles that slide.
+    pub sliding: f64,
+    /// Power of friction \[W\].
+    pub power: f64,
+    /// Slip speed times normal force \[W\].
+    pub slip: f64,
+    /// Sum of the normal forces that pull \[N\].
+    pub negative: f64,
+    /// Largest pressure \[Pa\].
+    pub highest: f64,
+    /// Power that they take out of the belt \[W\].
+    pub work: f64,
+}
+
+/// Friction of bristles over their pressure (4.32).
+pub(super) struct Friction {
+    /// Coefficient of sticking at no pressure, and how it grows with it \[1/Pa\].
+    pub sticking: [f64; 2],
+    /// The same of sliding.
+    pub sliding: [f64; 2],
+    /// Area of a bristle times the road's factor \[m²\].
+    pub area: f64,
+    /// Fall of the sliding friction with the speed \[s/m\].
+    pub falloff: f64,
+}
+
+impl Friction {
+    fn new(p: &Parameters, factor: f64) -> Self {
+        let per_pressure = p.friction_pressure_scale / p.friction_pressure;
+        let line = |[at_zero, at_reference]: [f64; 2]| [at_zero, per_pressure * (at_reference - at_zero)];
+        Self {
+            sticking: line(p.friction_static),
+            sliding: line(p.friction_sliding),
+            area: p.cell_area() * factor,
+            falloff: p.friction_speed_falloff,
+        }
+    }
+
+    /// The limits of a bristle with this pressure \[Pa\], that of sliding at no speed; see [`Limits::new`].
+    pub fn limits(&self, pressure: f64) -> Limits<f64> {
+        let held = pressure.max(0.0) * self.area;
+        let limit = |[at_zero, slope]: [f64; 2]| (at_zero + slope * pressure).max(0.0) * held;
+        Limits { sticking: limit(self.sticking), sliding: limit(self.sliding) }
+    }
+
+    /// What is left of the sliding friction at a velocity \[m/s\] of the top.
+    pub fn at_speed(&self, velocity: [f64; 2]) -> f64 {
+        if self.falloff == 0.0 { 1.0 } else { 1.0 / (1.0 + self.falloff * norm(velocity)) }
+    }
+}
+
+/// What the stripes have in a step.
+struct Stripes {
+    lengths: [f64; MAX_STRIPES],
+    /// Factor of the stripe in the shape of the pressure (4.21).
+    factors: [f64; MAX_STRIPES],
+    /// Logarithm of the length to base 2.
+    logarithms: [f64; MAX_STRIPES],
+}
+
+impl Prepared {
+    /// Moves the bristles through the patch, spreads the normal force over them and sums up what they do, with the
+    /// instructions of `level`, which change no bit of the result.
+    ///
+    /// # Errors
+    /// The patch gets longer than the ring of bristles.
+    pub fn pass(&self, level: Level, bristles: &mut Bristles, passage: &Passage<'_>) -> Result<(Sums, Pressure<f64>)> {
+        let p = self.parameters();
+        let stripes = dispatch!(level, simd => self.stripes(simd, passage.contact));
+        let longest = stripes.lengths[..self.stripe_places().len()].iter().fold(0.0_f64, |a, b| a.max(*b));
+        if longest > p.ring_length() {
+            return Err(Error::numeric(format!(
+                "the contact patch is {longest:.3} m long, the ring of bristles only {:.3} m: more or longer bristles are needed for this deflection",
+                p.ring_length()
+            )));
+        }
+        bristles.wind(p, passage.spin);
+        bristles.look_at(window(p, bristles, longest));
+        let moments = dispatch!(level, simd => self.shapes(simd, bristles, passage, &stripes));
+        let normal = passage.contact.normal_force;
+        let moment = passage.moment + passage.deformation.shift_x * normal;
+        let pressure = Pressure::new(p, &moments, normal, moment, longest);
+        let sums = dispatch!(level, simd => self.bristles(simd, bristles, passage, &stripes, &pressure));
+        let count = bristles.lengths.len();
+        bristles.lengths.copy_from_slice(&stripes.lengths[..count]);
+        Ok((sums, pressure))
+    }
+
+    /// Lengths (4.19), (4.20) and what the pressure has of a whole stripe.
+    #[inline(always)]
+    fn stripes<S: Simd>(&self, simd: S, contact: &Contact<f64>) -> Stripes {
+        let p = self.parameters();
+        let zero = f64x4::splat(simd, 0.0);
+        let mut stripes = Stripes {
+            lengths: [0.0; MAX_STRIPES],
+            factors: [0.0; MAX_STRIPES],
+            logarithms: [0.0; MAX_STRIPES],
+        };
+        if contact.penetration <= 0.0 {
+            return stripes;
+        }
+        let (_, across) = Shape::new(p, contact.penetration).exponents();
+        let (sin, cos) = contact.camber_sin_cos;
+        let rows = self.lanes.places.chunks_exact(LANES).zip(self.lanes.radii.chunks_exact(LANES));
+        for (k, (places, radii)) in rows.enumerate() {
+            let (place, radius) = (f64x4::from_slice(simd, places), f64x4::from_slice(simd, radii));
+            let ratio = (place * (sin / cos) + contact.distance) / radius;
+            let touches = ratio.simd_lt(1.0);
+            let angle = acos_near_one(simd, smaller(ratio, f64x4::splat(simd, 1.0)));
+            let length = touches.select(angle * radius * (2.0 * p.stripe_length_factor), zero);
+            let own = k * LANES..(k + 1) * LANES;
+            length.store_slice(&mut stripes.lengths[own.clone()]);
+            if ratio.simd_lt(0.5).any_true() {
+                // pressed in by half of its radius: the formula for small angles ends here
+                for i in own.clone() {
+                    if let (Some(y), Some(radius)) = (self.stripe_places().get(i), self.stripe_radii().get(i)) {
+                        stripes.lengths[i] = contact.stripe_length(p, *y, *radius);
+                    }
+                }
+            }
+            let length = f64x4::from_slice(simd, &stripes.lengths[own.clone()]);
+            let side = f64x4::from_slice(simd, &self.lanes.sides[own.clone()]);
+            ((-exp2(simd, side * across) + 1.0) * length).store_slice(&mut stripes.factors[own.clone()]);
+            log2(simd, length).store_slice(&mut stripes.logarithms[own]);
+        }
+        stripes
+    }
+
+    /// Writes the shape of the pressure (4.21) to where the pressure is kept, and sums it up (4.24).
+    #[inline(always)]
+    fn shapes<S: Simd>(&self, simd: S, bristles: &mut Bristles, passage: &Passage<'_>, stripes: &Stripes) -> Moments<f64> {
+        let p = self.parameters();
+        let (along, _) = Shape::new(p, passage.contact.penetration).exponents();
+        let zero = f64x4::splat(simd, 0.0);
+        let (mut s0, mut s1, mut s2) = (zero, zero, zero);
+        let stride = bristles.stride();
+        let [from, to] = bristles.window;
+        for j in (from..to).step_by(LANES) {
+            let x = places(simd, p, bristles, j);
+            let size = x.abs();
+            // x is the same in all stripes
+            let logarithm = log2(simd, size * 2.0);
+            for (i, old_length) in bristles.lengths.iter().enumerate() {
+                let length = stripes.lengths[i];
+                if length <= 0.0 && *old_length <= 0.0 {
+                    continue;
+                }
+                let half = 0.5 * length;
+                let power = exp2(simd, (logarithm - stripes.logarithms[i]) * along);
+                let shape = larger(-power + 1.0, zero) * stripes.factors[i];
+                let shape = size.simd_le(half).select(shape, zero);
+                shape.store_slice(&mut bristles.pressure[i * stride + j..][..LANES]);
+                let share = shape.simd_gt(0.0).select(share(simd, p, x, length), zero);
+                share.store_slice(&mut bristles.share[i * stride + j..][..LANES]);
+                let counted = shape * share;
+                s0 += counted;
+                let lever = counted * x;
+                s1 += lever;
+                s2 += lever * x;
+            }
+        }
+        Moments { s0: sum(s0), s1: sum(s1), s2: sum(s2) }
+    }
+
+    /// The bristles' law, four at once; see [`advance`](super::advance), which is the law for one.
+    #[inline(always)]
+    fn bristles<S: Simd>(
+        &self,
+        simd: S,
+        bristles: &mut Bristles,
+        passage: &Passage<'_>,
+        stripes: &Stripes,
+        pressure: &Pressure<f64>,
+    ) -> Sums {
+        let p = self.parameters();
+        let Passage { tops, deformation, shift, friction, dt, .. } = *passage;
+        let splat = |x: f64| f64x4::splat(simd, x);
+        let (zero, one) = (splat(0.0), splat(1.0));
+        let (c, d, area) = (p.bristle_stiffness, p.bristle_damping, p.cell_area());
+        let law = Friction::new(p, friction);
+        let Friction { sticking: [static_0, static_slope], sliding: [sliding_0, sliding_slope], falloff, .. } = law;
+        let tiny = splat(f64::MIN_POSITIVE);
+        let pulls = pressure.state == PressureState::Negative;
+        let stride = bristles.stride();
+        let [from, to] = bristles.window;
+        let all_relaxed = one / splat(dt * c + d);
+        let mut total = Lanes::new(simd);
+        let mut fronts = Sums::default();
+        let has_fronts = tops.feed() != 0.0 && !p.whole_step_entry;
+        let mut pattern = Pattern::new();
+        // no bristle is pressed harder
+        let longest = stripes.lengths.iter().fold(0.0_f64, |a, b| a.max(*b));
+        let most = stripes.factors.iter().fold(0.0_f64, |a, b| a.max(*b))
+            * (pressure.level + 0.5 * longest * pressure.tilt.abs());
+        let strongest = law.limits(most).sticking;
+        for (i, y) in self.stripe_places().iter().enumerate() {
+            let (length, old_length) = (stripes.lengths[i], bristles.lengths[i]);
+            if length <= 0.0 && old_length <= 0.0 {
+                continue;
+            }
+            let (half, old_half) = (0.5 * length, 0.5 * old_length);
+            let path = tops.at_stripe(*y);
+            pattern.clear();
+            let (vx, vy, led) = (path.velocity_x, path.velocity_y, path.led);
+            for j in (from..to).step_by(LANES) {
+                let k = i * stride + j;
+                let x = places(simd, p, bristles, j);
+                let cell_pressure = four(simd, &bristles.pressure, k) * (x * pressure.tilt + pressure.level);
+                let counts = four(simd, &bristles.share, k);
+                let counted = cell_pressure * counts * area;
+
+                // friction limits: linear in the pressure (4.32), neither is negative; 0 out of contact
+                let held = larger(cell_pressure, zero) * law.area;
+                let sticking_limit = larger(cell_pressure * static_slope + static_0, zero) * held;
+                let mut sliding_limit = larger(cell_pressure * sliding_slope + sliding_0, zero) * held;
+
+                // a bristle that came into contact within the step is loaded for the rest of it only
+                let inside = -x.abs() + half;
+                let inside_before = -(x + shift).abs() + old_half;
+                let enters = inside.simd_gt(0.0) & inside_before.simd_lt(0.0);
+                let (mut loaded, mut per_relaxed) = (one, all_relaxed);
+                if !p.whole_step_entry && enters.any_true() {
+                    loaded = enters.select(inside / (inside - inside_before), one);
+                    per_relaxed = one / (loaded * (dt * c) + d);
+                }
+                let time = loaded * dt;
+                let middle = loaded * (0.5 * shift) + x;
+                let velocity_x = (middle * vx[2] + vx[1]) * middle + vx[0];
+                let velocity_y = (middle * vy[2] + vy[1]) * middle + vy[0];
+
+                // radial return
+                let (old_x, old_y) = (four(simd, &bristles.deflection_x, k), four(simd, &bristles.deflection_y, k));
+                let resistance = time * c + d;
+                let trial_x = old_x * c - velocity_x * resistance;
+                let trial_y = old_y * c - velocity_y * resistance;
+                let trial = (trial_x * trial_x + trial_y * trial_y).sqrt();
+                if falloff != 0.0 {
+                    let speed = (velocity_x * velocity_x + velocity_y * velocity_y).sqrt();
+                    sliding_limit = sliding_limit / (speed * falloff + 1.0);
+                }
+                let stuck = four(simd, &bristles.stick, k).simd_gt(0.0);
+                let bound = stuck.select(sticking_limit, sliding_limit);
+                let sticks = bound.simd_gt(0.0) & trial.simd_le(bound);
+                let cut = sticks.select(one, sliding_limit / larger(trial, tiny));
+                let slip_speed = sticks.select(zero, (trial - sliding_limit) * per_relaxed);
+                let (force_x, force_y) = (trial_x * cut, trial_y * cut);
+                let (relaxes, gives) = (per_relaxed * d, per_relaxed * time);
+                let (new_x, new_y) = (force_x * gives + old_x * relaxes, force_y * gives + old_y * relaxes);
+
+                cell_pressure.store_slice(&mut bristles.pressure[k..k + LANES]);
+                new_x.store_slice(&mut bristles.deflection_x[k..k + LANES]);
+                new_y.store_slice(&mut bristles.deflection_y[k..k + LANES]);
+                force_x.store_slice(&mut bristles.force_x[k..k + LANES]);
+                force_y.store_slice(&mut bristles.force_y[k..k + LANES]);
+                sticks.select(one, zero).store_slice(&mut bristles.stick[k..k + LANES]);
+                pattern.push(j - from, counts.simd_gt(0.0).to_bitmask(), sticks.to_bitmask());
+
+                let (fx, fy) = (force_x * counts, force_y * counts);
+                let place_y = (x * -deformation.bend + deformation.twist) * x + (y + deformation.shift_y);
+                let free_y = velocity_y - (middle * led[1] + led[0]);
+                total.force_x += fx;
+                total.force_y += fy;
+                total.moment_x += place_y * counted;
+                total.moment_z += x * fy - place_y * fx;
+                total.touching += counts;
+                total.sliding += sticks.select(zero, counts);
+                total.power += sliding_limit * counts * slip_speed;
+                total.slip += larger(counted, zero) * slip_speed;
+                if pulls {
+                    total.negative += larger(-counted, zero);
+                }
+                total.highest = larger(cell_pressure, total.highest);
+                total.work -= (fx * velocity_x + fy * free_y) * loaded;
+                total.stored += (new_x * new_x + new_y * new_y) * counts;
+            }
+            if has_fronts {
+                let fronts_of_all = Fronts {
+                    bristles,
+                    deformation,
+                    friction: &law,
+                    per_length: 1.0 / p.bristle_length,
+                    feed: tops.feed(),
+                    growth: c * p.bristle_length / tops.feed().abs(),
+                    share: tops.feed().abs().min(1.0),
+                    strongest,
+                };
+                let row = i * stride;
+                Stripe { fronts: &fronts_of_all, path: &path, y: *y, length, row }.add_all(&pattern, &mut fronts);
+            }
+        }
+        bristles.stored = sum(total.stored);
+        Sums {
+            force: [sum(total.force_x) + fronts.force[0], sum(total.force_y) + fronts.force[1]],
+            moment: [
+                sum(total.moment_x),
+                sum(total.moment_z) + deformation.shift_x * sum(total.force_y) + fronts.moment[1],
+            ],
+            touching: sum(total.touching),
+            sliding: sum(total.sliding),
+            power: sum(total.power),
+            slip: sum(total.slip),
+            negative: sum(total.negative),
+            highest: <[f64; LANES]>::from(total.highest).into_iter().fold(0.0, f64::max),
+            work: sum(total.work) + fronts.work,
+        }
+    }
+}
+
+/// Sums that are not yet added up over the lanes.
+struct Lanes<S: Simd> {
+    force_x: f64x4<S>,
+    force_y: f64x4<S>,
+    moment_x: f64x4<S>,
+    moment_z: f64x4<S>,
+    touching: f64x4<S>,
+    sliding: f64x4<S>,
+    power: f64x4<S>,
+    slip: f64x4<S>,
+    negative: f64x4<S>,
+    highest: f64x4<S>,
+    work: f64x4<S>,
+    stored: f64x4<S>,
+}
+
+impl<S: Simd> Lanes<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        let zero = f64x4::splat(simd, 0.0);
+        Self {
+            force_x: zero,
+            force_y: zero,
+            moment_x: zero,
+            moment_z: zero,
+            touching: zero,
+            sliding: zero,
+            power: zero,
+            slip: zero,
+            negative: zero,
+            highest: zero,
+            work: zero,
+            stored: zero,
+        }
+    }
+}
+
+/// The bristles that are in contact with stripes up to this length.
+fn window(p: &Parameters, bristles: &Bristles, longest: f64) -> [usize; 2] {
+    if longest <= 0.0 {
+        return [0; 2];
+    }
+    let number = |x: f64| (x - bristles.first_place) / p.bristle_length;
+    // what is negative becomes 0
+    let from = (number(-0.5 * longest) - ROUNDING).ceil() as usize;
+    let to = (number(0.5 * longest) + ROUNDING + 1.0).floor() as usize;
+    let n = bristles.per_stripe;
+    [from.min(n), to.clamp(from.min(n), n)]
+}
+
+/// Four numbers from `k` on.
+#[inline(always)]
+fn four<S: Simd>(simd: S, values: &[f64], k: usize) -> f64x4<S> {
+    f64x4::from_slice(simd, &values[k..k + LANES])
+}
+
+/// Places of four bristles from `j` on.
+#[inline(always)]
+fn places<S: Simd>(simd: S, p: &Parameters, bristles: &Bristles, j: usize) -> f64x4<S> {
+    const FIRST: [f64; LANES] = [0.0, 1.0, 2.0, 3.0];
+    (f64x4::from_slice(simd, &FIRST) + j as f64) * p.bristle_length + bristles.first_place
+}
