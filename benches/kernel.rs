@@ -7,7 +7,8 @@ use latsch::model::{Model, Native, Settings, Slave};
 use latsch::rig::RingBrushFlatTrack;
 use latsch::solver::lanes::levels;
 use latsch::tire::ring_brush::{
-    Bristles, Contact, Deformation, Limits, Loads, Moments, Passage, Prepared, Pressure, Shape, Sums, Tops, advance,
+    Bristles, Contact, Deformation, Limits, Loads, Moments, Passage, Prepared, Pressure, Shape, Sums, Tops,
+    advance,
 };
 use std::hint::black_box;
 use std::time::Instant;
@@ -216,8 +217,13 @@ fn median(mut values: Vec<f64>) -> f64 {
 fn main() {
     // cargo test runs benchmarks with --test to see that they work
     let rounds = if std::env::args().any(|a| a == "--test") { 1 } else { ROUNDS };
-    println!("{} on the flat track: bristles in a step, beside belt, side wall and road\n", RingBrushFlatTrack::NAME);
-    println!("  bristles   in contact   instructions        ns a step   ns a bristle in contact   times the former loop");
+    println!(
+        "{} on the flat track: bristles in a step, beside belt, side wall and road\n",
+        RingBrushFlatTrack::NAME
+    );
+    println!(
+        "  bristles   in contact   instructions        ns a step   ns a bristle in contact   times the former loop"
+    );
     for (stripes, bristles) in [(5, 48), (6, 30), (20, 48)] {
         let rolling = Rolling::new(f64::from(stripes), f64::from(bristles));
         let p = rolling.tire.parameters();

@@ -28,7 +28,8 @@ fn run<M: Model>(
     end: f64,
     output: &str,
 ) -> Vec<f64> {
-    let mut slave: Native<M> = started(start);
+    // the model's own step stays what it is
+    let mut slave: Native<M> = started(&[start, &[("step_size", 1e-4)]].concat());
     let every = (0.01 / step).round() as u32;
     let mut values = Vec::new();
     for k in 0..(end / step).round() as u32 {

@@ -226,6 +226,7 @@ fn friction_that_falls_with_the_speed_has_stationary_starts_that_stay() {
                 ("camber", camber),
                 ("path_speed", speed),
                 ("friction_speed_falloff", falloff),
+                ("step_size", 1e-4),
                 // so fine that the bristles' sums are the continuum's: at a slip angle of 0.15 what they are off by
                 // grows, as falling friction damps less than nothing
                 ("bristles_per_stripe", 60.0),

@@ -354,8 +354,11 @@ fn steps_that_are_too_long_for_the_parameters_are_refused_at_the_start() {
         (refused::<C>(&[("fore_aft_damping", 1e6)]), ["fore_aft_damping", "hub_mass"]),
         (refused::<C>(&[("fore_aft_stiffness", 1e9), ("hub_mass", 1.0)]), ["fore_aft_stiffness", "hub_mass"]),
         (refused::<C>(&[("suspension_damping", 1e6)]), ["suspension_damping", "hub_mass"]),
-        (refused::<C>(&[("hub_mass", 0.1)]), ["fore_aft_damping", "hub_mass"]),
-        (refused::<W>(&[("hub_inertia", 1e-3)]), ["sidewall_windup_damping", "hub_inertia"]),
+        (refused::<C>(&[("hub_mass", 0.1), ("step_size", 1e-4)]), ["fore_aft_damping", "hub_mass"]),
+        (
+            refused::<W>(&[("hub_inertia", 1e-3), ("step_size", 1e-4)]),
+            ["sidewall_windup_damping", "hub_inertia"],
+        ),
         (refused::<W>(&[("hub_mass", 0.1), ("step_size", 5e-4)]), ["sidewall_radial", "hub_mass"]),
     ] {
         for word in names.iter().chain(&["step_size = ", "at most"]) {
@@ -368,7 +371,7 @@ fn steps_that_are_too_long_for_the_parameters_are_refused_at_the_start() {
         [("fore_aft_stiffness", 1e9), ("hub_mass", 40.0)],
         [("suspension_damping", 1e5), ("hub_mass", 40.0)],
     ] {
-        let mut corner: Corner = started(&values);
+        let mut corner: Corner = started(&[&values[..], &[("step_size", 1e-4)]].concat());
         set(&mut corner, &[("brake_torque", 500.0)]);
         advance(&mut corner, 1e-3, 0, 300);
         assert!(get(&mut corner, "vehicle_speed") < 27.5);

@@ -67,31 +67,19 @@ const ASIN: [f64; 13] = [
     0.031_879_621_400_812_84,
 ];
 
-/// By pairs, pairs of pairs and so on (Estrin): what does not depend on each other goes on at the same time.
 #[inline(always)]
-fn polynomial<S: Simd, const N: usize>(simd: S, coefficients: &[f64; N], x: f64x4<S>) -> f64x4<S> {
-    let zero = f64x4::splat(simd, 0.0);
-    let mut terms = [zero; 8];
-    for (pair, term) in coefficients.chunks(2).zip(&mut terms) {
-        *term = match pair {
-            [a, b] => x * *b + *a,
-            [a] => f64x4::splat(simd, *a),
-            _ => zero,
-        };
-    }
-    let mut power = x * x;
-    let mut count = N.div_ceil(2);
-    while count > 1 {
-        for k in 0..count / 2 {
-            terms[k] = terms[2 * k + 1] * power + terms[2 * k];
-        }
-        if count % 2 == 1 {
-            terms[count / 2] = terms[count - 1];
-        }
-        count = count.div_ceil(2);
-        power = power * power;
-    }
-    terms[0]
+fn polynomial<S: Simd>(simd: S, coefficients: &[f64], x: f64x4<S>) -> f64x4<S> {
+    coefficients.iter().rev().fold(f64x4::splat(simd, 0.0), |sum, c| sum * x + *c)
+}
+
+/// A polynomial by pairs, pairs of pairs and so on (Estrin): what does not depend on each other goes on at the same time.
+#[inline(always)]
+fn polynomial_of_eleven<S: Simd>(c: &[f64; 11], x: f64x4<S>) -> f64x4<S> {
+    let (x2, x4) = (x * x, (x * x) * (x * x));
+    let low = (x * c[3] + c[2]) * x2 + (x * c[1] + c[0]);
+    let middle = (x * c[7] + c[6]) * x2 + (x * c[5] + c[4]);
+    let high = x2 * c[10] + (x * c[9] + c[8]);
+    (high * x4 + middle) * x4 + low
 }
 
 /// The larger one; `b` where one is not a number.
@@ -112,7 +100,7 @@ pub fn exp2<S: Simd>(simd: S, x: f64x4<S>) -> f64x4<S> {
     let x = larger(x, f64x4::splat(simd, -1000.0));
     let whole = x + ROUND;
     let scale = f64x4::from_bits((whole.to_bits() + EXPONENT_BIAS) << MANTISSA_BITS);
-    polynomial(simd, &EXP2, x - (whole - ROUND)) * scale
+    polynomial_of_eleven(&EXP2, x - (whole - ROUND)) * scale
 }
 
 /// The logarithm to base 2 of normal positive numbers, with an error of 2e-16 of the larger of it and 1; about -1023 for 0.
@@ -120,7 +108,8 @@ pub fn exp2<S: Simd>(simd: S, x: f64x4<S>) -> f64x4<S> {
 pub fn log2<S: Simd>(simd: S, x: f64x4<S>) -> f64x4<S> {
     let bits = x.to_bits();
     // the exponent in the lowest bits of 2^52, and what it multiplies, in [1, 2)
-    let exponent = f64x4::from_bits((bits >> MANTISSA_BITS) | 4_841_369_599_423_283_200_u64) - (4_503_599_627_370_496.0 + 1023.0);
+    let exponent = f64x4::from_bits((bits >> MANTISSA_BITS) | 4_841_369_599_423_283_200_u64)
+        - (4_503_599_627_370_496.0 + 1023.0);
     let mantissa_mask: u64x4<S> = u64x4::splat(simd, (1 << MANTISSA_BITS) - 1);
     let m = f64x4::from_bits((bits & mantissa_mask) | 4_607_182_418_800_017_408_u64);
     // to around 1: 2 atanh((m - 1) / (m + 1)) as a series

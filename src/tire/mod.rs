@@ -93,6 +93,8 @@ pub trait Tire: Clone + Default + PartialEq + Serialize + DeserializeOwned + Sen
     const ON_ROAD: &'static str = "";
     /// True if [`stationary_change`](Tire::stationary_change) and [`step_change`](Tire::step_change) have answers.
     const DERIVATIVES: bool = false;
+    /// Step of the rigs' own time grids if none is set \[s\].
+    const STEP: f64 = 1e-4;
     /// What a [`Rest`] of this tire has inside.
     type Inside;
 

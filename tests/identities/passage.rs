@@ -5,7 +5,12 @@ use latsch::solver::lanes::levels;
 use latsch::tire::ring_brush::{Deformation, Passage, Step};
 
 /// A tire that has rolled on for some steps with a given contact, and what drives the next one.
-fn roll(tire: &Prepared, belt: &Motion<f64>, [lagged, rates]: &[Loads<f64>; 2], steps: usize) -> (Bristles, f64) {
+fn roll(
+    tire: &Prepared,
+    belt: &Motion<f64>,
+    [lagged, rates]: &[Loads<f64>; 2],
+    steps: usize,
+) -> (Bristles, f64) {
     let p = tire.parameters();
     let mut bristles = Bristles::new(p);
     let (mut spin, turn) = (belt.angles.y, belt.rates.y * 1e-4);
@@ -41,7 +46,8 @@ fn pass(
 }
 
 fn bits(bristles: &Bristles) -> Vec<u64> {
-    let Bristles { deflection_x, deflection_y, force_x, force_y, pressure, stick, share, stored, .. } = bristles;
+    let Bristles { deflection_x, deflection_y, force_x, force_y, pressure, stick, share, stored, .. } =
+        bristles;
     let rows = [deflection_x, deflection_y, force_x, force_y, pressure, stick, share];
     rows.into_iter().flatten().chain([stored]).map(|x| x.to_bits()).collect()
 }
@@ -125,7 +131,8 @@ fn sums_over_bristles_are_integrals() {
             let mut parabola = 0.0;
             for j in 0..bristles.per_stripe {
                 let share = bristles.share[i * bristles.stride() + j];
-                let (rear, front) = (0.5 * length + bristles.place(&p, j), 0.5 * length - bristles.place(&p, j));
+                let (rear, front) =
+                    (0.5 * length + bristles.place(&p, j), 0.5 * length - bristles.place(&p, j));
                 parabola += share * rear * front * p.bristle_length;
             }
             seen.push(parabola / (length * length * length / 6.0) - 1.0);

@@ -89,7 +89,9 @@ impl Bristles {
             && self.lengths.len() == stripes
             && self.window[0] <= self.window[1]
             && self.window[1] <= n
-            && rows.iter().all(|row| Some(row.len()) == n.checked_add(LANES).and_then(|n| n.checked_mul(stripes)))
+            && rows
+                .iter()
+                .all(|row| Some(row.len()) == n.checked_add(LANES).and_then(|n| n.checked_mul(stripes)))
     }
 
     /// From a bristle to the one at the same place of the next stripe.

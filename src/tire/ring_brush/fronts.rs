@@ -106,16 +106,16 @@ pub(super) struct Stripe<'a> {
     pub row: usize,
 }
 
-/// A front: what is there, and what is behind it.
+/// A front: what is there, and what is around it.
 struct Front {
-    /// The first that slides, and how many spacings it is from the front.
+    /// The first that slides.
     slid: usize,
+    /// Place \[m\], and spacings from there to the next place of a bristle.
+    place: f64,
     distance: f64,
     /// Force of a bristle that sticks at the front, and how it grows in a spacing.
     loaded: [f64; 2],
     growth: [f64; 2],
-    /// Limits of the first that slides.
-    slid_limits: Limits<f64>,
     /// Limit of sliding at the front, and how it grows in a spacing.
     sliding: f64,
     sliding_slope: f64,
@@ -131,7 +131,7 @@ impl Stripe<'_> {
             self.between(held, slid, sums);
         });
         if let Some(first) = pattern.first_slides(self.is_forward()) {
-            self.at_end(from + first, sums);
+            self.before(from + first, sums);
         }
     }
 
@@ -157,7 +157,7 @@ impl Stripe<'_> {
         let weaker = self.fronts.friction.at_speed(velocity);
         let front = Front {
             slid,
-            slid_limits: at_slid,
+            place: self.place(held) + part * (self.place(slid) - self.place(held)),
             distance: 1.0 - part,
             loaded: std::array::from_fn(|c| force[c] + part * growth[c]),
             growth,
@@ -169,26 +169,27 @@ impl Stripe<'_> {
 
     /// The front between the end where bristles come in and the first bristle, which slides. Near the end bristles stick,
     /// if the limit rises faster than the load.
-    fn at_end(&self, first: usize, sums: &mut Sums) {
-        let second = self.next(first, 1).filter(|k| self.fronts.bristles.share[*k] > 0.0);
-        let (x, spacings) = (self.place(first), self.from_end(first));
+    fn before(&self, first: usize, sums: &mut Sums) {
+        let second = self.behind_by(first, 1).filter(|k| self.fronts.bristles.share[*k] > 0.0);
+        let spacings = self.from_end(first);
         let (Some(second), true) = (second, spacings > 0.0) else { return };
         let (at_first, at_second) = (self.limits(first), self.limits(second));
         // the limit of sticking at t spacings from the end: rise t + bend t^2
-        let near = at_first.sticking / spacings;
-        let bend = at_second.sticking / (spacings + 1.0) - near;
-        let rise = near - bend * spacings;
-        let (velocity, growth) = self.growth(x);
+        let chord = at_first.sticking / spacings;
+        let bend = at_second.sticking / (spacings + 1.0) - chord;
+        let rise = chord - bend * spacings;
+        let (velocity, growth) = self.growth(self.place(first));
         let load = norm(growth);
         let at = (rise - load) / -bend;
         if bend >= 0.0 || load >= rise || at >= spacings {
             return;
         }
+        let distance = spacings - at;
         let weaker = self.fronts.friction.at_speed(velocity) * at_first.sliding / at_first.sticking;
         let front = Front {
             slid: first,
-            slid_limits: at_first,
-            distance: spacings - at,
+            place: self.place(first) + self.forward(distance),
+            distance,
             loaded: growth.map(|g| g * at),
             growth,
             sliding: weaker * load * at,
@@ -206,39 +207,37 @@ impl Stripe<'_> {
             counts *= strongest / norm(growth);
         }
         let per_load = 1.0 / norm(loaded).max(f64::MIN_POSITIVE);
+        let direction = loaded.map(|f| f * per_load);
         let refined = refinement(self.length * self.fronts.per_length);
         let first = distance - 0.5;
         let second = 0.5 * ((distance - 1.0) * distance + refined / 6.0);
         let mut force: [f64; 2] = std::array::from_fn(|c| {
-            let direction = loaded[c] * per_load;
-            first * (direction * front.sliding - loaded[c]) + second * (direction * front.sliding_slope - growth[c])
+            first * (direction[c] * front.sliding - loaded[c])
+                + second * (direction[c] * front.sliding_slope - growth[c])
         });
         // where bristles near the end count other than 1, that is meant for what goes on from there
-        let mut from_end = self.from_end(slid);
         for n in 0..END {
-            let Some(k) = self.next(slid, n).filter(|k| bristles.share[*k] > 0.0) else { break };
-            if from_end >= END as f64 {
+            let Some(k) = self.behind_by(slid, n) else { break };
+            let from_end = self.from_end(k);
+            if bristles.share[k] == 0.0 || from_end >= END as f64 {
                 break;
             }
             let (own, beyond) = (self.force(k), surplus(from_end, refined));
             for c in 0..2 {
                 force[c] += beyond * (loaded[c] + (distance + n as f64) * growth[c] - own[c]);
             }
-            from_end += 1.0;
         }
         // at most as if the one that slides stuck: in no sum is more friction than the law allows
-        let most = bristles.share[slid] * (front.slid_limits.sticking - front.slid_limits.sliding);
+        let most = bristles.share[slid] * (self.limits(slid).sticking - norm(self.force(slid))).max(0.0);
         if square(force) > most * most {
             counts = counts.min(most / norm(force));
         }
         let [force_x, force_y] = force.map(|f| counts * f);
-        let back = if self.is_forward() { distance } else { -distance };
-        let x = self.place(slid) + back / self.fronts.per_length;
-        let [place_x, place_y] = deformation.place(x, self.y);
+        let [place_x, place_y] = deformation.place(front.place, self.y);
         sums.force[0] += force_x;
         sums.force[1] += force_y;
         sums.moment[1] += place_x * force_y - place_y * force_x;
-        sums.work += self.path.power(x, [force_x, force_y]);
+        sums.work += self.path.power(front.place, [force_x, force_y]);
     }
 
     /// Velocity of the tops at x, and by how much the force of a sticking bristle grows in a spacing there.
@@ -252,8 +251,13 @@ impl Stripe<'_> {
         self.fronts.feed < 0.0
     }
 
+    /// So many spacings towards the end where bristles come in \[m\].
+    fn forward(&self, spacings: f64) -> f64 {
+        if self.is_forward() { spacings / self.fronts.per_length } else { -spacings / self.fronts.per_length }
+    }
+
     /// The bristle that is so many behind another one.
-    fn next(&self, k: usize, number: usize) -> Option<usize> {
+    fn behind_by(&self, k: usize, number: usize) -> Option<usize> {
         let next = if self.is_forward() { k.checked_sub(number)? } else { k + number };
         (next >= self.row && next < self.row + self.fronts.bristles.per_stripe).then_some(next)
     }

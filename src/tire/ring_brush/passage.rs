@@ -5,10 +5,10 @@
 //! are integrals over the stripe by the trapezoidal rule: up to the stripe's ends, which lie between bristles, and up to
 //! the front where bristles break away, which does so, too ([`Front`]). A bristle at an end counts in part.
 
+use super::bristle::norm;
 use super::bristles::Bristles;
 use super::fronts::{Fronts, Pattern, Stripe};
 use super::patch::{Moments, Pressure, PressureState, Shape};
-use super::bristle::norm;
 use super::share::share;
 use super::{Contact, Deformation, Limits, Parameters, Prepared, Tops};
 use crate::solver::lanes::{LANES, acos_near_one, exp2, larger, log2, smaller, sum};
@@ -115,7 +115,12 @@ impl Prepared {
     ///
     /// # Errors
     /// The patch gets longer than the ring of bristles.
-    pub fn pass(&self, level: Level, bristles: &mut Bristles, passage: &Passage<'_>) -> Result<(Sums, Pressure<f64>)> {
+    pub fn pass(
+        &self,
+        level: Level,
+        bristles: &mut Bristles,
+        passage: &Passage<'_>,
+    ) -> Result<(Sums, Pressure<f64>)> {
         let p = self.parameters();
         let stripes = dispatch!(level, simd => self.stripes(simd, passage.contact));
         let longest = stripes.lengths[..self.stripe_places().len()].iter().fold(0.0_f64, |a, b| a.max(*b));
@@ -164,7 +169,8 @@ impl Prepared {
             if ratio.simd_lt(0.5).any_true() {
                 // pressed in by half of its radius: the formula for small angles ends here
                 for i in own.clone() {
-                    if let (Some(y), Some(radius)) = (self.stripe_places().get(i), self.stripe_radii().get(i)) {
+                    if let (Some(y), Some(radius)) = (self.stripe_places().get(i), self.stripe_radii().get(i))
+                    {
                         stripes.lengths[i] = contact.stripe_length(p, *y, *radius);
                     }
                 }
@@ -179,7 +185,13 @@ impl Prepared {
 
     /// Writes the shape of the pressure (4.21) to where the pressure is kept, and sums it up (4.24).
     #[inline(always)]
-    fn shapes<S: Simd>(&self, simd: S, bristles: &mut Bristles, passage: &Passage<'_>, stripes: &Stripes) -> Moments<f64> {
+    fn shapes<S: Simd>(
+        &self,
+        simd: S,
+        bristles: &mut Bristles,
+        passage: &Passage<'_>,
+        stripes: &Stripes,
+    ) -> Moments<f64> {
         let p = self.parameters();
         let (along, _) = Shape::new(p, passage.contact.penetration).exponents();
         let zero = f64x4::splat(simd, 0.0);
@@ -229,7 +241,9 @@ impl Prepared {
         let (zero, one) = (splat(0.0), splat(1.0));
         let (c, d, area) = (p.bristle_stiffness, p.bristle_damping, p.cell_area());
         let law = Friction::new(p, friction);
-        let Friction { sticking: [static_0, static_slope], sliding: [sliding_0, sliding_slope], falloff, .. } = law;
+        let Friction {
+            sticking: [static_0, static_slope], sliding: [sliding_0, sliding_slope], falloff, ..
+        } = law;
         let tiny = splat(f64::MIN_POSITIVE);
         let pulls = pressure.state == PressureState::Negative;
         let stride = bristles.stride();
@@ -257,8 +271,6 @@ impl Prepared {
                 let k = i * stride + j;
                 let x = places(simd, p, bristles, j);
                 let cell_pressure = four(simd, &bristles.pressure, k) * (x * pressure.tilt + pressure.level);
-                let counts = four(simd, &bristles.share, k);
-                let counted = cell_pressure * counts * area;
 
                 // friction limits: linear in the pressure (4.32), neither is negative; 0 out of contact
                 let held = larger(cell_pressure, zero) * law.area;
@@ -280,7 +292,8 @@ impl Prepared {
                 let velocity_y = (middle * vy[2] + vy[1]) * middle + vy[0];
 
                 // radial return
-                let (old_x, old_y) = (four(simd, &bristles.deflection_x, k), four(simd, &bristles.deflection_y, k));
+                let (old_x, old_y) =
+                    (four(simd, &bristles.deflection_x, k), four(simd, &bristles.deflection_y, k));
                 let resistance = time * c + d;
                 let trial_x = old_x * c - velocity_x * resistance;
                 let trial_y = old_y * c - velocity_y * resistance;
@@ -304,25 +317,38 @@ impl Prepared {
                 force_x.store_slice(&mut bristles.force_x[k..k + LANES]);
                 force_y.store_slice(&mut bristles.force_y[k..k + LANES]);
                 sticks.select(one, zero).store_slice(&mut bristles.stick[k..k + LANES]);
-                pattern.push(j - from, counts.simd_gt(0.0).to_bitmask(), sticks.to_bitmask());
 
-                let (fx, fy) = (force_x * counts, force_y * counts);
-                let place_y = (x * -deformation.bend + deformation.twist) * x + (y + deformation.shift_y);
+                let counts = four(simd, &bristles.share, k);
                 let free_y = velocity_y - (middle * led[1] + led[0]);
+                total.work -= (force_x * velocity_x + force_y * free_y) * (loaded * counts);
+                let slipping = slip_speed * counts;
+                total.power += sliding_limit * slipping;
+                total.slip += larger(cell_pressure, zero) * slipping;
+            }
+            // the sums by themselves: nothing there waits for a root and a quotient
+            for j in (from..to).step_by(LANES) {
+                let k = i * stride + j;
+                let x = places(simd, p, bristles, j);
+                let (counts, sticks) = (four(simd, &bristles.share, k), four(simd, &bristles.stick, k));
+                let cell_pressure = four(simd, &bristles.pressure, k);
+                let (new_x, new_y) =
+                    (four(simd, &bristles.deflection_x, k), four(simd, &bristles.deflection_y, k));
+                let fx = four(simd, &bristles.force_x, k) * counts;
+                let fy = four(simd, &bristles.force_y, k) * counts;
+                let counted = cell_pressure * counts;
+                let place_y = (x * -deformation.bend + deformation.twist) * x + (y + deformation.shift_y);
                 total.force_x += fx;
                 total.force_y += fy;
                 total.moment_x += place_y * counted;
                 total.moment_z += x * fy - place_y * fx;
                 total.touching += counts;
-                total.sliding += sticks.select(zero, counts);
-                total.power += sliding_limit * counts * slip_speed;
-                total.slip += larger(counted, zero) * slip_speed;
+                total.sticking += counts * sticks;
                 if pulls {
                     total.negative += larger(-counted, zero);
                 }
                 total.highest = larger(cell_pressure, total.highest);
-                total.work -= (fx * velocity_x + fy * free_y) * loaded;
                 total.stored += (new_x * new_x + new_y * new_y) * counts;
+                pattern.push(j - from, counts.simd_gt(0.0).to_bitmask(), sticks.simd_gt(0.0).to_bitmask());
             }
             if has_fronts {
                 let fronts_of_all = Fronts {
@@ -336,21 +362,22 @@ impl Prepared {
                     strongest,
                 };
                 let row = i * stride;
-                Stripe { fronts: &fronts_of_all, path: &path, y: *y, length, row }.add_all(&pattern, &mut fronts);
+                Stripe { fronts: &fronts_of_all, path: &path, y: *y, length, row }
+                    .add_all(&pattern, &mut fronts);
             }
         }
         bristles.stored = sum(total.stored);
         Sums {
             force: [sum(total.force_x) + fronts.force[0], sum(total.force_y) + fronts.force[1]],
             moment: [
-                sum(total.moment_x),
+                area * sum(total.moment_x),
                 sum(total.moment_z) + deformation.shift_x * sum(total.force_y) + fronts.moment[1],
             ],
             touching: sum(total.touching),
-            sliding: sum(total.sliding),
+            sliding: sum(total.touching) - sum(total.sticking),
             power: sum(total.power),
-            slip: sum(total.slip),
-            negative: sum(total.negative),
+            slip: area * sum(total.slip),
+            negative: area * sum(total.negative),
             highest: <[f64; LANES]>::from(total.highest).into_iter().fold(0.0, f64::max),
             work: sum(total.work) + fronts.work,
         }
@@ -364,7 +391,7 @@ struct Lanes<S: Simd> {
     moment_x: f64x4<S>,
     moment_z: f64x4<S>,
     touching: f64x4<S>,
-    sliding: f64x4<S>,
+    sticking: f64x4<S>,
     power: f64x4<S>,
     slip: f64x4<S>,
     negative: f64x4<S>,
@@ -383,7 +410,7 @@ impl<S: Simd> Lanes<S> {
             moment_x: zero,
             moment_z: zero,
             touching: zero,
-            sliding: zero,
+            sticking: zero,
             power: zero,
             slip: zero,
             negative: zero,

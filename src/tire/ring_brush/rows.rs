@@ -25,7 +25,7 @@ impl RingBrush {
             output("contact_length_left", "m", Access::computed(|m: &Self| m.contact_length(0.0)), "Length of the contact stripe with the largest y (l_mat 1)"),
             output("contact_length_center", "m", Access::computed(|m: &Self| m.contact_length(0.5)), "Length of the middle contact stripe"),
             output("contact_length_right", "m", Access::computed(|m: &Self| m.contact_length(1.0)), "Length of the contact stripe with the smallest y (l_mat n)"),
-            output("patch_force_x", "N", real!(state.patch.force.x), "Longitudinal force of the patch on the belt, contact frame (F_LGKx)").nominal(1000.0).without_derivative().role(Role::LongitudinalForce),
+            output("patch_force_x", "N", real!(state.patch.force.x), "Longitudinal force of the patch on the belt, contact frame (F_LGKx)").nominal(1000.0).role(Role::LongitudinalForce),
             output("patch_force_y", "N", real!(state.patch.force.y), "Lateral force of the patch on the belt, contact frame (F_LGKy)").nominal(1000.0).without_derivative().role(Role::LateralForce),
             output("patch_force_z", "N", real!(state.patch.force.z), "Normal force of the patch on the belt (F_LGKz)").nominal(1000.0).role(Role::Load),
             output("sliding_share", "1", real!(state.patch.sliding_share), "Bristles that slide over bristles in contact").without_derivative(),

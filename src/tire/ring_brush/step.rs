@@ -55,7 +55,11 @@ impl StripeLanes {
             filled
         };
         let sides: Vec<f64> = places.iter().map(|y| libm::log2((2.0 * y / p.width).abs())).collect();
-        Self { places: filled(places, 0.0), radii: filled(radii, f64::MIN_POSITIVE), sides: filled(&sides, 0.0) }
+        Self {
+            places: filled(places, 0.0),
+            radii: filled(radii, f64::MIN_POSITIVE),
+            sides: filled(&sides, 0.0),
+        }
     }
 
     fn fits(&self, stripes: usize) -> bool {
