@@ -244,11 +244,11 @@ fn refinement_of_bristles() {
             ]
             .concat(),
         );
-        run(&mut rig, 0.1, |_| {});
+        run(&mut rig, 0.4, |_| {});
         // 70 ms: 50 bristles of the coarsest kind
         let forces: Vec<f64> = (0..1400)
             .map(|k| {
-                rig.step(0.1 + f64::from(k) * 5e-5, 5e-5).unwrap();
+                rig.step(0.4 + f64::from(k) * 5e-5, 5e-5).unwrap();
                 get(&mut rig, "force_x")
             })
             .collect();
@@ -261,7 +261,7 @@ fn refinement_of_bristles() {
         (mean, ripple)
     };
     let grids = [(1.0, 5e-5), (2.0, 5e-5), (4.0, 5e-5), (8.0, 2.5e-5)];
-    for (damping, limit) in [(0.0, 4988.80), (0.65, 4995.04)] {
+    for (damping, limit) in [(0.65, 4995.04), (0.0, 4988.80)] {
         let found = grids.map(|(factor, h)| sums(damping, factor, h));
         let errors = found.map(|(mean, _)| (mean - limit).abs());
         assert!(errors[0] < 5e-4 * limit && errors[3] < 1e-4 * limit, "{errors:?}");

@@ -14,54 +14,89 @@ pub struct Convergence {
     pub converged: bool,
 }
 
-/// Solves `residual(x) = 0` from the guess `x`, which is replaced by the best point found.
+/// A step that leaves this share of the residual or less is followed by another without new derivatives. They cost
+/// about four evaluations of a tire's patch, in which so many steps with an old Jacobian get to 0.3^4 = 0.008.
+const WELL: f64 = 0.3;
+
+/// Solves `values(x) = 0` from the guess `x`, which is replaced by the best point found. `derivatives` is the same
+/// function of dual numbers.
 ///
 /// `scale` gives the size of each residual that counts as 1; the search ends when no scaled residual
 /// is larger than `tolerance`. A step that does not make the largest scaled residual smaller is
 /// halved. Where the residual has kinks (a tire's patch has them), Newton's step may not get below
 /// some small residual: the result says how far it came.
+///
+/// The Jacobian, of scaled residuals, costs more than the values: as long as steps go well it is used again, with
+/// what the last step taught (Broyden's update). The search begins with the one in `jacobian` and leaves its last one
+/// there.
 pub fn newton<const N: usize>(
     x: &mut [f64; N],
     scale: &[f64; N],
     tolerance: f64,
     max_steps: usize,
-    mut residual: impl FnMut(&[Dual<N>; N]) -> [Dual<N>; N],
+    jacobian: &mut Option<[[f64; N]; N]>,
+    mut values: impl FnMut(&[f64; N]) -> [f64; N],
+    mut derivatives: impl FnMut(&[Dual<N>; N]) -> [Dual<N>; N],
 ) -> Convergence {
-    let mut evaluate = |x: &[f64; N]| residual(&std::array::from_fn(|i| Dual::variable(x[i], i)));
-    let size = |r: &[Dual<N>; N]| {
-        // `max` would hide a NaN; a residual that is not a number is infinitely bad.
-        r.iter()
-            .zip(scale)
-            .map(|(r, s)| (r.value / s).abs())
-            .fold(0.0, |a: f64, b| if b.is_nan() { f64::INFINITY } else { a.max(b) })
+    let scaled = |r: [f64; N]| -> [f64; N] { std::array::from_fn(|i| r[i] / scale[i]) };
+    // `max` would hide a NaN; a residual that is not a number is infinitely bad.
+    let size = |r: &[f64; N]| {
+        r.iter().fold(0.0, |a: f64, b| if b.is_nan() { f64::INFINITY } else { a.max(b.abs()) })
     };
-    let mut current = evaluate(x);
-    let mut best = size(&current);
-    for step in 0..max_steps {
-        if best <= tolerance {
-            return Convergence { residual: best, steps: step, converged: true };
+    let mut residual = scaled(values(x));
+    let mut renew = false;
+    let mut steps = 0;
+    loop {
+        let best = size(&residual);
+        if best <= tolerance || steps == max_steps {
+            return Convergence { residual: best, steps, converged: best <= tolerance };
         }
-        let jacobian = DMatrix::from_fn(N, N, |i, j| current[i].gradient[j] / scale[i]);
-        let right = DVector::from_fn(N, |i, _| current[i].value / scale[i]);
-        let Some(direction) = jacobian.lu().solve(&right) else {
-            return Convergence { residual: best, steps: step, converged: false };
+        let matrix = match *jacobian {
+            Some(known) if !renew => known,
+            _ => {
+                renew = true;
+                let exact = derivatives(&std::array::from_fn(|i| Dual::variable(x[i], i)));
+                std::array::from_fn(|i| exact[i].gradient.map(|slope| slope / scale[i]))
+            }
         };
-        let mut fraction = 1.0;
-        loop {
-            let trial: [f64; N] = std::array::from_fn(|i| x[i] - fraction * direction[i]);
-            let next = evaluate(&trial);
-            let next_size = size(&next);
-            if next_size < best {
-                (*x, current, best) = (trial, next, next_size);
-                break;
+        let factors = DMatrix::from_fn(N, N, |i, j| matrix[i][j]).lu();
+        let direction = factors.solve(&DVector::from_column_slice(&residual));
+        // an old Jacobian is not worth a search along its direction
+        let least = if renew { 1e-4 } else { 1.0 };
+        let fractions = std::iter::successors(Some(1.0), |fraction| Some(fraction * 0.5));
+        let better = direction.and_then(|direction| {
+            fractions.take_while(|fraction| *fraction >= least).find_map(|fraction| {
+                let step: [f64; N] = std::array::from_fn(|i| -fraction * direction[i]);
+                let trial: [f64; N] = std::array::from_fn(|i| x[i] + step[i]);
+                let next = scaled(values(&trial));
+                (size(&next) < best).then_some((fraction, step, trial, next))
+            })
+        });
+        steps += 1;
+        *jacobian = Some(matrix);
+        match better {
+            Some((fraction, step, trial, next)) => {
+                renew = size(&next) > WELL * best;
+                let surprise = std::array::from_fn(|i| next[i] - (1.0 - fraction) * residual[i]);
+                *jacobian = Some(updated(&matrix, &step, &surprise));
+                (*x, residual) = (trial, next);
             }
-            fraction *= 0.5;
-            if fraction < 1e-4 {
-                return Convergence { residual: best, steps: step + 1, converged: best <= tolerance };
-            }
+            None if renew => return Convergence { residual: best, steps, converged: false },
+            None => renew = true,
         }
     }
-    Convergence { residual: best, steps: max_steps, converged: best <= tolerance }
+}
+
+/// Broyden's update: the Jacobian that explains by how much the residual after `step` differs from what `matrix`
+/// foretold, and else changes least. Unknowns count by what they do to the residual, so their units do not matter.
+fn updated<const N: usize>(matrix: &[[f64; N]; N], step: &[f64; N], surprise: &[f64; N]) -> [[f64; N]; N] {
+    let weighted: [f64; N] =
+        std::array::from_fn(|j| step[j] * matrix.iter().map(|row| row[j] * row[j]).sum::<f64>());
+    let square: f64 = weighted.iter().zip(step).map(|(w, s)| w * s).sum();
+    if square <= 0.0 {
+        return *matrix;
+    }
+    std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j] + surprise[i] * weighted[j] / square))
 }
 
 #[cfg(test)]
@@ -69,19 +104,47 @@ mod tests {
     use super::*;
     use crate::solver::Real;
 
+    /// Circle and exponential: a classic pair with the root (0, 1).
+    fn pair<T: Real>(&[x, y]: &[T; 2]) -> [T; 2] {
+        [x * x + y * y - 1.0, x.exp() - y]
+    }
+
     #[test]
     fn finds_the_known_root_quadratically() {
-        // Circle and exponential: a classic pair with the root (0, 1) nearby.
         let mut x = [0.3, 0.8];
-        let result = newton(&mut x, &[1.0, 1.0], 1e-14, 10, |&[x, y]| [x * x + y * y - 1.0, x.exp() - y]);
+        let result = newton(&mut x, &[1.0, 1.0], 1e-14, 10, &mut None, pair, pair);
         assert!(result.converged && result.steps <= 6, "{result:?}");
         assert!(x[0].abs() < 1e-14 && (x[1] - 1.0).abs() < 1e-14, "{x:?}");
     }
 
+    /// With the Jacobian of the root's neighbourhood none is needed; a useless one is replaced.
+    #[test]
+    fn begins_with_the_jacobian_that_it_is_given() {
+        let count = std::cell::Cell::new(0);
+        let mut search = |x: &mut [f64; 2], jacobian: &mut Option<_>| {
+            count.set(0);
+            let counted = |x: &[Dual<2>; 2]| {
+                count.set(count.get() + 1);
+                pair(x)
+            };
+            assert!(newton(x, &[1.0, 1.0], 1e-13, 20, jacobian, pair, counted).converged);
+            assert!(x[0].abs() < 1e-12 && (x[1] - 1.0).abs() < 1e-12, "{x:?}");
+            count.get()
+        };
+        let mut jacobian = None;
+        assert!(search(&mut [0.3, 0.8], &mut jacobian) > 0);
+        assert_eq!(search(&mut [1e-3, 1.001], &mut jacobian), 0);
+        let mut useless = jacobian.map(|rows| rows.map(|row| row.map(|slope: f64| -slope)));
+        assert!(search(&mut [0.3, 0.8], &mut useless) > 0);
+    }
+
     #[test]
     fn reports_a_root_that_is_not_there() {
+        fn none<T: Real>(&[x]: &[T; 1]) -> [T; 1] {
+            [x * x + 1.0]
+        }
         let mut x = [3.0];
-        let result = newton(&mut x, &[1.0], 1e-12, 50, |&[x]| [x * x + 1.0]);
+        let result = newton(&mut x, &[1.0], 1e-12, 50, &mut None, none, none);
         assert!(!result.converged && result.residual >= 1.0, "{result:?}");
     }
 }

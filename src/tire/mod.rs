@@ -149,6 +149,21 @@ pub trait Tire: Clone + Default + PartialEq + Serialize + DeserializeOwned + Sen
     /// There is none, or none was found.
     fn stationary(&self, rim: &Motion<f64>, vertical: Vertical, friction: f64) -> Result<Rest<Self::Inside>>;
 
+    /// [`stationary`](Tire::stationary) where a state of a motion that differs little is known.
+    ///
+    /// # Errors
+    /// As [`stationary`](Tire::stationary).
+    fn stationary_near(
+        &self,
+        near: &Rest<Self::Inside>,
+        rim: &Motion<f64>,
+        vertical: Vertical,
+        friction: f64,
+    ) -> Result<Rest<Self::Inside>> {
+        let _ = near;
+        self.stationary(rim, vertical, friction)
+    }
+
     /// Puts the tire into a state that [`stationary`](Tire::stationary) found for the motion that `rim` has against
     /// `plane`; `ground` has that plane under the rim.
     ///

@@ -124,20 +124,20 @@ impl<T: Tire> Mounted<T> {
         self.rim = *rim;
         self.rim.rates.y = speed / self.tire.rolling_radius(0.0);
         let (plane, on_plane) = self.on_plane(ground);
-        let at_load = |rim: &Motion<f64>| self.tire.stationary(rim, Vertical::Load(load), plane.friction);
-        let carried = at_load(&on_plane)?;
+        let at_load = Vertical::Load(load);
+        let mut carried = self.tire.stationary(&on_plane, at_load, plane.friction)?;
         let rolling_radius = self.tire.rolling_radius(self.tire.radius() - carried.rim_height);
         self.rim.rates.y = speed / rolling_radius;
         let (_, on_plane) = self.on_plane(ground);
         self.rim.position.z += carried.rim_height - plane.clearance;
 
         // rolling resistance makes the spin a little slower; the moment is nearly linear in it
-        let moment = |spin: f64| {
+        let mut moment = |spin: f64| {
             let mut slower = on_plane;
             slower.rates.y = spin;
-            let found = at_load(&slower)?;
+            carried = self.tire.stationary_near(&carried, &slower, at_load, plane.friction)?;
             let (sin, cos) = libm::sincos(slower.angles.x);
-            let about = to_heading(slower.angles.z, &found.on_rim.moment);
+            let about = to_heading(slower.angles.z, &carried.on_rim.moment);
             Ok::<f64, crate::Error>(about.y * cos + about.z * sin)
         };
         let free = on_plane.rates.y;

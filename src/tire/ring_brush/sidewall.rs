@@ -111,3 +111,23 @@ pub fn stationary<T: Real>(
     let on_belt = Wrench { force: tilt * force, moment: tilt * moment };
     (on_belt, on_rim(&on_belt, belt_from_rim))
 }
+
+/// Belt centre from rim centre in a stationary state, in frame 0 \[m\], where the side wall pulls the belt
+/// with `force`: what [`stationary`] makes of it, solved for the place.
+pub fn belt_from_rim<T: Real>(
+    p: &Parameters,
+    force: &Vector3<T>,
+    (camber, yaw): (T, T),
+    spin_rate: T,
+) -> Vector3<T> {
+    let tilt = rotation_z(yaw) * rotation_x(camber);
+    let force = tilt.transpose() * force;
+    let (c, d) = (p.sidewall_radial_stiffness, spin_rate * p.sidewall_radial_damping);
+    let square = d * d + c * c;
+    let offset = Vector3::new(
+        (force.x * c + force.z * d) / square,
+        force.y / p.sidewall_lateral_stiffness,
+        (force.z * c - force.x * d) / square,
+    );
+    -(tilt * offset)
+}

@@ -100,6 +100,17 @@ impl Tire for RingBrush {
         Ok(Rest { rim_height: found.rim_height, on_rim: found.on_rim, inside: found })
     }
 
+    fn stationary_near(
+        &self,
+        near: &Rest<Stationary>,
+        rim: &Motion<f64>,
+        vertical: Vertical,
+        friction: f64,
+    ) -> Result<Rest<Stationary>> {
+        let found = near.inside.near(&self.prepared, rim, vertical, friction)?;
+        Ok(Rest { rim_height: found.rim_height, on_rim: found.on_rim, inside: found })
+    }
+
     fn begin(
         &mut self,
         rest: &Rest<Stationary>,
