@@ -248,22 +248,69 @@ pub fn simulate<S: Slave + ?Sized>(
     Ok(Outcome { recording: recorder.recording, stopped: None })
 }
 
+/// Variables of a slave that are read together: the real ones in one call, which of an FMU takes a fraction of the time
+/// that a call for each takes.
+pub(crate) struct Reader {
+    /// The variables, in the order of their values.
+    variables: Vec<usize>,
+    /// The real ones among them, and where their values belong.
+    real: Vec<usize>,
+    places: Vec<usize>,
+    /// The values of those.
+    together: Vec<f64>,
+    /// Where the values of all others belong.
+    others: Vec<usize>,
+}
+
+impl Reader {
+    pub(crate) fn new(interface: &Interface, variables: Vec<usize>) -> Self {
+        let (places, others): (Vec<usize>, Vec<usize>) =
+            (0..variables.len()).partition(|i| interface.variables[variables[*i]].is_real());
+        let real: Vec<usize> = places.iter().map(|i| variables[*i]).collect();
+        Self { together: vec![0.0; real.len()], variables, real, places, others }
+    }
+
+    /// Reads all of them into `values`, which has room for them.
+    ///
+    /// # Errors
+    /// As [`Slave::get`], with the first variable that cannot be read.
+    pub(crate) fn read(&mut self, slave: &mut (impl Slave + ?Sized), values: &mut [f64]) -> Result<()> {
+        if !self.real.is_empty()
+            && let Err(error) = slave.get_all(&self.real, &mut self.together)
+        {
+            // one by one it shows which it was
+            self.variables.iter().try_for_each(|variable| slave.get(*variable).map(drop))?;
+            return Err(error);
+        }
+        for (place, value) in self.places.iter().zip(&self.together) {
+            values[*place] = *value;
+        }
+        for place in &self.others {
+            values[*place] = slave.get(self.variables[*place])?;
+        }
+        Ok(())
+    }
+}
+
 /// Collects the values of all numeric variables that can change.
 struct Recorder {
-    variables: Vec<usize>,
+    reader: Reader,
+    /// Values on their way.
+    values: Vec<f64>,
+    /// The column of each variable, if it has one.
+    columns: Vec<Option<usize>>,
     recording: Recording,
 }
 
 impl Recorder {
     fn new(interface: &Interface, samples: usize) -> Self {
-        let mut recorder = Self {
-            variables: Vec::new(),
-            recording: Recording {
-                time: Vec::with_capacity(samples),
-                channels: Vec::new(),
-                source: interface.name.clone(),
-            },
+        let mut recording = Recording {
+            time: Vec::with_capacity(samples),
+            channels: Vec::new(),
+            source: interface.name.clone(),
         };
+        let mut variables = Vec::new();
+        let mut columns = vec![None; interface.variables.len()];
         for causality in [Causality::Input, Causality::Output, Causality::Local] {
             for variable in interface.with(causality) {
                 let info = &interface.variables[variable];
@@ -272,26 +319,31 @@ impl Recorder {
                 }
                 // a unit from outside that is not known here could not be written to a file that reads back
                 let unit = info.unit.clone().filter(|u| Unit::parse(u).is_ok()).unwrap_or_else(|| "1".into());
-                recorder.variables.push(variable);
+                columns[variable] = Some(variables.len());
+                variables.push(variable);
                 let values = Vec::with_capacity(samples);
-                recorder.recording.channels.push(Channel { name: info.name.clone(), unit, values });
+                recording.channels.push(Channel { name: info.name.clone(), unit, values });
             }
         }
-        recorder
+        Self {
+            values: vec![0.0; variables.len()],
+            reader: Reader::new(interface, variables),
+            columns,
+            recording,
+        }
     }
 
     fn take(&mut self, time: f64, slave: &mut (impl Slave + ?Sized)) -> Result<()> {
-        let values =
-            self.variables.iter().map(|variable| slave.get(*variable)).collect::<Result<Vec<f64>>>()?;
+        self.reader.read(slave, &mut self.values)?;
         self.recording.time.push(time);
-        for (channel, value) in self.recording.channels.iter_mut().zip(values) {
-            channel.values.push(value);
+        for (channel, value) in self.recording.channels.iter_mut().zip(&self.values) {
+            channel.values.push(*value);
         }
         Ok(())
     }
 
     fn correct(&mut self, variable: usize, value: f64) {
-        if let Some(i) = self.variables.iter().position(|v| *v == variable)
+        if let Some(i) = self.columns[variable]
             && let Some(last) = self.recording.channels[i].values.last_mut()
         {
             *last = value;
@@ -349,6 +401,23 @@ mod tests {
             self.position += share * (self.command - self.position);
             Ok(())
         }
+    }
+
+    #[test]
+    fn variables_that_are_read_together_have_the_values_that_each_has() {
+        let mut slave = Native::<Rig>::new(&Settings::default()).unwrap();
+        slave.set(0, 0.25).unwrap();
+        // real ones and a switch, in no order
+        let variables = [3, 1, 2, 0];
+        let mut reader = Reader::new(slave.interface(), variables.into());
+        let mut values = [f64::NAN; 4];
+        let error = reader.read(&mut slave, &mut values).unwrap_err().to_string();
+        assert!(error.contains("command_actuators"), "the first that cannot be read: {error}");
+        slave.start(0.0, None).unwrap();
+        slave.finish_start().unwrap();
+        reader.read(&mut slave, &mut values).unwrap();
+        assert_eq!(values, [1.0, 0.25, 10.0, 0.25]);
+        assert_eq!(values, variables.map(|variable| slave.get(variable).unwrap()));
     }
 
     #[test]

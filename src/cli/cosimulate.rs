@@ -2,8 +2,10 @@
 
 use super::{check_outputs, print, warn};
 use indicatif::{ProgressBar, ProgressStyle};
-use latsch::cosimulate::{Experiment, Outcome, PortName, System, cosimulate, energy_warnings, read_system};
-use latsch::model::Value;
+use latsch::cosimulate::{
+    Experiment, Outcome, PortName, System, Until, cosimulate_until, energy_warnings, read_system,
+};
+use latsch::model::{Kind, Value};
 use latsch::recording::{Recording, profile_value, read_csv, write_csv};
 use latsch::report::{simulation_report, write_html};
 use latsch::{Error, Result};
@@ -32,6 +34,10 @@ pub struct Args {
     /// Stop time [s] [default: the file's]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     stop: Option<f64>,
+    /// End at the first communication point after the start at which a variable is beyond a value:
+    /// `car.speed<"1 km/h"`, `car.distance>100`
+    #[arg(long, value_name = "COMPONENT.VARIABLE<VALUE")]
+    until: Option<String>,
     /// Communication step [s] [default: the file's]
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     step: Option<f64>,
@@ -92,7 +98,9 @@ pub fn run(args: &Args) -> Result<()> {
         all: args.all,
         ..experiment
     };
-    let outcome = run_with_progress(&mut system, &experiment, &args.system)?;
+    let condition = args.until.as_deref();
+    let until = condition.map(|u| until(&system, u).map_err(|e| e.at(format!("--until {u}")))).transpose()?;
+    let outcome = run_with_progress(&mut system, &experiment, until, &args.system)?;
     let mut warnings = system.warnings().to_vec();
     warnings.extend(energy_warnings(&system, experiment.step));
     for warning in &warnings {
@@ -116,6 +124,12 @@ pub fn run(args: &Args) -> Result<()> {
     for line in summary(&system, &outcome) {
         print(&line)?;
     }
+    if let (Some(condition), Some(end)) = (condition, outcome.recording.time.last())
+        && outcome.stopped.is_none()
+    {
+        let what = if outcome.met { "ended" } else { "not met until the stop time" };
+        print(&format!("{condition}: {what}, {end} s"))?;
+    }
     let samples = outcome.recording.time.len();
     match outcome.stopped {
         None => print(&format!("{}: {samples} samples", args.output.display())),
@@ -136,14 +150,43 @@ fn set(system: &mut System, assignment: &str) -> Result<()> {
     system.set(port, &value)
 }
 
-fn run_with_progress(system: &mut System, experiment: &Experiment, path: &Path) -> Result<Outcome> {
+/// A condition as a user writes it.
+fn until(system: &System, condition: &str) -> Result<Until> {
+    let Some(sign) = condition.find(['<', '>']) else {
+        return Err(Error::variable("the form is COMPONENT.VARIABLE<VALUE or COMPONENT.VARIABLE>VALUE"));
+    };
+    let (name, value) = (condition[..sign].trim(), condition[sign + 1..].trim());
+    let PortName { component, variable } = name.parse().map_err(Error::variable)?;
+    let port = system.port(&component, &variable)?;
+    let info = system.info(port);
+    let value = match Value::from_text(info, value)? {
+        Value::Real(value) => value,
+        Value::Integer(value) => f64::from(value),
+        Value::Boolean(value) => f64::from(u8::from(value)),
+        Value::Text(_) => {
+            let what = if info.kind == Kind::Text { "a text has no order" } else { "give the item's number" };
+            return Err(Error::variable(what));
+        }
+    };
+    if !value.is_finite() {
+        return Err(Error::variable("a finite number is needed"));
+    }
+    Ok(Until { port, above: condition[sign..].starts_with('>'), value })
+}
+
+fn run_with_progress(
+    system: &mut System,
+    experiment: &Experiment,
+    until: Option<Until>,
+    path: &Path,
+) -> Result<Outcome> {
     // indicatif draws on a terminal's standard error and nowhere else
     let steps = experiment.schedule()?.steps as u64;
     let bar = ProgressBar::new(steps).with_message(path.display().to_string());
     if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} %  {eta} left") {
         bar.set_style(style);
     }
-    let outcome = cosimulate(system, experiment, |k| bar.set_position(k as u64));
+    let outcome = cosimulate_until(system, experiment, until, |k| bar.set_position(k as u64));
     bar.finish_and_clear();
     outcome
 }

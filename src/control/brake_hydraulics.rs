@@ -112,12 +112,23 @@ impl Ramp {
     /// The caliper pressure `time` after the start of the ramp, from `caliper` at its start.
     fn lagged(&self, caliper: f64, lag: f64, time: f64) -> f64 {
         let behind = self.rate * lag;
-        let decay = if lag > 0.0 { Real::exp(-time / lag) } else { 0.0 };
-        self.start + self.rate * time - behind + (caliper - self.start + behind) * decay
+        let gap = caliper - self.start + behind;
+        // no gap decays to none, and at the start all of it is there: the same bits without the function
+        let left = if gap == 0.0 || time == 0.0 && lag > 0.0 {
+            gap
+        } else if lag > 0.0 {
+            gap * Real::exp(-time / lag)
+        } else {
+            gap * 0.0
+        };
+        self.start + self.rate * time - behind + left
     }
 
     /// When the caliper pressure turns, if it does so on the ramp.
     fn turn(&self, caliper: f64, lag: f64) -> Option<f64> {
+        if self.rate == 0.0 {
+            return None;
+        }
         let ratio = 1.0 + (caliper - self.start) / (self.rate * lag);
         let time = if ratio > 1.0 { lag * Real::ln(ratio) } else { 0.0 };
         (time > 0.0 && time < self.duration).then_some(time)
@@ -181,27 +192,34 @@ impl BrakeHydraulics {
     fn follow(&mut self, ramp: &Ramp) {
         let lag = self.parameters.caliper_lag;
         let from = self.caliper;
-        let pressure = |time: f64| ramp.lagged(from, lag, time);
-        let turn = ramp.turn(from, lag).unwrap_or(ramp.duration);
+        let at = |time: f64| (time, ramp.lagged(from, lag, time));
+        let pressure = |time: f64| at(time).1;
+        let (begin, end) = (at(0.0), at(ramp.duration));
         // the pressure is monotonic up to its turn and after it
-        self.keep_contact(&pressure, 0.0, turn);
-        self.keep_contact(&pressure, turn, ramp.duration);
-        self.caliper = pressure(ramp.duration).max(0.0);
+        match ramp.turn(from, lag).map(at) {
+            None => self.keep_contact(&pressure, begin, end),
+            Some(turn) => {
+                self.keep_contact(&pressure, begin, turn);
+                self.keep_contact(&pressure, turn, end);
+            }
+        }
+        self.caliper = end.1.max(0.0);
     }
 
-    /// Counts the time in contact over a time in which the caliper pressure is monotonic.
-    fn keep_contact(&mut self, pressure: &impl Fn(f64) -> f64, start: f64, end: f64) {
-        let contact = |time: f64| pressure(time) > self.parameters.contact_pressure;
-        match (contact(start), contact(end)) {
+    /// Counts the time in contact over a time in which the caliper pressure is monotonic, from one time and
+    /// pressure to another.
+    fn keep_contact(&mut self, pressure: &impl Fn(f64) -> f64, begin: (f64, f64), end: (f64, f64)) {
+        let contact = |pressure: f64| pressure > self.parameters.contact_pressure;
+        match (contact(begin.1), contact(end.1)) {
             (_, false) => self.contact_time = 0.0,
-            (true, true) => self.contact_time += end - start,
+            (true, true) => self.contact_time += end.0 - begin.0,
             (false, true) => {
-                let (mut before, mut after) = (start, end);
+                let (mut before, mut after) = (begin.0, end.0);
                 for _ in 0..HALVINGS {
                     let middle = 0.5 * (before + after);
-                    if contact(middle) { after = middle } else { before = middle }
+                    if contact(pressure(middle)) { after = middle } else { before = middle }
                 }
-                self.contact_time = end - after;
+                self.contact_time = end.0 - after;
             }
         }
     }

@@ -70,6 +70,8 @@ impl Flow {
 pub(super) struct Exchange {
     /// One for each connection.
     pub flows: Vec<Flow>,
+    /// What belongs to each component.
+    links: Links,
     /// When each component's turn is; the same for all where none waits for another.
     rank: Vec<usize>,
     /// What the recorded inputs had at the end of the interval.
@@ -90,6 +92,36 @@ pub(super) struct Exchange {
     pub halved: usize,
     /// The turns of all components, if somebody wants to know.
     pub log: Option<Vec<Turn>>,
+}
+
+/// What belongs to each component, so that nothing is looked for in every interval.
+#[derive(Default)]
+struct Links {
+    /// The connections to it.
+    to: Vec<Vec<usize>>,
+    /// The connections from it.
+    from: Vec<Vec<usize>>,
+    /// The recorded inputs of it.
+    feeds: Vec<Vec<usize>>,
+    /// The connections of each bond: of the effort and of the motion.
+    bonds: Vec<Option<(usize, usize)>>,
+}
+
+impl Links {
+    fn of(system: &System) -> Self {
+        let by = |components: &mut dyn Iterator<Item = usize>| {
+            let mut lists = vec![Vec::new(); system.components.len()];
+            components.enumerate().for_each(|(i, component)| lists[component].push(i));
+            lists
+        };
+        let wire = |to: Port| system.wires.iter().position(|w| w.to == to);
+        Self {
+            to: by(&mut system.wires.iter().map(|w| w.to.component)),
+            from: by(&mut system.wires.iter().map(|w| w.from.component)),
+            feeds: by(&mut system.feeds.iter().map(|f| f.to.component)),
+            bonds: system.bonds.iter().map(|b| Some((wire(b.effort.to)?, wire(b.motion.to)?))).collect(),
+        }
+    }
 }
 
 /// What the master has to know to go on from saved states.
@@ -129,6 +161,7 @@ impl System {
             flows: vec![Flow::default(); self.wires.len()],
             rank: (0..self.components.len()).map(place).collect(),
             fed: self.feeds.iter().map(|f| f.at(start)).collect(),
+            links: Links::of(self),
             log: self.exchange.log.take(),
             ..Exchange::default()
         };
@@ -267,10 +300,10 @@ impl System {
             }
             done => done?,
         }
-        for bond in &mut self.bonds {
-            let flow = |to| self.wires.iter().position(|w| w.to == to).map(|i| self.exchange.flows[i]);
-            if let (Some(effort), Some(motion)) = (flow(bond.effort.to), flow(bond.motion.to)) {
-                bond.add(&effort, &motion, length);
+        let Exchange { flows, links, .. } = &self.exchange;
+        for (bond, wires) in self.bonds.iter_mut().zip(&links.bonds) {
+            if let Some((effort, motion)) = *wires {
+                bond.add(&flows[effort], &flows[motion], length);
             }
         }
         for flow in &mut self.exchange.flows {
@@ -310,10 +343,9 @@ impl System {
             self.set_inputs(index, time, length, repeated)
                 .and_then(|()| self.components[index].slave.step(time, length))
                 .map_err(|e| e.at(&self.components[index].name))?;
-            for i in 0..self.wires.len() {
-                if self.wires[i].from.component == index {
-                    self.exchange.flows[i].next = self.read(i)?;
-                }
+            for k in 0..self.exchange.links.from[index].len() {
+                let wire = self.exchange.links.from[index][k];
+                self.exchange.flows[wire].next = self.read(wire)?;
             }
             if let Some(log) = &mut self.exchange.log {
                 log.push(Turn { component: index, from: time, to: time + length });
@@ -325,12 +357,10 @@ impl System {
     fn set_inputs(&mut self, index: usize, time: f64, length: f64, repeated: bool) -> Result<()> {
         let slave = self.components[index].slave.as_mut();
         let interpolates = slave.can_interpolate();
-        let rank = &self.exchange.rank;
-        let iterates = self.coupling.iterate > 0 && self.exchange.can_roll_back;
-        for (wire, flow) in self.wires.iter().zip(&mut self.exchange.flows) {
-            if wire.to.component != index {
-                continue;
-            }
+        let Exchange { flows, links, rank, fed, can_roll_back, last_length, .. } = &mut self.exchange;
+        let iterates = self.coupling.iterate > 0 && *can_roll_back;
+        for i in &links.to[index] {
+            let (wire, flow) = (&self.wires[*i], &mut flows[*i]);
             let earlier = rank[wire.from.component] < rank[index];
             let (begin, end) = match (repeated, wire.real) {
                 (true, true) if interpolates => (flow.now, flow.next),
@@ -342,8 +372,8 @@ impl System {
                     (false, false) => (flow.now, flow.now),
                     (false, true) => (flow.next, flow.next),
                     (true, true) => (flow.now, flow.next),
-                    (true, false) if self.exchange.last_length > 0.0 => {
-                        let slope = (flow.now - flow.before) / self.exchange.last_length;
+                    (true, false) if *last_length > 0.0 => {
+                        let slope = (flow.now - flow.before) / *last_length;
                         (flow.now, flow.now + slope * length)
                     }
                     (true, false) => (flow.now, flow.now),
@@ -363,16 +393,14 @@ impl System {
                 slave.set_rate(wire.to.variable, (applied.1 - applied.0) / length)?;
             }
         }
-        for (feed, fed) in self.feeds.iter().zip(&mut self.exchange.fed) {
-            if feed.to.component != index {
-                continue;
-            }
+        for i in &links.feeds[index] {
+            let feed = &self.feeds[*i];
             let (begin, end) = match (feed.lead, feed.derivative) {
                 (true, _) => (feed.at(time + length), feed.at(time + length)),
                 (false, true) => (feed.at(time), feed.at(time + length)),
                 (false, false) => (feed.at(time), feed.at(time)),
             };
-            *fed = end;
+            fed[*i] = end;
             slave.set(feed.to.variable, begin)?;
             if feed.derivative {
                 slave.set_rate(feed.to.variable, (end - begin) / length)?;

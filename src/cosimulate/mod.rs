@@ -30,7 +30,7 @@ pub use plan::{
     Assignment, Plan, PlannedBond, PlannedComponent, PlannedConnection, PlannedConnector, PlannedInputs,
     PortName, Source,
 };
-pub use run::{ENERGY_SHARE, Experiment, Outcome, cosimulate, energy_warnings};
+pub use run::{ENERGY_SHARE, Experiment, Outcome, Until, cosimulate, cosimulate_until, energy_warnings};
 pub use slave::SystemSlave;
 pub use ssd::parse_ssd;
 pub use system::{Component, Cut, Port, System, Transfer};

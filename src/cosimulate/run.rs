@@ -6,8 +6,9 @@ use super::system::{Port, System};
 use crate::model::unit::Unit;
 use crate::model::{Causality, Kind};
 use crate::recording::{Channel, Recording};
-use crate::simulate::Schedule;
+use crate::simulate::{Reader, Schedule};
 use crate::{Error, Result};
+use std::collections::HashMap;
 
 /// More values than this (4 GB) are not recorded.
 const MAX_VALUES: f64 = 5e8;
@@ -33,6 +34,25 @@ pub struct Experiment {
     pub log: bool,
 }
 
+/// A condition that ends a run: a variable is beyond a value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Until {
+    /// The variable.
+    pub port: Port,
+    /// Whether it has to be greater than the value; otherwise less.
+    pub above: bool,
+    /// The value, in the variable's unit.
+    pub value: f64,
+}
+
+impl Until {
+    fn is_met(&self, system: &mut System) -> Result<bool> {
+        let component = &mut system.components[self.port.component];
+        let value = component.slave.get(self.port.variable).map_err(|e| e.at(&component.name))?;
+        Ok(if self.above { value > self.value } else { value < self.value })
+    }
+}
+
 /// What came out.
 #[derive(Debug)]
 pub struct Outcome {
@@ -41,8 +61,10 @@ pub struct Outcome {
     /// An input is what the component had at the end of the interval before the sample, so that it
     /// belongs to the outputs beside it.
     pub recording: Recording,
-    /// Why it ended before the stop time, if it did.
+    /// Why a component ended it before the stop time, if one did.
     pub stopped: Option<Error>,
+    /// Whether the condition was met that was to end it.
+    pub met: bool,
     /// Who stepped from when to when, in order, if that was asked for.
     pub log: Vec<Turn>,
     /// Intervals that were repeated as often as allowed and whose exchanged values still changed.
@@ -83,6 +105,20 @@ impl Experiment {
 pub fn cosimulate(
     system: &mut System,
     experiment: &Experiment,
+    observe: impl FnMut(usize),
+) -> Result<Outcome> {
+    cosimulate_until(system, experiment, None, observe)
+}
+
+/// As [`cosimulate`]; ends at the first communication point after the start at which the condition is met. That
+/// point is recorded in any case.
+///
+/// # Errors
+/// As [`cosimulate`].
+pub fn cosimulate_until(
+    system: &mut System,
+    experiment: &Experiment,
+    until: Option<Until>,
     mut observe: impl FnMut(usize),
 ) -> Result<Outcome> {
     let schedule = experiment.schedule()?;
@@ -108,19 +144,24 @@ pub fn cosimulate(
     system.exchange.log = experiment.log.then(Vec::new);
     system.start(schedule.start, Some(schedule.stop), schedule.step)?;
 
-    let mut stopped = None;
+    let (mut stopped, mut met) = (None, false);
     observe(0);
     recorder.take(system, schedule.start)?;
     for k in 0..schedule.steps {
         let (now, next) = (schedule.point(k), schedule.point(k + 1));
-        let (sample, last) = ((k + 1) / every, k + 1 == schedule.steps);
+        let step = system.advance(now, next - now).and_then(|()| match until {
+            Some(until) => until.is_met(system),
+            None => Ok(false),
+        });
+        met = matches!(step, Ok(true));
+        let (sample, last) = ((k + 1) / every, met || k + 1 == schedule.steps);
         // no sum of steps, so that the samples do not drift; the last interval may be a shorter one
         let time = if every == 1 || last {
             next
         } else {
             schedule.start + sample as f64 * (every as f64 * schedule.step)
         };
-        let step = system.advance(now, next - now).and_then(|()| match (k + 1) % every {
+        let step = step.and_then(|_| match (k + 1) % every {
             0 => recorder.take(system, time),
             _ if last => recorder.take(system, time),
             _ => Ok(()),
@@ -130,10 +171,14 @@ pub fn cosimulate(
             break;
         }
         observe(k + 1);
+        if met {
+            break;
+        }
     }
     Ok(Outcome {
         recording: recorder.recording,
         stopped,
+        met,
         log: system.exchange.log.take().unwrap_or_default(),
         unconverged: system.exchange.unconverged,
         halved: system.exchange.halved,
@@ -195,85 +240,111 @@ fn round_down(value: f64) -> f64 {
     [5, 2].map(text).into_iter().find(|round| *round <= value).unwrap_or_else(|| text(1))
 }
 
-/// Where a column comes from.
-enum Column {
-    Variable(Port),
+/// Where a column that is no variable of a component comes from.
+enum Source {
     Wire(usize),
     Feed(usize),
     Energy(usize),
 }
 
 struct Recorder {
-    columns: Vec<Column>,
+    /// What the master knows, and the columns of that.
+    known: Vec<(Source, usize)>,
+    /// What is read from components: component, variables, and the columns of those.
+    read: Vec<(usize, Reader, Vec<usize>)>,
+    /// Values on their way, by column, and those of one component.
+    values: Vec<f64>,
+    part: Vec<f64>,
     recording: Recording,
 }
 
 impl Recorder {
     fn new(system: &System, all: bool, samples: usize) -> Result<Self> {
-        let mut columns = Vec::new();
         let mut channels = Vec::new();
-        let mut push = |column: Column, name: String, unit: Option<&str>| {
+        let (mut known, mut read) = (Vec::new(), Vec::new());
+        let push = |channels: &mut Vec<Channel>, name: String, unit: Option<&str>| {
             // a unit from outside that is not known here could not be written to a file that reads back
             let unit = unit.filter(|u| Unit::parse(u).is_ok()).unwrap_or("1").to_string();
-            columns.push(column);
             channels.push(Channel { name, unit, values: Vec::new() });
+            channels.len() - 1
         };
+        let wires = by_input(system.wires.iter().map(|w| w.to));
+        let feeds = by_input(system.feeds.iter().map(|f| f.to));
         for (index, component) in system.components.iter().enumerate() {
+            let (mut variables, mut columns) = (Vec::new(), Vec::new());
             for causality in [Causality::Input, Causality::Output, Causality::Local] {
                 for variable in component.interface().with(causality) {
                     let port = Port { component: index, variable };
                     let info = system.info(port);
-                    let column = if info.kind == Kind::Text {
+                    if info.kind == Kind::Text {
                         continue;
-                    } else if let Some(i) = system.wires.iter().position(|w| w.to == port) {
-                        Column::Wire(i)
-                    } else if let Some(i) = system.feeds.iter().position(|f| f.to == port) {
-                        Column::Feed(i)
-                    } else if all || causality == Causality::Output {
-                        Column::Variable(port)
-                    } else {
+                    }
+                    let wire = wires.get(&port).map(|i| Source::Wire(*i));
+                    let source = wire.or_else(|| feeds.get(&port).map(|i| Source::Feed(*i)));
+                    if source.is_none() && !all && causality != Causality::Output {
                         continue;
-                    };
-                    push(column, system.name(port), info.unit.as_deref());
+                    }
+                    let column = push(&mut channels, system.name(port), info.unit.as_deref());
+                    match source {
+                        Some(source) => known.push((source, column)),
+                        None => {
+                            variables.push(variable);
+                            columns.push(column);
+                        }
+                    }
                 }
             }
+            read.push((index, Reader::new(component.interface(), variables), columns));
         }
         for (i, bond) in system.bonds.iter().enumerate() {
-            push(Column::Energy(i), format!("generated energy {} {}", bond.name.0, bond.name.1), Some("J"));
+            let name = format!("generated energy {} {}", bond.name.0, bond.name.1);
+            known.push((Source::Energy(i), push(&mut channels, name, Some("J"))));
         }
-        let values = samples as f64 * columns.len() as f64;
+        let values = samples as f64 * channels.len() as f64;
         if values > MAX_VALUES {
             return Err(Error::call(format!(
                 "{samples} samples of {} channels are more than the {MAX_VALUES:.0e} values that are kept in memory; record fewer points (record_every)",
-                columns.len()
+                channels.len()
             )));
         }
         for channel in &mut channels {
             channel.values.reserve_exact(samples);
         }
+        let values = vec![0.0; channels.len()];
         let recording =
             Recording { time: Vec::with_capacity(samples), channels, source: "co-simulation".into() };
-        Ok(Self { columns, recording })
+        Ok(Self { known, read, part: values.clone(), values, recording })
     }
 
     fn take(&mut self, system: &mut System, time: f64) -> Result<()> {
-        let values = self
-            .columns
-            .iter()
-            .map(|column| match column {
-                Column::Variable(port) => {
-                    let component = &mut system.components[port.component];
-                    component.slave.get(port.variable).map_err(|e| e.at(&component.name))
-                }
-                Column::Wire(i) => Ok(system.exchange.flows[*i].applied.1),
-                Column::Feed(i) => Ok(system.exchange.fed[*i]),
-                Column::Energy(i) => Ok(system.bonds[*i].generated),
-            })
-            .collect::<Result<Vec<f64>>>()?;
+        for (index, reader, columns) in &mut self.read {
+            let component = &mut system.components[*index];
+            let part = &mut self.part[..columns.len()];
+            reader.read(component.slave.as_mut(), part).map_err(|e| e.at(&component.name))?;
+            for (column, value) in columns.iter().zip(part) {
+                self.values[*column] = *value;
+            }
+        }
+        for (source, column) in &self.known {
+            self.values[*column] = match source {
+                Source::Wire(i) => system.exchange.flows[*i].applied.1,
+                Source::Feed(i) => system.exchange.fed[*i],
+                Source::Energy(i) => system.bonds[*i].generated,
+            };
+        }
         self.recording.time.push(time);
-        for (channel, value) in self.recording.channels.iter_mut().zip(values) {
-            channel.values.push(value);
+        for (channel, value) in self.recording.channels.iter_mut().zip(&self.values) {
+            channel.values.push(*value);
         }
         Ok(())
     }
+}
+
+/// The first place of each input in a list.
+fn by_input(inputs: impl Iterator<Item = Port>) -> HashMap<Port, usize> {
+    let mut places = HashMap::new();
+    for (i, port) in inputs.enumerate() {
+        places.entry(port).or_insert(i);
+    }
+    places
 }

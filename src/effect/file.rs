@@ -90,7 +90,11 @@ impl Corrections {
     /// # Errors
     /// Not TOML, unknown keys, or values of another form, each with its line.
     pub fn parse(text: &str, place: &str) -> Result<Self> {
-        let (settings, _) = Settings::parse_corrected(text, place)?;
+        let (settings, corrected) = Settings::parse_corrected(text, place)?;
+        if !corrected {
+            // every instance of an FMU reads this: not the same text twice
+            return Ok(Self { settings, ..Self::default() });
+        }
         let file: File = toml::from_str(text).map_err(|e| {
             let line = e.span().map_or(1, |span| line_of(text, span.start));
             Error::file(format!("{place}:{line}: {}", e.message()))

@@ -2,6 +2,7 @@
 
 use crate::model::{Interface, Model, Native, Settings, Slave};
 use crate::{Error, Result};
+use uuid::Uuid;
 
 /// One model of a library: its name and how to make its interface and its slaves.
 #[derive(Debug, Clone, Copy)]
@@ -13,7 +14,12 @@ pub struct Entry {
     /// [`Model::DOCUMENTATION`].
     pub documentation: &'static [&'static str],
     make: fn(&Settings) -> Result<Box<dyn Slave + Send>>,
+    /// The same with the fingerprint of the table, which is made only once.
+    make_known: fn(&Settings) -> Result<Known>,
 }
+
+/// A slave and the fingerprint of its model's table.
+type Known = (Box<dyn Slave + Send>, Uuid);
 
 impl Entry {
     /// The entry of a model.
@@ -23,6 +29,10 @@ impl Entry {
             table: Native::<M>::table,
             documentation: M::DOCUMENTATION,
             make: |settings| Ok(Box::new(Native::<M>::new(settings)?)),
+            make_known: |settings| {
+                let (slave, fingerprint) = Native::<M>::with_fingerprint(settings)?;
+                Ok((Box::new(slave), fingerprint))
+            },
         }
     }
 
@@ -32,6 +42,14 @@ impl Entry {
     /// Settings that the model does not accept.
     pub fn slave(&self, settings: &Settings) -> Result<Box<dyn Slave + Send>> {
         (self.make)(settings)
+    }
+
+    /// The same, and the [fingerprint](Interface::fingerprint) of the interface that [`table`](Self::table) gives.
+    ///
+    /// # Errors
+    /// As [`slave`](Self::slave).
+    pub(super) fn slave_with_fingerprint(&self, settings: &Settings) -> Result<Known> {
+        (self.make_known)(settings)
     }
 
     /// The entry called `name`.
@@ -49,5 +67,10 @@ impl Entry {
 /// The GUID of an FMU: it changes with the text of its `resources/model.toml`, with the model's
 /// variable table and with the version of the library.
 pub fn guid(table: &Interface, settings: &str) -> String {
-    format!("{{{}}}", uuid::Uuid::new_v5(&table.fingerprint(), settings.as_bytes()))
+    guid_of(&table.fingerprint(), settings)
+}
+
+/// The same for a table with this fingerprint.
+pub(super) fn guid_of(table: &Uuid, settings: &str) -> String {
+    format!("{{{}}}", Uuid::new_v5(table, settings.as_bytes()))
 }

@@ -1,7 +1,7 @@
 //! Makes the slave that an FMU's resources describe: a model of the library, or an FMU that is carried
 //! along, with or without effects.
 
-use super::entry::{Entry, guid};
+use super::entry::{Entry, guid, guid_of};
 use crate::bounded;
 use crate::effect::file::Corrections;
 use crate::effect::{Attached, attached_interface};
@@ -45,13 +45,13 @@ pub fn make(models: &[Entry], resources: &Path, text: &str) -> Result<Made> {
     }
     let model = settings.model.as_deref().ok_or_else(|| Error::fmu("model.toml names no model"))?;
     let entry = Entry::find(models, model)?;
-    let inner = entry.slave(settings)?;
+    let (inner, fingerprint) = entry.slave_with_fingerprint(settings)?;
     let (slave, guid): (Box<dyn Slave>, String) = if corrections.has_effects() {
         let attachments = corrections.attachments(inner.interface())?;
         let outer = corrected_interface(inner.interface(), &corrections)?;
         (Box::new(Attached::new(inner, attachments)?), guid(&outer, text))
     } else {
-        (inner, guid(&(entry.table)(), text))
+        (inner, guid_of(&fingerprint, text))
     };
     Ok(Made {
         slave,

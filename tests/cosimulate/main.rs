@@ -6,7 +6,7 @@
 mod files;
 mod models;
 
-use latsch::cosimulate::{BondKind, Experiment, SystemSlave, Turn};
+use latsch::cosimulate::{BondKind, Experiment, SystemSlave, Turn, Until, cosimulate_until};
 use latsch::effect::{Attached, Attachment, Chosen, Signal, Source};
 use latsch::model::Slave;
 use models::{channel, run, run_with, wire};
@@ -53,6 +53,36 @@ fn error_at(head: &str, derivative: bool, step: f64) -> f64 {
     let last = |name| *channel(&outcome, name).last().unwrap();
     let (left, right) = exact();
     (last("left.position") - left).hypot(last("right.position") - right)
+}
+
+#[test]
+fn ends_where_a_condition_is_met() {
+    let text = pair("step = 1e-3", false);
+    let (_, whole) = run(&text);
+    let position = channel(&whole, "left.position");
+    let first = position.iter().position(|x| *x < 0.02).unwrap();
+    assert!(first > 10 && first % 7 != 0 && !whole.met);
+    let until = |value: f64, above: bool, every: usize| {
+        let (plan, mut system) = wire(&text).unwrap();
+        let experiment =
+            Experiment { record_every: every, ..plan.experiment(&system, None, None, None).unwrap() };
+        let port = system.port("left", "position").unwrap();
+        let until = Until { port, above, value };
+        cosimulate_until(&mut system, &experiment, Some(until), |_| ()).unwrap()
+    };
+    let ended = until(0.02, false, 1);
+    assert!(ended.met && ended.stopped.is_none());
+    assert_eq!(ended.recording.time, whole.recording.time[..=first]);
+    assert_eq!(channel(&ended, "left.position"), position[..=first]);
+    // between two samples, the end is a sample all the same
+    let coarse = until(0.02, false, 7);
+    assert_eq!(coarse.recording.time.last(), Some(&whole.recording.time[first]));
+    assert_eq!(coarse.recording.time.len(), first / 7 + 2);
+    // what holds at the start does not count there, but one step later
+    assert_eq!(until(0.02, true, 1).recording.time.len(), 2);
+    let never = until(1.0, true, 1);
+    assert!(!never.met);
+    assert_eq!(never.recording.time, whole.recording.time);
 }
 
 #[test]

@@ -365,6 +365,21 @@ impl Instance {
         Err(Error::fmu(error))
     }
 
+    /// See [`ImportedFmu::bare_steps`](super::ImportedFmu::bare_steps).
+    #[cfg(feature = "host")]
+    pub(super) fn bare_steps(&mut self, time: f64, length: f64, count: usize) -> Result<()> {
+        for k in 0..count {
+            let do_step = self.foundation.library.do_step;
+            // SAFETY: a living instance.
+            let status = unsafe { do_step(self.component, time + k as f64 * length, length, TRUE) };
+            if status != Status::Ok as c_int {
+                self.health = Health::Failed;
+                return Err(Error::fmu(format!("{}: fmi2DoStep returned the status {status}", self.name)));
+            }
+        }
+        Ok(())
+    }
+
     fn last_successful_time(&mut self) -> Option<f64> {
         let status = self.foundation.library.get_real_status?;
         let mut time = f64::NAN;

@@ -67,8 +67,8 @@ impl Log {
 
     /// Forgets which message was the worst, before a call.
     pub(super) fn begin_call(&self) {
-        // a lock for every call would take as long as a small model's step
-        if self.noted.swap(false, Ordering::Relaxed) {
+        // a lock for every call would take as long as a small model's step, and a swap a good part of that
+        if self.noted.load(Ordering::Relaxed) && self.noted.swap(false, Ordering::Relaxed) {
             self.lock().worst = None;
         }
     }

@@ -39,6 +39,8 @@ pub struct ImportedFmu {
     settled: f64,
     /// Values in place of the description's start values.
     presets: Vec<(usize, Value)>,
+    /// Value references on their way: reading several variables does not allocate each time.
+    references: Vec<u32>,
     #[cfg(feature = "host")]
     folder: PathBuf,
     /// Removed after the instance is gone.
@@ -135,6 +137,7 @@ impl ImportedFmu {
             course: Course::NEW,
             settled: f64::NEG_INFINITY,
             presets: Vec::new(),
+            references: Vec::new(),
             #[cfg(feature = "host")]
             folder,
             #[cfg(feature = "host")]
@@ -158,6 +161,29 @@ impl ImportedFmu {
     /// Where the FMU's messages go.
     pub(in crate::fmi) fn log(&self) -> Arc<Log> {
         self.instance.log()
+    }
+
+    /// Calls fmi2DoStep `count` times from `time` on with nothing around it, to measure what a call itself takes. The
+    /// slave is of no use afterwards but to be reset.
+    ///
+    /// # Errors
+    /// A status that is not fmi2OK, without its reason.
+    #[cfg(feature = "host")]
+    #[doc(hidden)]
+    pub fn bare_steps(&mut self, time: f64, length: f64, count: usize) -> Result<()> {
+        self.well("a step")?;
+        self.order(self.course.phase == Phase::Running, "a step", "before the end of initialization")?;
+        self.instance.bare_steps(time, length, count)
+    }
+
+    /// Makes one more instance of the same binary and frees it, to measure what that takes.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    #[cfg(feature = "host")]
+    #[doc(hidden)]
+    pub fn instantiate_again(&self) -> Result<()> {
+        Self::instantiate(self.description.clone(), &self.folder, Names::Usual).map(drop)
     }
 
     /// What the FMU says of itself.
@@ -322,16 +348,19 @@ impl Slave for ImportedFmu {
     }
 
     fn get_all(&mut self, variables: &[usize], values: &mut [f64]) -> Result<()> {
-        let mut references = Vec::with_capacity(variables.len());
-        for variable in variables {
-            self.readable(*variable)?;
-            let info = &self.description.interface.variables[*variable];
+        let mut references = std::mem::take(&mut self.references);
+        references.clear();
+        let collected = variables.iter().try_for_each(|variable| {
+            let info = self.readable(*variable)?;
             if !info.is_real() {
                 return Err(Error::variable(format!("{} is not a real variable", info.name)));
             }
             references.push(info.reference);
-        }
-        self.instance.get_reals(&references, values)
+            Ok(())
+        });
+        self.references = references;
+        collected?;
+        self.instance.get_reals(&self.references, values)
     }
 
     fn set_all(&mut self, variables: &[usize], values: &[f64], rates: &[f64]) -> Result<()> {

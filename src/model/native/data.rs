@@ -151,19 +151,14 @@ impl<M: Model> Data<M> {
     }
 
     /// Sets the rates of inputs that have none from the master to the inputs that are their rates, as those
-    /// are at the communication point.
-    pub(super) fn find_natural_rates(&mut self, table: &Table<M>) {
+    /// are at the communication point. `rates` are the pairs of both, see [`natural_rates`].
+    pub(super) fn find_natural_rates(&mut self, rates: &[(usize, usize)]) {
         let time = self.clock.time;
-        for i in 0..self.signals.len() {
-            let signal = self.signals[i];
-            let Some(name) = table.row(signal.variable).natural_rate() else { continue };
+        for &(i, rate) in rates {
+            let (signal, of) = (self.signals[i], &self.signals[rate]);
             if !signal.natural && signal.rate.is_some() {
                 continue;
             }
-            let Some(of) = self.signals.iter().find(|s| table.row(s.variable).name() == name) else {
-                debug_assert!(false, "{name} is no real input");
-                continue;
-            };
             let (rate, acceleration) = (of.at(time), of.rate.unwrap_or(0.0));
             // what goes on as it did is not begun anew, whose rounding the cuts of the time would tell
             let goes_on = signal.natural
@@ -180,6 +175,18 @@ impl<M: Model> Data<M> {
     fn models(&self) -> [&M; 3] {
         [&self.grid, &self.between, &self.before]
     }
+}
+
+/// The inputs that run on with another one: where both are among the signals.
+pub(super) fn natural_rates<M: Model>(table: &Table<M>, signals: &[Signal]) -> Vec<(usize, usize)> {
+    let named = |name: &str| signals.iter().position(|s| table.row(s.variable).name() == name);
+    let rates = signals.iter().enumerate().filter_map(|(i, signal)| {
+        let name = table.row(signal.variable).natural_rate()?;
+        let rate = named(name);
+        debug_assert!(rate.is_some(), "{name} is no real input");
+        Some((i, rate?))
+    });
+    rates.collect()
 }
 
 /// The value of a variable.

@@ -2,7 +2,7 @@
 
 mod data;
 
-use self::data::{Data, Phase, feed, put};
+use self::data::{Data, Phase, feed, natural_rates, put};
 use super::slave::wrong_order;
 use super::{
     Access, Causality, Get, Initial, Interface, Kind, Model, Settings, Slave, Snapshot, Table, Value,
@@ -39,6 +39,10 @@ pub struct Native<M: Model> {
     settings: Vec<(usize, Value)>,
     /// The real outputs and how to read them: they are looked at after each step.
     outputs: Vec<(usize, Get<M, f64>)>,
+    /// Which of the signals is a variable's course, if it has one.
+    courses: Vec<Option<usize>>,
+    /// The signals that run on with another one, and those.
+    rates: Vec<(usize, usize)>,
     data: Data<M>,
 }
 
@@ -66,9 +70,25 @@ impl<M: Model> Native<M> {
     /// Settings of another model, or with names or values that the model does not accept; a table that
     /// contradicts itself.
     pub fn new(settings: &Settings) -> Result<Self> {
+        let (table, interface) = Self::checked_table()?;
+        Self::of(table, interface, settings)
+    }
+
+    /// The same, and the fingerprint of [`table`](Self::table).
+    pub(crate) fn with_fingerprint(settings: &Settings) -> Result<(Self, Uuid)> {
+        let (table, interface) = Self::checked_table()?;
+        let fingerprint = interface.fingerprint();
+        Ok((Self::of(table, interface, settings)?, fingerprint))
+    }
+
+    fn checked_table() -> Result<(Table<M>, Interface)> {
         let table = M::variables();
         table.check().map_err(|e| e.at(M::NAME))?;
-        let mut interface = Self::interface_of(&table);
+        let interface = Self::interface_of(&table);
+        Ok((table, interface))
+    }
+
+    fn of(table: Table<M>, mut interface: Interface, settings: &Settings) -> Result<Self> {
         let settings = settings.check(&interface)?;
         for (index, value) in &settings {
             interface.variables[*index].start = Some(value.clone());
@@ -79,7 +99,12 @@ impl<M: Model> Native<M> {
             _ => None,
         });
         let outputs = outputs.collect();
-        Ok(Self { table, interface, settings, outputs, data })
+        let mut courses = vec![None; interface.variables.len()];
+        for (i, signal) in data.signals.iter().enumerate() {
+            courses[signal.variable] = Some(i);
+        }
+        let rates = natural_rates(&table, &data.signals);
+        Ok(Self { table, interface, settings, outputs, courses, rates, data })
     }
 
     /// The model at the last communication point.
@@ -126,7 +151,7 @@ impl<M: Model> Native<M> {
         let value = self.interface.variables[index].accept(value)?;
         let clock = &mut self.data.clock;
         if let (Some(signal), Value::Real(value)) =
-            (self.data.signals.iter_mut().find(|s| s.variable == index), &value)
+            (self.courses[index].map(|i| &mut self.data.signals[i]), &value)
         {
             signal.value = *value;
             signal.since = clock.time;
@@ -282,10 +307,10 @@ impl<M: Model> Slave for Native<M> {
 
     fn get(&mut self, variable: usize) -> Result<f64> {
         if self.data.clock.phase != Phase::New
-            && let Some(signal) = self.data.signals.iter().find(|s| s.variable == variable)
+            && let Some(Some(course)) = self.courses.get(variable)
         {
             // What was set, even before a step passes it on to the model.
-            return Ok(signal.at(self.data.clock.time));
+            return Ok(self.data.signals[*course].at(self.data.clock.time));
         }
         self.make_readable(variable)?;
         let model = self.model();
@@ -331,7 +356,7 @@ impl<M: Model> Slave for Native<M> {
             return Err(Error::variable(format!("derivative of {name} = {rate}: a finite number is needed")));
         }
         let clock = &self.data.clock;
-        let Some(signal) = self.data.signals.iter_mut().find(|s| s.variable == variable) else {
+        let Some(signal) = self.courses[variable].map(|i| &mut self.data.signals[i]) else {
             return Err(Error::variable(format!("{name} is not a real input; it has no derivative")));
         };
         // A value set in an earlier step runs on from where it is now.
@@ -402,7 +427,7 @@ impl<M: Model> Slave for Native<M> {
         }
         // no step yet: look ahead on a copy, with the inputs on their way as a step would have them
         let mut ahead = self.data.clone();
-        ahead.find_natural_rates(&self.table);
+        ahead.find_natural_rates(&self.rates);
         let Data { clock, signals, grid, between, .. } = &mut ahead;
         between.clone_from(grid);
         feed(&self.table, between, signals, clock.start + clock.step_size);
@@ -498,7 +523,7 @@ impl<M: Model> Slave for Native<M> {
                 clock.step_size
             )));
         }
-        self.data.find_natural_rates(&self.table);
+        self.data.find_natural_rates(&self.rates);
         // a course that leaves its variable's range is refused before anything moves
         for signal in self.data.signals.iter().filter(|s| s.rate.is_some()) {
             let info = &self.interface.variables[signal.variable];
