@@ -3,7 +3,7 @@
 use super::{Format, print, print_json_text};
 use indicatif::{ProgressBar, ProgressStyle};
 use latsch::cosimulate::write_corrected;
-use latsch::diagnose::{Base, Effort, Map, Outcome, Request, diagnose};
+use latsch::diagnose::{Base, Map, Outcome, Request, diagnose};
 use latsch::effect::file::{Fitted, corrected_text};
 use latsch::fmi::archive::ModelLibrary;
 use latsch::fmi::corrected::{CorrectedBase, export_corrected};
@@ -36,9 +36,6 @@ pub struct Args {
     /// Communication step [s] [default: one that suits model and recordings]
     #[arg(long, value_name = "H")]
     step: Option<f64>,
-    /// How much is tried [default: less for models whose simulation costs much; that is counted, not timed]
-    #[arg(long, value_enum, value_name = "HOW")]
-    effort: Option<EffortName>,
     /// Runs at the same time; the answer is the same with any number [default: the number of cores]
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     jobs: usize,
@@ -48,24 +45,6 @@ pub struct Args {
     /// How the verdict is printed
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-}
-
-/// Words for [`Effort`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum EffortName {
-    /// All that a diagnosis does
-    Full,
-    /// Fewer runs, effects and steps of fits
-    Low,
-}
-
-impl From<EffortName> for Effort {
-    fn from(name: EffortName) -> Self {
-        match name {
-            EffortName::Full => Self::Full,
-            EffortName::Low => Self::Low,
-        }
-    }
 }
 
 pub fn run(args: &Args) -> Result<()> {
@@ -79,7 +58,6 @@ pub fn run(args: &Args) -> Result<()> {
         map: args.map.as_deref().map(Map::read).transpose()?.unwrap_or_default(),
         step: args.step,
         threads: args.jobs,
-        effort: args.effort.map(Effort::from),
     };
     std::fs::create_dir_all(&args.output)
         .map_err(|e| Error::file(format!("{} cannot be made: {e}", args.output.display())))?;

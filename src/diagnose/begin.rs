@@ -8,6 +8,7 @@ use super::screen::Screened;
 use super::study::{Fitted, Model, Rest, Study};
 use super::subject::Subject;
 use crate::effect::{Parameter, empirical};
+use crate::fit::side_by_side;
 
 /// Iterations of each half of a first fit.
 const TRY_OUT: usize = 5;
@@ -40,9 +41,8 @@ pub(super) fn begin(
     screened: &[Screened],
     round: usize,
 ) -> Vec<Begun> {
-    let chosen = choose(study, screened, round);
-    let mut begun: Vec<Begun> =
-        chosen.iter().filter_map(|s| Begun::from_current(study, current, s)).collect();
+    let chosen = choose(screened, round);
+    let mut begun = in_order(study, &chosen, |s| Begun::from_current(study, current, s));
     let promised = chosen.iter().map(|s| s.gain).fold(0.0, f64::max);
     let reached = begun.iter().map(Begun::cost).fold(f64::INFINITY, f64::min);
     if reached > (1.0 - KEPT_PROMISE * promised) * current.fit.cost {
@@ -79,19 +79,18 @@ fn from_nominal(
     let Ok(there) = study.fit(&model, 1) else { return Vec::new() };
     if !bent(&current.model, &there.model) {
         let begin = |s: &Screened| {
-            let fitted =
-                study.fit_near(&with(&there, s, small(s)), TRY_OUT, Some(&there.fit.jacobian)).ok()?;
+            let fitted = study.fit_near(&with(&there, s, small(s)), TRY_OUT, &there).ok()?;
             Some(Begun { screened: s.clone(), fitted })
         };
-        return chosen.iter().filter_map(begin).collect();
+        return in_order(study, chosen, begin);
     }
-    let rest = study.rest(&there.model, &study.fit_runs);
+    let rest = study.fit_rest(&there);
     let Ok(screened) = rest.and_then(|rest| screen(study, subject, roles, &there, &rest)) else {
         return Vec::new();
     };
     let most = screened.iter().map(|s| s.gain).fold(0.0, f64::max);
     let is_chosen = |s: &&Screened| chosen.iter().any(|c| c.placement.is_same(&s.placement));
-    let also = choose(study, &screened, round);
+    let also = choose(&screened, round);
     let also = also.iter().filter(|s| !is_chosen(s)).take(ALSO);
     let begin = |s: &Screened| {
         // far from the end: every step with derivatives of its own
@@ -99,7 +98,16 @@ fn from_nominal(
         Some(Begun { screened: s.clone(), fitted })
     };
     let promising = screened.iter().filter(is_chosen).chain(also).filter(|s| s.gain > PROMISING * most);
-    promising.filter_map(begin).collect()
+    in_order(study, &promising.cloned().collect::<Vec<_>>(), begin)
+}
+
+/// What comes of the beginnings, in their order.
+fn in_order(
+    study: &Study<'_>,
+    screened: &[Screened],
+    begin: impl Fn(&Screened) -> Option<Begun> + Sync,
+) -> Vec<Begun> {
+    side_by_side(study.bench.threads(), screened, begin).into_iter().flatten().flatten().collect()
 }
 
 /// The model with one effect more.
@@ -132,11 +140,8 @@ impl Begun {
     /// Begins where the fit without the effect ended: near its off value, and for one that is there as a whole
     /// or not at all in the middle of what is plausible.
     fn from_current(study: &Study<'_>, current: &Fitted, screened: &Screened) -> Option<Self> {
-        // the fit of a model that takes long is done in one go: it ends where its derivatives lead no farther
-        let iterations = if study.slow { 2 * TRY_OUT } else { TRY_OUT };
-        let begin = |values: Vec<f64>| {
-            study.fit_near(&with(current, screened, values), iterations, Some(&current.fit.jacobian)).ok()
-        };
+        let begin =
+            |values: Vec<f64>| study.fit_near(&with(current, screened, values), TRY_OUT, current).ok();
         let near = begin(small(screened));
         let parameters = screened.placement.effect.parameters;
         let whole = |p: &Parameter| p.off.is_some_and(|off| off < p.plausible.0);
@@ -156,12 +161,10 @@ impl Begun {
     }
 
     /// Goes on with the fit, and looks at what it leaves.
-    pub fn finish(self, study: &Study<'_>, current_fit: &Rest, current_check: &Rest) -> Option<Tried> {
-        let Self { screened, mut fitted } = self;
-        if !study.slow {
-            fitted = study.fit_near(&fitted.model, TRY_OUT, Some(&fitted.fit.jacobian)).unwrap_or(fitted);
-        }
+    pub fn finish(&self, study: &Study<'_>, current_fit: &Rest, current_check: &Rest) -> Option<Tried> {
+        let Self { screened, fitted } = self;
+        let fitted = study.fit_near(&fitted.model, TRY_OUT, fitted).unwrap_or_else(|_| fitted.clone());
         let fitted = plausible(study, &fitted, current_fit).unwrap_or(fitted);
-        assess(study, (screened.placement, screened.places), fitted, current_fit, current_check)
+        assess(study, (screened.placement.clone(), screened.places), fitted, current_fit, current_check)
     }
 }

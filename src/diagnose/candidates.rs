@@ -1,18 +1,18 @@
 //! Candidates: effects screened at all their places, and the best of them fitted inside the simulation.
 
-use super::excerpt::{beginning, coarser};
+use super::excerpt::coarser;
 use super::placement::{Placement, Site, is_tunable, sizes};
 use super::plausible::{implausible, plausible};
 use super::roles::Roles;
-use super::screen::{MAX_SHAPES, Screen, Screened};
+use super::screen::{Screen, Screened};
 use super::study::{Fitted, Model, Rest, Study, differences};
 use super::subject::Subject;
-use crate::effect::{Effect, Port, catalogue, empirical};
-use crate::fit::{Drive, Run, Traces};
+use crate::effect::{Effect, catalogue, empirical};
+use crate::fit::{Drive, Run, Traces, side_by_side};
 use crate::model::Causality;
 use crate::stats::{root_mean_square, sign_flip};
 use crate::{Error, Result};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Named effects that are fitted inside the simulation, in the first round and later.
@@ -21,17 +21,6 @@ const NAMED: [usize; 2] = [7, 5];
 const UNNAMED: [usize; 2] = [3, 2];
 /// Runs that effects are screened with.
 const SCREENED: usize = 4;
-/// Runs that all of them are screened with.
-const FIRST: usize = 2;
-/// What is screened of each run of a model that takes long \[s\].
-const PIECE: f64 = 2.0;
-/// Named and nameless placements, each, that are screened with more runs.
-const KEPT: usize = 30;
-/// The same for a model that takes long, and the shapes that are tried of an effect inside of it.
-const SHAPES_SLOW: usize = 2;
-const KEPT_SLOW: usize = 10;
-/// Signals that functions without a name are tried with at one place inside of a model that takes long.
-const DRIVERS_SLOW: usize = 2;
 /// An effect that promises less of the squared error of the fit runs is not fitted.
 const MIN_PROMISE: [f64; 2] = [0.005, 0.015];
 
@@ -92,14 +81,9 @@ pub(super) fn screen(
 ) -> Result<Vec<Screened>> {
     let interface = &subject.interface;
     let chosen = some_of(study, current_fit);
-    let whole = |run: &Run| if study.slow { beginning(run, PIECE) } else { run.clone() };
-    let coarse: Vec<Run> = chosen.iter().map(|i| coarser(&whole(study.fit_runs[*i]))).collect();
+    let coarse: Vec<Run> = chosen.iter().map(|i| coarser(study.fit_runs[*i])).collect();
     let runs: Vec<&Run> = coarse.iter().collect();
-    let part = |(run, i): (&&Run, &usize)| -> Traces {
-        let traces = current_fit.simulated[*i].iter();
-        traces.map(|trace| trace[..run.time.len()].to_vec()).collect()
-    };
-    let simulated: Vec<Traces> = runs.iter().zip(&chosen).map(part).collect();
+    let simulated: Vec<Traces> = chosen.iter().map(|i| current_fit.simulated[*i].clone()).collect();
     let watch: Arc<[usize]> = interface
         .variables
         .iter()
@@ -112,15 +96,10 @@ pub(super) fn screen(
         .collect();
     let point = Study::point(&current.model);
     let steps: Vec<f64> = current.unknowns.iter().zip(&point).map(|(u, x)| u.step_at(*x)).collect();
-    let prepare = |count: usize| {
-        let problem = study.problem(&current.model, runs[..count].to_vec());
-        let watch = Arc::clone(&watch);
-        let model = &current.model;
-        Screen::new(&problem, &simulated[..count], model, &point, &steps, watch, &study.weights)
-            .map(|screen| Screen { shapes: if study.slow { SHAPES_SLOW } else { MAX_SHAPES }, ..screen })
-            .ok_or_else(|| Error::numeric("the fitted model cannot be run"))
-    };
-    let screen = prepare(runs.len())?;
+    let problem = study.problem(&current.model, runs.clone());
+    let model = &current.model;
+    let screen = Screen::new(&problem, &simulated, model, &point, &steps, Arc::clone(&watch), &study.weights)
+        .ok_or_else(|| Error::numeric("the fitted model cannot be run"))?;
     let drives: Vec<Arc<Drive>> = runs.iter().map(|r| Arc::clone(&r.drive)).collect();
     let (mut size, rate) = sizes(interface.variables.len(), &watch, &drives, &screen.traces);
     for p in &study.free {
@@ -152,39 +131,17 @@ pub(super) fn screen(
             .iter()
             .any(|(p, _)| p.effect.id == placement.effect.id && p.targets == placement.targets)
     };
-    let few = |placements: Vec<Placement>| -> Vec<Placement> {
-        let is_inside = placements.first().is_some_and(|p| p.port != Port::Output);
-        if !(study.slow && is_inside && placements.first().is_some_and(|p| empirical::is(p.effect))) {
-            return placements;
-        }
-        // functions of any signal at any place inside of a model would take longer than all names
-        let mut count = BTreeMap::new();
-        let one_more = |p: &Placement| {
-            let n = count.entry(p.targets.clone()).or_insert(0);
-            *n += 1;
-            *n <= DRIVERS_SLOW
-        };
-        placements.into_iter().filter(one_more).collect()
-    };
     let placements: Vec<Placement> = catalogue::EFFECTS
         .iter()
         .chain(empirical::EFFECTS)
-        .flat_map(|effect: &'static Effect| few(site.placements(effect)))
+        .flat_map(|effect: &'static Effect| site.placements(effect))
         .filter(|p| !known(p))
         .collect();
     let places = |id: &str| placements.iter().filter(|p| p.effect.id == id).count();
     let counted = |screened: Vec<Screened>| -> Vec<Screened> {
         screened.into_iter().map(|s| Screened { places: places(s.placement.effect.id), ..s }).collect()
     };
-    if runs.len() <= FIRST {
-        return Ok(counted(screen.screen(interface, &placements)));
-    }
-    let first = prepare(FIRST)?.screen(interface, &placements);
-    let best = |named: bool| {
-        let same = first.iter().filter(move |s| empirical::is(s.placement.effect) != named);
-        same.take(if study.slow { KEPT_SLOW } else { KEPT }).map(|s| s.placement.clone())
-    };
-    Ok(counted(screen.screen(interface, &best(true).chain(best(false)).collect::<Vec<_>>())))
+    Ok(counted(screen.screen(interface, &placements)))
 }
 
 /// The size of a force at an input that nothing drives: what moves an output as much as it moves anyway.
@@ -212,11 +169,10 @@ fn force_size(study: &Study<'_>, model: &Model, variable: usize, measured: &[usi
 }
 
 /// The best placement of the best effects: named ones and empirical functions; fewer after the first round.
-pub(super) fn choose(study: &Study<'_>, screened: &[Screened], round: usize) -> Vec<Screened> {
+pub(super) fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
     let mut chosen: Vec<Screened> = Vec::new();
     for (named, limits) in [(true, NAMED), (false, UNNAMED)] {
         let (limit, least) = (limits[round.min(1)], MIN_PROMISE[round.min(1)]);
-        let limit = if study.slow { limit.div_ceil(2) } else { limit };
         let mut count = 0;
         for s in screened.iter().filter(|s| empirical::is(s.placement.effect) != named) {
             let best =
@@ -249,15 +205,18 @@ pub(super) fn polish(study: &Study<'_>, tried: &mut [Tried], current_fit: &Rest,
     let both = |t: &Tried| t.fit_rest.total + t.check_rest.total;
     let best = tried.iter().map(both).fold(f64::INFINITY, f64::min);
     let explained = (current_fit.total + current_check.total - best).max(0.0);
-    for t in tried.iter_mut().filter(|t| both(t) <= best + NEARLY * explained) {
-        let better = study.fit_on(&t.fitted, POLISH).ok();
-        let better = better
-            .map(|fitted| plausible(study, &fitted, current_fit).unwrap_or(fitted))
-            .and_then(|fitted| {
-                assess(study, (t.placement.clone(), t.places), fitted, current_fit, current_check)
-            })
-            .filter(|b| b.fit_rest.total <= t.fit_rest.total);
-        if let Some(better) = better {
+    let better = |t: &Tried| {
+        if both(t) > best + NEARLY * explained {
+            return None;
+        }
+        let fitted = study.fit_on(&t.fitted, POLISH).ok()?;
+        let fitted = plausible(study, &fitted, current_fit).unwrap_or(fitted);
+        assess(study, (t.placement.clone(), t.places), fitted, current_fit, current_check)
+            .filter(|b| b.fit_rest.total <= t.fit_rest.total)
+    };
+    let better = side_by_side(study.bench.threads(), tried, better);
+    for (t, better) in tried.iter_mut().zip(better) {
+        if let Some(better) = better.flatten() {
             *t = better;
         }
     }
@@ -270,7 +229,7 @@ pub(super) fn assess(
     current_fit: &Rest,
     current_check: &Rest,
 ) -> Option<Tried> {
-    let fit_rest = study.rest(&fitted.model, &study.fit_runs).ok()?;
+    let fit_rest = study.fit_rest(&fitted).ok()?;
     let check_rest = study.rest(&fitted.model, &study.check_runs).ok()?;
     // every channel in units of what is left of it, so that a small effect in one is not lost among the others
     let units = fit_rest.by_channel();

@@ -14,9 +14,6 @@ use crate::stats::{bootstrap_shares, mean_or_zero, sign_flip};
 pub(super) const LEVEL: f64 = 0.05;
 /// A gain on the check runs or on the fit runs below this share of the squared error is not worth a name.
 const MIN_GAIN: f64 = 0.01;
-/// The same for a model that takes long: what fits that end early leave is explained by some effect too. On the flat track of
-/// seed 10 of the blind study a wrong name gained 0.02, right ones 0.08 and more.
-const MIN_GAIN_SLOW: f64 = 0.05;
 /// A rest that an empirical function explains, as a share of what the named effects explain, above which
 /// the names are not enough.
 pub(super) const LEFT_OVER: f64 = 0.2;
@@ -101,10 +98,10 @@ impl<'a> Round<'a> {
     /// Why an effect does not count, if it does not.
     fn why_not(&self, t: &Tried) -> Option<String> {
         let level = LEVEL / self.tried.len().max(1) as f64;
-        let least = if self.study.slow { MIN_GAIN_SLOW } else { MIN_GAIN };
-        let enough = |gain: f64| gain > least;
-        let little =
-            |runs: &str| format!("takes away less than {} % of the error of the {runs} runs", 100.0 * least);
+        let enough = |gain: f64| gain > MIN_GAIN;
+        let little = |runs: &str| {
+            format!("takes away less than {} % of the error of the {runs} runs", 100.0 * MIN_GAIN)
+        };
         match t {
             _ if t.p > level || t.p.is_nan() => {
                 Some("no gain on the check runs that chance does not make".into())

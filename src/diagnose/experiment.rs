@@ -27,15 +27,10 @@ const NEARLY: f64 = 0.9;
 const MAX_RIVALS: usize = 5;
 /// Programmes that are simulated together.
 const TOGETHER: usize = 4;
-/// What all simulations may cost together, as [`Work`](super::effort::Work) counts it \[s\], and the share of it after
-/// which no more programmes are begun; models that take long may cost more, but get only a few short programmes, and
-/// fewer of them are looked at closely.
-const BUDGET: f64 = 2.0;
+/// What may be simulated at most, as a multiple of what was recorded, and the share of it after which no more programmes
+/// are begun: a small part of what a diagnosis simulates, some hundred times the recordings.
+const BUDGET: f64 = 30.0;
 const FIRST_LOOK: f64 = 0.6;
-const SLOW_BUDGET: f64 = 40.0;
-const SLOW_PROGRAMMES: usize = 5;
-const SLOW_LONGEST: f64 = 2.0;
-const SLOW_CLOSELY: usize = 2;
 
 /// A fitted model that explains the recordings as well as others do.
 pub(super) struct Rival {
@@ -86,8 +81,9 @@ impl Rival {
 /// The experiment that separates the first rival from the others, as far as there is one. `left` is what the
 /// last model leaves of the check runs. `None` if there is nothing to separate, or no programme can be run.
 pub(super) fn propose(study: &Study<'_>, roles: &Roles, rivals: &[Rival], left: &Rest) -> Option<Experiment> {
-    let budget = if study.slow { SLOW_BUDGET } else { BUDGET };
-    propose_within(study, roles, rivals, &noises(study, left), budget)
+    let runs = study.fit_runs.iter().chain(&study.check_runs);
+    let recorded: f64 = runs.map(|run| run.drive.length()).sum();
+    propose_within(study, roles, rivals, &noises(study, left), BUDGET * recorded)
 }
 
 /// Noise of every measured channel, in its unit: what is left of it where it cannot be told from that, and never
@@ -116,20 +112,19 @@ fn propose_within(
     let stand = Stand { study, rivals: &rivals[..rivals.len().min(MAX_RIVALS)], noise };
     let (chosen, others) = stand.rivals.split_first().filter(|(_, others)| !others.is_empty())?;
     let runs: Vec<&Run> = study.fit_runs.iter().chain(&study.check_runs).copied().collect();
-    let mut programmes = library(study.bench.interface(), roles, &runs, study.slow.then_some(SLOW_LONGEST));
-    programmes.truncate(if study.slow { SLOW_PROGRAMMES } else { usize::MAX });
+    let programmes = library(study.bench.interface(), roles, &runs);
 
     // a fit never makes rivals differ more: what they differ by as they are is the most that is possible
     let mut bounds: Vec<(Score, &Programme)> = Vec::new();
     let (mut tried, mut spent) = (0, 0.0);
     let close_points: usize = stand.rivals.iter().map(|r| 1 + r.steps.len()).sum();
-    let cost = |programme: &Programme| study.work.cost(&programme.drive);
+    let length = |programme: &Programme| programme.drive.length();
     for some in programmes.chunks(TOGETHER) {
         if tried > 0 && spent > FIRST_LOOK * budget {
             break;
         }
         tried += some.len();
-        spent += stand.rivals.len() as f64 * some.iter().map(cost).sum::<f64>();
+        spent += stand.rivals.len() as f64 * some.iter().map(length).sum::<f64>();
         let differences = stand.differ(some).into_iter().zip(some);
         bounds.extend(differences.filter_map(|(d, programme)| Some((Score::of(&d?), programme))));
     }
@@ -137,11 +132,10 @@ fn propose_within(
     let mut close: Vec<(Score, &Programme, Vec<Shown>)> = Vec::new();
     let mut best: Option<Score> = None;
     for (bound, programme) in &bounds {
-        let late = spent > budget || (study.slow && close.len() == SLOW_CLOSELY);
-        if best.is_some_and(|best| late || !bound.is_near(&best)) {
+        if best.is_some_and(|best| spent > budget || !bound.is_near(&best)) {
             break;
         }
-        spent += close_points as f64 * cost(programme);
+        spent += close_points as f64 * length(programme);
         let Some(shown) = stand.differ_refitted(programme) else { continue };
         let score = Score::of(&shown);
         if best.is_none_or(|best| score.order(&best).is_gt()) {
@@ -151,8 +145,8 @@ fn propose_within(
     }
     let best = best?;
     close.retain(|(score, ..)| score.is_near(&best));
-    let length = |programme: &Programme| (programme.beyond, programme.drive.points);
-    let (_, programme, shown) = close.into_iter().min_by_key(|(_, programme, _)| length(programme))?;
+    let shortest = |programme: &Programme| (programme.beyond, programme.drive.points);
+    let (_, programme, shown) = close.into_iter().min_by_key(|(_, programme, _)| shortest(programme))?;
 
     // the hardest of those that are separated, or of all
     let separated = |s: &&Shown| best.count == 0 || s.by >= ENOUGH;

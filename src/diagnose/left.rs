@@ -29,9 +29,6 @@ const LEFT_OVER_FAR: f64 = 0.05;
 /// Probability of chance below which what can be foretold counts, and the share from which on.
 const FORETOLD_LEVEL: f64 = 0.01;
 const MIN_FORETOLD: f64 = 0.03;
-/// The share from which on it counts in a model that takes long: it is not exact, and its own error depends on its
-/// signals. The usual step of the ring-and-brush tire errs by half of 1.5 % noise, a fifth of the two together.
-const MIN_FORETOLD_SLOW: f64 = 0.2;
 /// The same for signals that are only said to be likely.
 const LIKELY_LEVEL: f64 = 0.2;
 const MUCH: f64 = 0.3;
@@ -73,9 +70,8 @@ impl Left {
         let mut most = 0.0;
         let wandering = wandering(study, current, (fit, check));
         let structures = locate::structure(before, then, &wandering, &subject.interface, roles);
-        let least = if study.slow { MIN_FORETOLD_SLOW } else { MIN_FORETOLD };
         for s in structures.iter().cloned() {
-            if s.p < FORETOLD_LEVEL && s.share > least {
+            if s.p < FORETOLD_LEVEL && s.share > MIN_FORETOLD {
                 let part = s.share * errors[s.channel];
                 foretold += part;
                 if part > most {
@@ -119,7 +115,7 @@ impl Left {
             0.0
         };
         let nothing = common.is_none() && structure.is_none() && far.is_none();
-        let unchecked = if nothing && !study.slow { unchecked(study, fit) } else { None };
+        let unchecked = if nothing { unchecked(study, fit) } else { None };
         // what would foretell much in one of these channels, if less surely, says more than where the error is large
         let concerns = |channel: usize| {
             let variable = runs.first().and_then(|r| r.channels.get(channel)).map(|c| c.variable);

@@ -3,7 +3,6 @@
 mod begin;
 mod candidates;
 mod decision;
-mod effort;
 mod excerpt;
 mod experiment;
 mod given;

@@ -1,17 +1,16 @@
 //! The chain from recordings to a verdict.
 
 use super::decision::LEVEL;
-use super::effort::Work;
 use super::excerpt::finer;
 use super::left::NOISE_MARGIN;
 use super::parts::errors_of_parts;
 use super::placement::Placement;
 use super::reading::{Recorded, fault, shortest_interval, with};
-use super::result::{Diagnosis, Effort, Estimate, Finding, Use, Verdict};
+use super::result::{Diagnosis, Estimate, Finding, Use, Verdict};
 use super::roles::Roles;
-use super::runs::{Map, some_like_all};
+use super::runs::Map;
 use super::search::{Found, search};
-use super::study::{Fitted, Model, Rest, Study, differences, first_weights};
+use super::study::{Fitted, Model, Study, differences, first_weights};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
 use super::{experiment, hygiene, locate};
@@ -27,8 +26,6 @@ use std::path::PathBuf;
 /// themselves before that as a rule.
 const FIRST: usize = 8;
 pub(super) const FINAL: usize = 25;
-/// Runs that a model that takes long is fitted to until the end.
-const SLOW_RUNS: usize = 4;
 /// A lag of all channels up to this share of the sampling interval is the recorder's filter, no finding.
 const RECORDER_LAG: f64 = 0.3;
 
@@ -47,8 +44,6 @@ pub struct Request {
     pub step: Option<f64>,
     /// Runs at the same time; 0: as many as there are cores. It changes no answer.
     pub threads: usize,
-    /// How much is tried, if not what suits the model.
-    pub effort: Option<Effort>,
 }
 
 /// What came out.
@@ -92,7 +87,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let roles = Roles::of(&subject.interface, &request.map.roles())?;
     let (recorded, mut faults) = Recorded::read(request, &subject, &roles)?;
     let switched = subject.follow_recorded_motions(&recorded.inputs())?;
-    let mut notes: Vec<String> =
+    let notes: Vec<String> =
         switched.iter().map(|v| motions_are_followed(&subject.interface.variables[*v].name)).collect();
     let threads = if request.threads > 0 {
         request.threads
@@ -100,37 +95,23 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         std::thread::available_parallelism().map_or(1, usize::from)
     };
     let bench = Bench::new(&subject.factory, &subject.fixed, threads)?;
-    // with longer and longer steps of the model's own
-    let coarse: Vec<Bench> = (subject.coarse().iter())
-        .map(|fixed| Bench::new(&subject.factory, fixed, threads))
-        .collect::<Result<_>>()?;
     let mut study = Study {
-        bench: coarse.last().unwrap_or(&bench),
+        bench: &bench,
         fit_runs: recorded.with(Use::Fit),
         check_runs: recorded.with(Use::Check),
         free: Vec::new(),
         lag: 0.0,
         weights: Vec::new(),
         redundancy: 1.0,
-        slow: false,
-        work: Work::of(&subject, subject.coarse().last().unwrap_or(&subject.fixed)),
     };
     study.weights = first_weights(&study.fit_runs);
     study.lag = RECORDER_LAG * shortest_interval(&study.fit_runs);
 
     progress("fitting the model's own parameters", 0.05);
-    let (effort, why) = study.choose_effort(request.effort)?;
-    notes.push(why);
-    if study.slow {
-        study.fit_runs = some_of(&study.fit_runs);
-    }
     study.choose_free(&subject.free)?;
     let nominal = study.nominal();
     let mut base = refit(&mut study, &nominal)?;
     let mut base_rest = study.rest(&base.model, &study.check_runs)?;
-    if !coarse.is_empty() {
-        (base, base_rest) = with_longest_steps(&mut study, base, &bench, &coarse)?;
-    }
 
     let against = |study: &Study<'_>, model: &Model| recorded.faults_against(study, &subject, model);
     faults.extend(against(&study, &base.model)?);
@@ -140,9 +121,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let new: Vec<hygiene::Fault> = new.collect();
     faults.extend(new);
     let is_at_fault = faults.iter().any(is_fatal);
-    // what a model that takes long leaves is not only what it lacks: its fits end early, and its steps err
-    let shared =
-        if is_at_fault || study.slow { None } else { recorded.shared_out(&study, &base.model, &faults)? };
+    let shared = if is_at_fault { None } else { recorded.shared_out(&study, &base.model, &faults)? };
     if let Some(shared) = &shared {
         (study.fit_runs, study.check_runs) = (with(shared, Use::Fit), with(shared, Use::Check));
         study.weights = first_weights(&study.fit_runs);
@@ -151,12 +130,12 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         base_rest = study.rest(&base.model, &study.check_runs)?;
     }
     let check_runs = study.check_runs.clone();
-    let mut base_model = base.model.clone();
+    let base_model = base.model.clone();
     let found = if faults.iter().any(|f| is_fatal(f) && !f.kind.is_of_some_runs()) {
         Found::nothing(base, base_rest)
     } else {
         let fallback = base.clone();
-        let found = search(&mut study, &bench, &subject, &roles, &nominal, (base, base_rest), progress)?;
+        let found = search(&mut study, &subject, &roles, &nominal, (base, base_rest), progress)?;
         if faults.iter().any(is_fatal) {
             // what single runs have may be physics: of a fault that is there no name makes runs like the others, while a
             // function without one may
@@ -170,8 +149,6 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let fatal = faults.iter().any(is_fatal);
     let Found { mut current, check: checked, .. } = found;
     let experiment = experiment::propose(&study, &roles, &found.rivals, &checked);
-    // what is handed on has the model's own steps
-    study.bench = &bench;
     let (mut findings, mut unknown, candidates) = (found.findings, found.unknown, found.candidates);
     let of_fine = |coarse: &[&Run]| coarse.iter().map(|run| finer(run)).collect::<Vec<Run>>();
     let (fine_fit, fine_check);
@@ -192,9 +169,6 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         }
     }
     let current_check = study.rest(&current.model, &study.check_runs)?;
-    if study.slow && !has_effects {
-        base_model = current.model.clone();
-    }
     let base_rest = study.rest(&base_model, &check_runs)?;
     let noise: Vec<Option<f64>> =
         (0..study.weights.len()).map(|c| locate::noise(&check_runs, &base_rest.simulated, c)).collect();
@@ -203,7 +177,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let nominal_rest = study.rest(&nominal, &study.check_runs)?;
     let units = base_rest.by_channel();
     let improved = sign_flip(&differences(&nominal_rest.in_units(&units), &base_rest.in_units(&units)));
-    let current_fit = study.rest(&current.model, &study.fit_runs)?;
+    let current_fit = study.fit_rest(&current)?;
     let check = channel_checks(&study, &subject, &base_rest, &current_check, &current_fit);
     let left: Vec<Option<f64>> = check.iter().map(|c| c.noise).collect();
     let parts = errors_of_parts(&study, &subject, &base_rest, &left, &recorded.all())?;
@@ -227,7 +201,6 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         parts,
         faults: faults.iter().filter(|f| f.counts()).map(fault).collect(),
         runs: recorded.used(shared.as_ref()),
-        effort,
         notes,
         ..Diagnosis::default()
     };
@@ -236,6 +209,8 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     diagnosis.next_experiment = experiment::sentence(experiment.as_ref(), &next_experiment(&diagnosis));
     diagnosis.experiment = experiment;
     let check = traces(&study, &subject, &base_model, &current.model, &recorded)?;
+    diagnosis.simulated = bench.simulated();
+    diagnosis.notes.push(words_on(diagnosis.simulated, &recorded.all()));
     let parameters =
         study.free.iter().zip(&current.model.parameters).map(|(p, x)| (p.variable, p.scale * x)).collect();
     let attachments = current.model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect();
@@ -243,51 +218,24 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     Ok(Outcome { diagnosis, parameters, attachments, intervals, check, subject })
 }
 
-/// The runs that a model that takes long is fitted to: some that are like all in what drives them.
-fn some_of<'a>(runs: &[&'a Run]) -> Vec<&'a Run> {
-    let courses = |run: &&'a Run| run.drive.inputs.iter().map(|(_, values)| &values[..]).collect();
-    let courses: Vec<Vec<&[f64]>> = runs.iter().map(courses).collect();
-    some_like_all(&courses, SLOW_RUNS).into_iter().map(|i| runs[i]).collect()
-}
-
 /// Fits the model's own parameters, and weighs the channels by what is left of them.
 fn refit(study: &mut Study<'_>, from: &Model) -> Result<Fitted> {
-    let mut base = study.fit(from, FIRST)?;
-    // a model that takes long is fitted once more only
-    let more = if study.slow { &[FINAL][..] } else { &[FIRST, FINAL] };
-    let fit_runs = study.fit_runs.clone();
-    for iterations in more.iter().copied() {
-        let rest = study.rest(&base.model, &fit_runs)?;
-        study.weigh(&fit_runs, &rest);
-        base = study.fit(&base.model, iterations)?;
+    let mut base = study.fit_roughly(from, FIRST)?;
+    for iterations in [FIRST, FINAL] {
+        let rest = study.fit_rest(&base)?;
+        let from = study.weigh_by(&base, &rest);
+        base = study.fit_on(&from, iterations)?;
     }
     Ok(base)
 }
 
-/// Has the study go on with the longest steps of the model's own that leave as much as its usual ones. The model was
-/// fitted with the last of the `coarse` ones.
-fn with_longest_steps<'a>(
-    study: &mut Study<'a>,
-    base: Fitted,
-    usual: &'a Bench,
-    coarse: &'a [Bench],
-) -> Result<(Fitted, Rest)> {
-    study.bench = usual;
-    let as_usual = study.rest(&base.model, &study.check_runs)?;
-    for (i, steps) in coarse.iter().enumerate().rev() {
-        study.bench = steps;
-        let rest = study.rest(&base.model, &study.check_runs)?;
-        if study.is_as_good(&rest, &as_usual) {
-            if i + 1 == coarse.len() {
-                return Ok((base, rest));
-            }
-            break;
-        }
-        study.bench = usual;
-    }
-    let base = study.fit_on(&base, FINAL)?;
-    let rest = study.rest(&base.model, &study.check_runs)?;
-    Ok((base, rest))
+/// How much was simulated.
+fn words_on(simulated: f64, runs: &[&Run]) -> String {
+    let recorded: f64 = runs.iter().map(|run| run.drive.length()).sum();
+    format!(
+        "Simulated for this: {simulated:.0} s, {:.0} times the {recorded:.0} s of recordings.",
+        simulated / recorded.max(f64::MIN_POSITIVE)
+    )
 }
 
 /// 95 % intervals of the parameters of every attachment.

@@ -30,7 +30,7 @@ pub(super) fn plausible(study: &Study<'_>, fitted: &Fitted, current_fit: &Rest) 
         let (low, high) = placement.limits(parameter);
         *value = value.clamp(low, high);
     }
-    let kept = study.fit_near(&model, KEEP, Some(&fitted.fit.jacobian)).ok()?;
+    let kept = study.fit_near(&model, KEEP, fitted).ok()?;
     let explained = (current_fit.total - fitted.fit.cost).max(0.0);
     (kept.fit.cost - fitted.fit.cost < AT_LITTLE_COST * explained).then_some(kept)
 }

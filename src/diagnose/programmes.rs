@@ -268,17 +268,12 @@ struct Wish {
     second: Option<(usize, f64)>,
 }
 
-/// The programmes, those first that separate most as a rule. `longest` is the longest that one may take \[s\].
-pub(super) fn library(
-    interface: &Interface,
-    roles: &Roles,
-    runs: &[&Run],
-    longest: Option<f64>,
-) -> Vec<Programme> {
+/// The programmes, those first that separate most as a rule.
+pub(super) fn library(interface: &Interface, roles: &Roles, runs: &[&Run]) -> Vec<Programme> {
     let Some(first) = runs.first() else { return Vec::new() };
     let (start, step) = (first.drive.start, first.drive.step);
-    let lengths: Vec<f64> = runs.iter().map(|r| (r.drive.points.max(1) - 1) as f64 * r.drive.step).collect();
-    let run = median(&lengths).min(longest.unwrap_or(f64::INFINITY));
+    let lengths: Vec<f64> = runs.iter().map(|r| r.drive.length()).collect();
+    let run = median(&lengths);
     let intervals = first.time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0);
     let highest = HIGHEST / intervals.fold(f64::INFINITY, f64::min).max(step);
     if !(run > 0.0 && step > 0.0 && highest * run > 1.0) {
@@ -306,9 +301,7 @@ pub(super) fn library(
         put(1, steps(rounded(0.25 * run)), run);
         put(4, sine((low, high), 0.5, usual), lasts(usual));
         put(5, Shape::Triangle { low, high }, run);
-        if longest.is_none() {
-            put(6, Shape::Hold { level: high }, LONG * run);
-        }
+        put(6, Shape::Hold { level: high }, LONG * run);
         put(9, Shape::Band { low, high, from: slow, to: fast }, run);
         if usual > 3.0 / run {
             put(10, steps(rounded(0.5 / usual)), lasts(usual));

@@ -36,23 +36,13 @@ pub struct Diagnosis {
     /// What is wrong with the recordings.
     #[serde(default)]
     pub faults: Vec<Fault>,
-    /// How much was tried.
+    /// How many seconds were simulated for it, all runs together: what a diagnosis costs, whatever the machine.
     #[serde(default)]
-    pub effort: Effort,
-    /// What a reader has to know of how it was done: why so much was tried, which parameters were changed for it.
+    pub simulated: f64,
+    /// What a reader has to know of how it was done: which parameters were changed for it, how much was
+    /// simulated.
     #[serde(default)]
     pub notes: Vec<String>,
-}
-
-/// How much is tried.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Effort {
-    /// All that a diagnosis does.
-    #[default]
-    Full,
-    /// Less, for models that take long.
-    Low,
 }
 
 /// The kind of answer.

@@ -151,17 +151,6 @@ fn split(courses: &[Vec<&[f64]>]) -> Vec<Use> {
     checked.into_iter().map(|c| if c { Use::Check } else { Use::Fit }).collect()
 }
 
-/// Numbers of `count` runs at most that are like the others in what `courses` do.
-pub fn some_like_all(courses: &[Vec<&[f64]>], count: usize) -> Vec<usize> {
-    let n = courses.len();
-    if n <= count {
-        return (0..n).collect();
-    }
-    let chosen: Vec<usize> = (0..count).map(|i| (2 * i + 1) * n / (2 * count)).collect();
-    let chosen = evened(courses, (0..n).map(|i| chosen.contains(&i)).collect());
-    (0..n).filter(|i| chosen[*i]).collect()
-}
-
 /// Runs are marked or not; marks are exchanged as long as that makes the two sets more alike: in how much and
 /// around what each signal moves, and which of them move together. `courses` has those of the same signals for each
 /// run.
@@ -333,10 +322,6 @@ mod tests {
             let own: Vec<Use> = (0..9).filter(|i| i % 3 == kind).map(|i| uses[i]).collect();
             assert!(own.contains(&Use::Check) && own.contains(&Use::Fit), "{kind}: {own:?}");
         }
-        // few runs that stand for all of them: one of each kind
-        let few = some_like_all(&runs, 3);
-        assert_eq!(few.iter().map(|i| i % 3).collect::<std::collections::BTreeSet<_>>().len(), 3, "{few:?}");
-        assert_eq!(some_like_all(&runs[..2], 3), [0, 1]);
         // nothing to choose by: the middle of every three
         let same: Vec<Vec<&[f64]>> = (0..6).map(|_| vec![&wave[..]]).collect();
         let checked: Vec<usize> = (0..6).filter(|i| split(&same)[*i] == Use::Check).collect();

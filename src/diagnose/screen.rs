@@ -3,45 +3,52 @@
 
 use super::placement::Placement;
 use super::study::Model;
-use crate::effect::{Call, MAX_DRIVERS, Memory, Port, Source};
-use crate::fit::{Bench, Channel, Drive, OutputError, Run, Setup, Traces};
+use crate::Result;
+use crate::effect::{Attachment, Port, empirical};
+use crate::fit::{Bench, Channel, Drive, OutputError, Run, Setup, Traces, replay, side_by_side};
 use crate::model::{Causality, Interface};
 use crate::stats::mean_or_zero;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Rows of the linear problem at most.
 const MAX_ROWS: usize = 12_000;
 /// Combinations of shapes that are tried for one placement.
-pub const MAX_SHAPES: usize = 6;
+const MAX_SHAPES: usize = 6;
 /// And where nothing has to be simulated.
 const MAX_REPLAYED: usize = 240;
 
+/// Named and nameless placements, each, that are screened with all runs, and the shapes of each.
+const KEPT: usize = 30;
+const KEPT_SHAPES: usize = 2;
+/// Runs that all placements are screened with.
+const FIRST: usize = 2;
+
 /// What screening knows: the model as fitted, its residual and sensitivities, and all its signals.
 pub struct Screen<'a> {
-    /// What runs.
-    pub bench: &'a Bench,
+    bench: &'a Bench,
     /// Runs that are looked at.
-    pub runs: Vec<&'a Run>,
+    runs: Vec<&'a Run>,
     /// The model as fitted.
-    pub model: &'a Model,
+    model: &'a Model,
     /// Its setup.
-    pub setup: Setup,
+    setup: Setup,
     /// Weights of the channels.
-    pub weights: &'a [f64],
+    weights: &'a [f64],
     /// Indices of the traced variables.
-    pub watch: Arc<[usize]>,
+    watch: Arc<[usize]>,
     /// Their traces in each run.
     pub traces: Vec<Traces>,
-    /// Orthonormal columns that span what the fitted parameters can explain; rows as the residual.
-    pub basis: DMatrix<f64>,
-    /// Weighted residual, measured minus simulated, less what the parameters can explain.
-    pub residual: DVector<f64>,
+    /// Of each run: derivatives by the fitted parameters, and measured minus simulated; weighted.
+    parameters: Vec<Column>,
+    residual: Column,
     /// Every how many samples count.
-    pub stride: usize,
-    /// Combinations of shapes that are tried for one placement.
-    pub shapes: usize,
+    stride: usize,
 }
+
+/// A change of the weighted outputs, run by run.
+type Column = Vec<DVector<f64>>;
 
 /// A placement with its best shape, by linear prediction.
 #[derive(Debug, Clone)]
@@ -54,6 +61,25 @@ pub struct Screened {
     pub gain: f64,
     /// Number of places at which the effect was looked for.
     pub places: usize,
+}
+
+/// A form of an effect at a placement: by number, with its parameters where the effect is off.
+struct Probe {
+    placement: usize,
+    shape: Vec<f64>,
+    /// Which of them are amplitudes.
+    amplitudes: Vec<usize>,
+}
+
+/// What a probe explains: share of the squared residual, and amounts of its amplitudes.
+type Explained = Option<(f64, Vec<f64>)>;
+
+/// The linear problem of some runs.
+struct Linear {
+    /// Orthonormal columns that span what the fitted parameters can explain; rows as the residual.
+    basis: DMatrix<f64>,
+    /// The residual, less what the parameters can explain.
+    residual: DVector<f64>,
 }
 
 impl<'a> Screen<'a> {
@@ -84,23 +110,25 @@ impl<'a> Screen<'a> {
             moved[i] += step;
             points.push(moved);
         }
-        let mut answers = problem.simulate(&points).into_iter();
-        let base = problem.difference(&answers.next()??);
-        let residual = problem.difference(simulated);
-        let stride = residual.len().div_ceil(MAX_ROWS).max(1);
-        let thin = |values: Vec<f64>| {
-            DVector::from_iterator(values.len().div_ceil(stride), values.into_iter().step_by(stride))
+        let rows: usize = runs.iter().map(|r| r.time.len() * r.channels.len()).sum();
+        let stride = rows.div_ceil(MAX_ROWS).max(1);
+        let by_run = |simulated: &[Traces]| -> Column {
+            let mut rest = &problem.difference(simulated)[..];
+            let of = |run: &&Run| {
+                let (own, others) = rest.split_at(run.time.len() * run.channels.len());
+                rest = others;
+                thin(own, stride)
+            };
+            runs.iter().map(of).collect()
         };
-        let residual = -thin(residual);
-        let base = thin(base);
-        let columns: Vec<DVector<f64>> = answers
-            .zip(steps)
-            .filter_map(|(answer, step)| {
-                answer.map(|moved| (thin(problem.difference(&moved)) - &base) / *step)
-            })
-            .collect();
-        let basis = orthonormal(residual.len(), &columns);
-        let residual = &residual - &basis * basis.tr_mul(&residual);
+        let mut answers = problem.simulate(&points).into_iter();
+        let base = by_run(&answers.next()??);
+        let residual = by_run(simulated).into_iter().map(|r| -r).collect();
+        let derivative = |(answer, step): (Option<Vec<Traces>>, &f64)| -> Option<Column> {
+            let moved = by_run(&answer?);
+            Some(moved.iter().zip(&base).map(|(a, b)| (a - b) / *step).collect())
+        };
+        let parameters = answers.zip(steps).filter_map(derivative).collect();
         Some(Self {
             bench: problem.bench,
             runs,
@@ -109,16 +137,62 @@ impl<'a> Screen<'a> {
             weights,
             watch,
             traces: traces?,
-            basis,
+            parameters,
             residual,
             stride,
-            shapes: MAX_SHAPES,
         })
     }
 
-    /// The share that each placement explains, the best first.
+    /// The share that each placement explains, the best first: all with two runs, and the best of them, in the forms that
+    /// explain most, with the other runs too.
     pub fn screen(&self, interface: &Interface, placements: &[Placement]) -> Vec<Screened> {
-        let mut probes: Vec<(usize, Vec<f64>, Vec<usize>)> = Vec::new();
+        let probes = self.probes(placements);
+        let mut columns = self.columns(interface, placements, &probes, 0..FIRST.min(self.runs.len()));
+        let explained = self.explained(&probes, &columns);
+        let first = best_of_each(placements, &probes, &explained);
+        if self.runs.len() <= FIRST {
+            return first;
+        }
+        let mut forms: Vec<Vec<(f64, usize)>> = vec![Vec::new(); placements.len()];
+        for (k, (probe, explained)) in probes.iter().zip(&explained).enumerate() {
+            forms[probe.placement].extend(explained.iter().map(|(gain, _)| (*gain, k)));
+        }
+        let best = |named: bool| {
+            let same = first.iter().filter(move |s| empirical::is(s.placement.effect) != named);
+            same.take(KEPT).filter_map(|s| placements.iter().position(|p| p.is_same(&s.placement)))
+        };
+        let mut chosen: Vec<usize> = Vec::new();
+        for placement in best(true).chain(best(false)) {
+            let own = &mut forms[placement];
+            own.sort_by(|a, b| b.0.total_cmp(&a.0));
+            chosen.extend(own.drain(..).take(KEPT_SHAPES).map(|(_, k)| k));
+        }
+        chosen.sort_unstable();
+        chosen.dedup();
+        let mut first_of = vec![0; probes.len()];
+        let mut count = 0;
+        for (first, probe) in first_of.iter_mut().zip(&probes) {
+            *first = count;
+            count += probe.amplitudes.len();
+        }
+        let kept: Vec<Probe> = (chosen.iter())
+            .map(|k| {
+                let Probe { placement, shape, amplitudes } = &probes[*k];
+                Probe { placement: *placement, shape: shape.clone(), amplitudes: amplitudes.clone() }
+            })
+            .collect();
+        let others = self.columns(interface, placements, &kept, FIRST..self.runs.len());
+        let numbers = chosen.iter().flat_map(|k| (0..probes[*k].amplitudes.len()).map(|i| first_of[*k] + i));
+        let both: Vec<Option<Column>> = numbers
+            .zip(others)
+            .map(|(number, other)| Some([columns[number].take()?, other?].concat()))
+            .collect();
+        best_of_each(placements, &kept, &self.explained(&kept, &both))
+    }
+
+    /// The forms of each effect that are tried.
+    fn probes(&self, placements: &[Placement]) -> Vec<Probe> {
+        let mut probes = Vec::new();
         for (number, placement) in placements.iter().enumerate() {
             let parameters = placement.effect.parameters;
             let amplitudes: Vec<usize> =
@@ -137,43 +211,44 @@ impl<'a> Screen<'a> {
                     .collect();
             }
             // an even choice if there are too many
-            let most = if self.is_replayed(placement) { MAX_REPLAYED } else { self.shapes };
+            let most = if self.is_replayed(placement) { MAX_REPLAYED } else { MAX_SHAPES };
             let skip = shapes.len().div_ceil(most).max(1);
-            for shape in shapes.into_iter().step_by(skip) {
-                probes.push((number, shape, amplitudes.clone()));
-            }
+            let probe = |shape: Vec<f64>| Probe { placement: number, shape, amplitudes: amplitudes.clone() };
+            probes.extend(shapes.into_iter().step_by(skip).map(probe));
         }
-        let mut jobs: Vec<(usize, Vec<f64>, usize)> = Vec::new();
-        for (k, (_, shape, amplitudes)) in probes.iter().enumerate() {
-            for i in amplitudes {
-                jobs.push((k, shape.clone(), *i));
-            }
-        }
-        let columns = self.columns(interface, placements, &probes, &jobs);
-        let mut best: Vec<Option<Screened>> = vec![None; placements.len()];
-        let total = self.residual.norm_squared().max(f64::MIN_POSITIVE);
-        let mut columns = columns.into_iter();
-        for (number, shape, amplitudes) in &probes {
-            let own: Vec<Option<DVector<f64>>> = columns.by_ref().take(amplitudes.len()).collect();
-            let Some(own) = own.into_iter().collect::<Option<Vec<_>>>() else { continue };
-            let clean: Vec<DVector<f64>> =
-                own.iter().map(|c| c - &self.basis * self.basis.tr_mul(c)).collect();
-            let Some((gain, amounts)) = explain(&clean, &own, &self.residual) else { continue };
-            let parameters = placements[*number].effect.parameters;
-            let mut values = shape.clone();
-            for (i, amount) in amplitudes.iter().zip(amounts) {
-                let (low, high) = parameters[*i].search;
-                values[*i] = (parameters[*i].off.unwrap_or(0.0) + amount).clamp(low, high);
-            }
-            let gain = gain / total;
-            if best[*number].as_ref().is_none_or(|b| b.gain < gain) {
-                best[*number] =
-                    Some(Screened { placement: placements[*number].clone(), values, gain, places: 1 });
-            }
-        }
-        let mut found: Vec<Screened> = best.into_iter().flatten().collect();
-        found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        found
+        probes
+    }
+
+    /// The linear problem of the first runs.
+    fn linear(&self, count: usize) -> Linear {
+        let residual = joined(&self.residual, count);
+        let parameters: Vec<DVector<f64>> = self.parameters.iter().map(|c| joined(c, count)).collect();
+        let basis = orthonormal(residual.len(), &parameters);
+        let residual = &residual - &basis * basis.tr_mul(&residual);
+        Linear { basis, residual }
+    }
+
+    /// What each probe explains of the runs that its columns have.
+    fn explained(&self, probes: &[Probe], columns: &[Option<Column>]) -> Vec<Explained> {
+        let count = columns.iter().flatten().map(Vec::len).next().unwrap_or(0);
+        let Linear { basis, residual } = self.linear(count);
+        let total = residual.norm_squared().max(f64::MIN_POSITIVE);
+        let mut first = 0;
+        let own: Vec<&[Option<Column>]> = (probes.iter())
+            .map(|probe| {
+                let own = &columns[first..first + probe.amplitudes.len()];
+                first += own.len();
+                own
+            })
+            .collect();
+        let of = |own: &&[Option<Column>]| -> Explained {
+            let own: Vec<DVector<f64>> =
+                own.iter().map(|c| Some(joined(c.as_ref()?, count))).collect::<Option<_>>()?;
+            let clean: Vec<DVector<f64>> = own.iter().map(|c| c - &basis * basis.tr_mul(c)).collect();
+            let (gain, amounts) = explain(&clean, &own, &residual)?;
+            Some((gain / total, amounts))
+        };
+        side_by_side(self.bench.threads(), &own, of).into_iter().map(Option::flatten).collect()
     }
 
     /// True for an effect on outputs that no other effect changes and that nothing inside the model gets: traces
@@ -187,103 +262,129 @@ impl<'a> Screen<'a> {
         placement.port == Port::Output && !behind && !inside
     }
 
-    /// Change of the weighted outputs per unit of one amplitude, for each job.
+    /// Change of the weighted outputs of some runs per unit of one amplitude: of each probe, for each of its amplitudes.
     fn columns(
         &self,
         interface: &Interface,
         placements: &[Placement],
-        probes: &[(usize, Vec<f64>, Vec<usize>)],
-        jobs: &[(usize, Vec<f64>, usize)],
-    ) -> Vec<Option<DVector<f64>>> {
-        let step_of = |job: &(usize, Vec<f64>, usize)| {
-            let parameter = &placements[probes[job.0].0].effect.parameters[job.2];
+        probes: &[Probe],
+        runs: Range<usize>,
+    ) -> Vec<Option<Column>> {
+        let jobs: Vec<(&Probe, usize)> =
+            probes.iter().flat_map(|probe| probe.amplitudes.iter().map(move |i| (probe, *i))).collect();
+        let step_of = |(probe, i): &(&Probe, usize)| {
+            let parameter = &placements[probe.placement].effect.parameters[*i];
             parameter.probes.first().copied().unwrap_or(0.01)
         };
-        let attach = |job: &(usize, Vec<f64>, usize)| {
-            let placement = &placements[probes[job.0].0];
-            let mut values = job.1.clone();
-            values[job.2] += step_of(job);
-            placement.attach(&values)
+        let attach = |job: &(&Probe, usize)| {
+            let mut values = job.0.shape.clone();
+            values[job.1] += step_of(job);
+            placements[job.0.placement].attach(&values)
         };
-        let mut columns: Vec<Option<DVector<f64>>> = vec![None; jobs.len()];
+        let mut columns: Vec<Option<Column>> = vec![None; jobs.len()];
         let (replayed, of_setup): (Vec<usize>, Vec<usize>) =
-            (0..jobs.len()).partition(|k| self.is_replayed(&placements[probes[jobs[*k].0].0]));
-        let share = replayed.len().div_ceil(self.bench.threads()).max(1);
+            (0..jobs.len()).partition(|k| self.is_replayed(&placements[jobs[*k].0.placement]));
         let replay_one = |k: &usize| {
             let job = &jobs[*k];
-            self.replayed(interface, &attach(job)) / step_of(job)
+            self.replayed(interface, &attach(job), runs.clone(), step_of(job))
         };
-        std::thread::scope(|scope| {
-            let shares: Vec<_> = replayed
-                .chunks(share)
-                .map(|own| scope.spawn(move || own.iter().map(replay_one).collect::<Vec<_>>()))
-                .collect();
-            for (own, thread) in replayed.chunks(share).zip(shares) {
-                // a thread that fails has its columns missing, as runs that fail have
-                for (k, column) in own.iter().zip(thread.join().unwrap_or_default()) {
-                    columns[*k] = Some(column);
-                }
-            }
-        });
+        let done = side_by_side(self.bench.threads(), &replayed, replay_one);
+        for (k, column) in replayed.iter().zip(done) {
+            columns[*k] = column;
+        }
         let with = |k: &usize| {
             let mut setup = self.setup.clone();
             setup.attachments.extend(attach(&jobs[*k]));
             Arc::new(setup)
         };
         let setups: Vec<Arc<Setup>> = of_setup.iter().map(with).collect();
-        let drives: Vec<Arc<Drive>> = self.runs.iter().map(|r| Arc::clone(&r.drive)).collect();
+        let own = &self.runs[runs.clone()];
+        let drives: Vec<Arc<Drive>> = own.iter().map(|r| Arc::clone(&r.drive)).collect();
         let measured: Arc<[usize]> =
             self.runs.first().map_or(Arc::from([]), |r| r.channels.iter().map(|c| c.variable).collect());
         // not all at once: traces take memory
         for (chunk, places) in setups.chunks(32).zip(of_setup.chunks(32)) {
             let answers = self.bench.run(chunk, &drives, &measured);
-            for (runs, place) in answers.chunks(self.runs.len().max(1)).zip(places) {
-                let mut change = Vec::new();
-                let mut complete = true;
-                for ((run, traces), base) in self.runs.iter().zip(runs).zip(&self.traces) {
-                    let Ok(traces) = traces else {
-                        complete = false;
-                        break;
-                    };
+            for (answers, place) in answers.chunks(own.len().max(1)).zip(places) {
+                let step = step_of(&jobs[*place]);
+                let change = |((run, traces), base): ((&&Run, &Result<Traces>), &Traces)| {
+                    let traces = traces.as_ref().ok()?;
+                    let mut change = Vec::new();
                     for ((channel, trace), weight) in run.channels.iter().zip(traces).zip(self.weights) {
-                        let Some(column) = self.watch.iter().position(|v| *v == channel.variable) else {
-                            continue;
-                        };
+                        let column = self.watch.iter().position(|v| *v == channel.variable)?;
                         change.extend(difference(run, channel, trace, &base[column], *weight));
                     }
-                }
-                if complete {
-                    columns[*place] = Some(self.thin(&change) / step_of(&jobs[*place]));
-                }
+                    Some(thin(&change, self.stride) / step)
+                };
+                columns[*place] =
+                    own.iter().zip(answers).zip(&self.traces[runs.clone()]).map(change).collect();
             }
         }
         columns
     }
 
-    fn thin(&self, values: &[f64]) -> DVector<f64> {
-        DVector::from_iterator(
-            values.len().div_ceil(self.stride),
-            values.iter().step_by(self.stride).copied(),
-        )
-    }
-
     /// The change that an effect on an output makes, from the traces: nothing has to be simulated.
-    fn replayed(&self, interface: &Interface, attachments: &[crate::effect::Attachment]) -> DVector<f64> {
-        let mut change = Vec::new();
-        for (run, traces) in self.runs.iter().zip(&self.traces) {
+    fn replayed(
+        &self,
+        interface: &Interface,
+        attachments: &[Attachment],
+        runs: Range<usize>,
+        step: f64,
+    ) -> Column {
+        debug_assert!(
+            attachments.iter().all(|a| interface.variables[a.target].causality != Causality::Input)
+        );
+        let of = |(run, traces): (&&Run, &Traces)| {
+            let mut change = Vec::new();
             for (channel, weight) in run.channels.iter().zip(self.weights) {
+                let target = self.watch.iter().position(|v| *v == channel.variable).map(|c| &traces[c][..]);
                 let own = attachments.iter().find(|a| a.target == channel.variable);
-                let changed = own.and_then(|a| replay(interface, a, &run.drive, &self.watch, traces));
-                let Some(changed) = changed else {
-                    change.extend(std::iter::repeat_n(0.0, channel.values.len()));
-                    continue;
-                };
-                let Some(column) = self.watch.iter().position(|v| *v == channel.variable) else { continue };
-                change.extend(difference(run, channel, &changed, &traces[column], *weight));
+                let changed = own
+                    .zip(target)
+                    .and_then(|(a, target)| replay(a, target, &run.drive, &self.watch, traces));
+                match changed.zip(target) {
+                    Some((changed, target)) => {
+                        change.extend(difference(run, channel, &changed, target, *weight));
+                    }
+                    None => change.extend(std::iter::repeat_n(0.0, channel.values.len())),
+                }
             }
-        }
-        self.thin(&change)
+            thin(&change, self.stride) / step
+        };
+        self.runs[runs.clone()].iter().zip(&self.traces[runs]).map(of).collect()
     }
+}
+
+/// The best form of each placement, the best placement first.
+fn best_of_each(placements: &[Placement], probes: &[Probe], explained: &[Explained]) -> Vec<Screened> {
+    let mut best: Vec<Option<Screened>> = vec![None; placements.len()];
+    for (probe, explained) in probes.iter().zip(explained) {
+        let Some((gain, amounts)) = explained else { continue };
+        let placement = &placements[probe.placement];
+        let mut values = probe.shape.clone();
+        for (i, amount) in probe.amplitudes.iter().zip(amounts) {
+            let (low, high) = placement.effect.parameters[*i].search;
+            values[*i] = (placement.effect.parameters[*i].off.unwrap_or(0.0) + amount).clamp(low, high);
+        }
+        if best[probe.placement].as_ref().is_none_or(|b| b.gain < *gain) {
+            let placement = placement.clone();
+            best[probe.placement] = Some(Screened { placement, values, gain: *gain, places: 1 });
+        }
+    }
+    let mut found: Vec<Screened> = best.into_iter().flatten().collect();
+    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    found
+}
+
+/// Every so many of the values.
+fn thin(values: &[f64], stride: usize) -> DVector<f64> {
+    DVector::from_iterator(values.len().div_ceil(stride), values.iter().step_by(stride).copied())
+}
+
+/// The first runs of a column, one below the other.
+fn joined(column: &Column, count: usize) -> DVector<f64> {
+    let runs = &column[..count.min(column.len())];
+    DVector::from_iterator(runs.iter().map(DVector::len).sum(), runs.iter().flat_map(|r| r.iter().copied()))
 }
 
 /// Weighted change of a channel at its samples.
@@ -296,44 +397,6 @@ fn difference(run: &Run, channel: &Channel, after: &[f64], before: &[f64], weigh
     }
     change.iter_mut().for_each(|c| *c *= weight);
     change
-}
-
-/// An output after an effect on it, from traces of the slave without that effect.
-pub fn replay(
-    interface: &Interface,
-    attachment: &crate::effect::Attachment,
-    drive: &Drive,
-    watch: &[usize],
-    traces: &Traces,
-) -> Option<Vec<f64>> {
-    let column = |variable: usize| watch.iter().position(|v| *v == variable).map(|c| &traces[c]);
-    let target = column(attachment.target)?;
-    let parameters: Vec<f64> = attachment.parameters.iter().map(|p| p.value).collect();
-    let signals: Option<Vec<&Vec<f64>>> = attachment.drivers.iter().map(|s| column(s.variable)).collect();
-    let signals = signals?;
-    let mut memory = Memory::default();
-    let mut integrals = [0.0; MAX_DRIVERS];
-    let changed = (0..target.len()).map(|k| {
-        let dt = if k == 0 { 0.0 } else { drive.time(k) - drive.time(k - 1) };
-        let mut drivers = [0.0; MAX_DRIVERS];
-        for (i, (signal, values)) in attachment.drivers.iter().zip(&signals).enumerate().take(MAX_DRIVERS) {
-            let (now, last) = (values[k], values[k.saturating_sub(1)]);
-            drivers[i] = match signal.source {
-                Source::Value => now,
-                Source::Rate if k > 0 => (now - last) / dt,
-                Source::Rate => 0.0,
-                Source::Integral => {
-                    integrals[i] += 0.5 * dt * (now + last);
-                    integrals[i]
-                }
-            };
-        }
-        let used = &drivers[..signals.len().min(MAX_DRIVERS)];
-        let call = Call { time: drive.time(k), dt, target: target[k], drivers: used };
-        (attachment.effect.apply)(&parameters, &mut memory, &call)
-    });
-    debug_assert!(interface.variables[attachment.target].causality != Causality::Input);
-    Some(changed.collect())
 }
 
 /// Orthonormal columns with the same span.

@@ -1,7 +1,7 @@
 //! The search for effects: one after the other, each on what the ones before leave, and then a look at what
 //! is left.
 
-use super::begin::begin;
+use super::begin::{Begun, begin};
 use super::candidates::{Tried, polish, screen};
 use super::decision::{Decision, Round};
 use super::experiment::Rival;
@@ -13,13 +13,12 @@ use super::roles::Roles;
 use super::study::{Fitted, Model, Rest, Study};
 use super::subject::Subject;
 use crate::Result;
-use crate::fit::Bench;
+use crate::fit::side_by_side;
 
 /// Effects that are found one after the other.
 const MAX_EFFECTS: usize = 3;
-/// What leaves less than so many times the noise leaves nothing for another effect that takes long to look for.
-const HARDLY_MORE: f64 = 1.2;
-/// The same of two effects for a third one: of what is less than half the noise nothing is left to find.
+/// Two effects that leave less than so many times the noise leave nothing for a third one: of what is less than half the
+/// noise nothing is left to find.
 const NO_MORE: f64 = 1.1;
 
 /// What was found.
@@ -55,17 +54,16 @@ impl Found {
     }
 }
 
-/// Whether less than so many times the noise is left of every channel of the check runs.
-fn is_noise(study: &Study<'_>, rest: &Rest, times: f64) -> bool {
+/// Whether hardly more than the noise is left of every channel of the check runs.
+fn is_noise(study: &Study<'_>, rest: &Rest) -> bool {
     let noise = |channel: usize| locate::noise(&study.check_runs, &rest.simulated, channel);
-    (0..study.weights.len()).all(|c| noise(c).is_some_and(|n| study.error(rest, c) < times * n))
+    (0..study.weights.len()).all(|c| noise(c).is_some_and(|n| study.error(rest, c) < NO_MORE * n))
 }
 
 /// Searches, beginning with the refitted model and what it leaves of the check runs. Weights of channels
-/// change on the way, and so do the slaves: what is left in the end is that of the `usual` ones.
-pub(super) fn search<'a>(
-    study: &mut Study<'a>,
-    usual: &'a Bench,
+/// change on the way.
+pub(super) fn search(
+    study: &mut Study<'_>,
     subject: &Subject,
     roles: &Roles,
     nominal: &Model,
@@ -73,17 +71,11 @@ pub(super) fn search<'a>(
     progress: &mut dyn FnMut(&str, f64),
 ) -> Result<Found> {
     let base_model = base.model.clone();
-    let (fit_runs, check_runs) = (study.fit_runs.clone(), study.check_runs.clone());
-    let mut fit = study.rest(&base.model, &fit_runs)?;
+    let check_runs = study.check_runs.clone();
+    let mut fit = study.fit_rest(&base)?;
     let mut found = Found::nothing(base, base_check);
     for round in 0..MAX_EFFECTS {
-        let enough = match round {
-            0 => None,
-            _ if study.slow => Some(HARDLY_MORE),
-            1 => None,
-            _ => Some(NO_MORE),
-        };
-        if enough.is_some_and(|times| is_noise(study, &found.check, times)) {
+        if round > 1 && is_noise(study, &found.check) {
             break;
         }
         let progressed = 0.15 + 0.7 * round as f64 / MAX_EFFECTS as f64;
@@ -91,14 +83,12 @@ pub(super) fn search<'a>(
         let screened = screen(study, subject, roles, &found.current, &fit)?;
         progress("fitting effects inside the simulation", progressed + 0.05);
         // what is found first unbends parameters
-        let nominal = (round == 0 && !study.slow).then_some(nominal);
-        let mut tried: Vec<Tried> = begin(study, subject, roles, &found.current, nominal, &screened, round)
-            .into_iter()
-            .filter_map(|begun| begun.finish(study, &fit, &found.check))
-            .collect();
-        if !study.slow {
-            polish(study, &mut tried, &fit, &found.check);
-        }
+        let nominal = (round == 0).then_some(nominal);
+        let begun = begin(study, subject, roles, &found.current, nominal, &screened, round);
+        let finish = |begun: &Begun| begun.finish(study, &fit, &found.check);
+        let mut tried: Vec<Tried> =
+            side_by_side(study.bench.threads(), &begun, finish).into_iter().flatten().flatten().collect();
+        polish(study, &mut tried, &fit, &found.check);
         let rests = (&found.check, &found.base_check);
         match Round::new(study, &tried, rests, round == 0).decide(subject, &mut found.candidates) {
             Decision::Nothing => break,
@@ -110,9 +100,9 @@ pub(super) fn search<'a>(
                 }
                 let t = tried.swap_remove(i);
                 // what is left of a channel is what counts from here on
-                study.weigh(&fit_runs, &t.fit_rest);
-                found.current = study.fit(&t.fitted.model, FINAL)?;
-                fit = study.rest(&found.current.model, &fit_runs)?;
+                let from = study.weigh_by(&t.fitted, &t.fit_rest);
+                found.current = study.fit_on(&from, FINAL)?;
+                fit = study.fit_rest(&found.current)?;
                 found.check = study.rest(&found.current.model, &check_runs)?;
                 found.base_check = study.rest(&base_model, &check_runs)?;
             }
@@ -131,14 +121,6 @@ pub(super) fn search<'a>(
         }
     }
     progress("locating what is left", 0.88);
-    if study.slow && !std::ptr::eq(study.bench, usual) {
-        // what long steps of the model's own leave is not what it leaves
-        study.bench = usual;
-        found.current = study.fit_on(&found.current, FINAL)?;
-        fit = study.rest(&found.current.model, &fit_runs)?;
-        found.check = study.rest(&found.current.model, &check_runs)?;
-        found.base_check = study.rest(&base_model, &check_runs)?;
-    }
     let left = Left::of(study, subject, roles, &found.current, (&fit, &found.check));
     let explained = found.base_check.total - found.check.total;
     // what leaves much is less sure to be what it is called

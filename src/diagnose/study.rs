@@ -1,16 +1,16 @@
 //! [`Study`]: a model, its runs, and the fits of the model with effects to them.
 
-use super::effort::Work;
-use super::excerpt::beginning;
 use super::locate;
 use super::placement::Placement;
-use super::result::Effort;
 use super::subject::FreeParameter;
 use crate::effect::Parameter;
-use crate::fit::{Bench, Fit, Knob, Options, OutputError, Problem, Run, Traces, Unknown, least_squares};
+use crate::fit::{
+    Bench, Fit, Kept, Knob, Options, OutputError, Problem, Run, Traces, Unknown, least_squares,
+};
 use crate::stats::{about_line, about_mean, median, redundancy};
 use crate::{Error, Result};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
+use std::sync::Mutex;
 
 /// What is known beforehand about a parameter: its standard deviation as a share of the nominal value.
 const PRIOR: f64 = 0.3;
@@ -19,20 +19,8 @@ const PRIOR: f64 = 0.3;
 const REACH: f64 = 1.0;
 /// Step of differences for parameters, as a share.
 const STEP: f64 = 1e-3;
-/// Steps are so many times as long if the model takes long: those have many small parts that hold and let go,
-/// and what a short step changes is mostly that.
-const WIDE: f64 = 50.0;
-/// The same for logarithms, whose steps are long anyway.
-const WIDE_LOGARITHM: f64 = 5.0;
 /// Parameters that are fitted at most; those with the most effect on the outputs.
 const MAX_FREE: usize = 14;
-/// What they are chosen with of each run if the model takes long \[s\].
-const SLOW_PIECE: f64 = 2.0;
-/// Steps of a fit at most, then.
-const SLOW_STEPS: usize = 12;
-/// A model is as good as another if it leaves at most so many times the error. What it makes may differ more, where
-/// chance decides which of many bristles hold.
-const AS_GOOD: f64 = 1.2;
 /// A parameter that moves the outputs by less than this share of their size, over its whole prior, stays.
 const MIN_EFFECT: f64 = 1e-3;
 /// Blocks of a run that errors are compared over, at most and at least.
@@ -55,10 +43,6 @@ pub struct Study<'a> {
     pub weights: Vec<f64>,
     /// How many neighbouring samples tell as much as one.
     pub redundancy: f64,
-    /// The model takes long: derivatives are updated where they can be, and less is tried.
-    pub slow: bool,
-    /// What its simulations cost.
-    pub work: Work,
 }
 
 /// Effects at places with their fitted parameters, and the fitted parameters of the model.
@@ -79,6 +63,8 @@ pub struct Fitted {
     pub unknowns: Vec<Unknown>,
     /// The fit.
     pub fit: Fit,
+    /// What was simulated of the fit runs where it ended.
+    pub kept: Option<Kept>,
 }
 
 /// What a model leaves of some runs.
@@ -154,11 +140,11 @@ impl Study<'_> {
             values: Vec::new(),
             attachments: model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect(),
             weights: self.weights.clone(),
+            kept: Mutex::default(),
         }
     }
 
     fn unknowns(&self, model: &Model) -> Vec<Unknown> {
-        let (wide, wide_logarithm) = if self.slow { (WIDE, WIDE_LOGARITHM) } else { (1.0, 1.0) };
         let mut unknowns: Vec<Unknown> = self
             .free
             .iter()
@@ -167,15 +153,7 @@ impl Study<'_> {
                 // of a parameter that is zero nothing is known but its range
                 let prior = if p.nominal == 0.0 { 1.0 } else { PRIOR };
                 let (low, high) = (p.low / p.scale, p.high / p.scale);
-                Unknown {
-                    start: nominal,
-                    mean: nominal,
-                    low,
-                    high,
-                    step: STEP * wide,
-                    prior,
-                    reach: REACH * prior,
-                }
+                Unknown { start: nominal, mean: nominal, low, high, step: STEP, prior, reach: REACH * prior }
             })
             .collect();
         let lag = Unknown { start: 0.0, mean: 0.0, low: 0.0, high: 1.0, step: 0.05, prior: 1.0, reach: 1.0 };
@@ -187,7 +165,7 @@ impl Study<'_> {
                     let typical = parameter.probes.first().copied().unwrap_or(low).ln();
                     let (low, high) = (low.ln(), high.ln());
                     let prior = 0.5 * (high - low);
-                    let (step, reach) = (0.02 * wide_logarithm, 1.0);
+                    let (step, reach) = (0.02, 1.0);
                     unknowns.push(Unknown { start: typical, mean: typical, low, high, step, prior, reach });
                     continue;
                 }
@@ -196,7 +174,7 @@ impl Study<'_> {
                 // what is known beforehand: that it is within the search; weak, for directions without data
                 let prior = (high - low).abs().max(f64::MIN_POSITIVE);
                 let least = if parameter.off.is_some() { 0.0 } else { 1e-9 };
-                let step = 0.02 * wide * typical.max(least);
+                let step = 0.02 * typical.max(least);
                 unknowns.push(Unknown { start: off, mean: off, low, high, step, prior, reach: prior });
             }
         }
@@ -224,48 +202,46 @@ impl Study<'_> {
     /// # Errors
     /// A model that cannot be run.
     pub fn fit(&self, model: &Model, iterations: usize) -> Result<Fitted> {
-        self.fit_near(model, iterations, None)
+        self.fit_with(model, None, Options { iterations, ..Options::default() })
+    }
+
+    /// Fits with derivatives that are computed once, and updated as long as they lead anywhere.
+    ///
+    /// # Errors
+    /// A model that cannot be run.
+    pub fn fit_roughly(&self, model: &Model, iterations: usize) -> Result<Fitted> {
+        self.fit_with(model, None, Options { iterations, update: true, ..Options::default() })
     }
 
     /// Goes on with a fit whose problem has hardly changed since, with its derivatives. It does not end before new ones
-    /// lead nowhere, too, unless the model takes long.
+    /// lead nowhere, too.
     ///
     /// # Errors
     /// A model that cannot be run.
     pub fn fit_on(&self, from: &Fitted, iterations: usize) -> Result<Fitted> {
         let known = Some(&from.fit.jacobian);
-        self.fit_with(
-            &from.model,
-            Options { iterations, known, to_the_end: !self.slow, ..Options::default() },
-        )
+        let options = Options { iterations, known, update: true, to_the_end: true, ..Options::default() };
+        self.fit_with(&from.model, Some(from), options)
     }
 
-    /// As [`Study::fit`], with the derivatives of a model that lacks the last effect: a sixth of the work.
+    /// As [`Study::fit`], from a place near where another fit has ended, with its derivatives: they may be those of a
+    /// model that lacks the last effect.
     ///
     /// # Errors
     /// A model that cannot be run.
-    pub fn fit_near(&self, model: &Model, iterations: usize, known: Option<&DMatrix<f64>>) -> Result<Fitted> {
-        self.fit_with(model, Options { iterations, known, ..Options::default() })
+    pub fn fit_near(&self, model: &Model, iterations: usize, near: &Fitted) -> Result<Fitted> {
+        let known = Some(&near.fit.jacobian);
+        self.fit_with(model, Some(near), Options { iterations, known, ..Options::default() })
     }
 
-    fn fit_with(&self, model: &Model, options: Options<'_>) -> Result<Fitted> {
+    fn fit_with(&self, model: &Model, near: Option<&Fitted>, options: Options<'_>) -> Result<Fitted> {
         let problem = self.problem(model, self.fit_runs.clone());
+        problem.keep(near.and_then(|near| near.kept.clone()));
         let mut unknowns = self.unknowns(model);
         for (unknown, x) in unknowns.iter_mut().zip(Self::point(model)) {
             unknown.start = x;
         }
-        let Options { iterations, known, .. } = options;
-        let mut options = Options { redundancy: self.redundancy, ..options };
-        let first;
-        if self.slow && iterations > 1 {
-            // all derivatives once, and updates from there on
-            if known.is_none_or(|k| k.ncols() < unknowns.len()) {
-                first = least_squares(&problem, &unknowns, Options { iterations: 1, ..options })?;
-                options.known = Some(&first.jacobian);
-            }
-            options.iterations = iterations.min(SLOW_STEPS);
-            options.only_known = known.is_some();
-        }
+        let options = Options { redundancy: self.redundancy, ..options };
         let fit = least_squares(&problem, &unknowns, options)?;
         let own = self.free.len() + 1;
         let parameters = fit.x[..own].to_vec();
@@ -283,7 +259,10 @@ impl Study<'_> {
                 (placement.clone(), parameters.iter().zip(rest.by_ref()).map(value).collect())
             })
             .collect();
-        Ok(Fitted { model: Model { parameters, effects }, unknowns, fit })
+        let model = Model { parameters, effects };
+        // clamped as it is run from here on
+        let kept = problem.kept(&Self::point(&model));
+        Ok(Fitted { model, unknowns, fit, kept })
     }
 
     /// What a model leaves of some runs.
@@ -291,7 +270,20 @@ impl Study<'_> {
     /// # Errors
     /// It cannot be run on one of them.
     pub fn rest(&self, model: &Model, runs: &[&Run]) -> Result<Rest> {
+        self.rest_of(model, runs, None)
+    }
+
+    /// What a fitted model leaves of the fit runs: they have been simulated.
+    ///
+    /// # Errors
+    /// It cannot be run on one of them.
+    pub fn fit_rest(&self, fitted: &Fitted) -> Result<Rest> {
+        self.rest_of(&fitted.model, &self.fit_runs, fitted.kept.clone())
+    }
+
+    fn rest_of(&self, model: &Model, runs: &[&Run], kept: Option<Kept>) -> Result<Rest> {
         let problem = self.problem(model, runs.to_vec());
+        problem.keep(kept);
         let simulated = problem.simulate(&[Self::point(model)]).pop().flatten();
         let simulated =
             simulated.ok_or_else(|| Error::numeric("the model cannot be run on the check runs"))?;
@@ -336,31 +328,11 @@ impl Study<'_> {
         (0..self.weights.len()).map(of).collect()
     }
 
-    /// True if one model leaves hardly more of any channel of the check runs than another does.
-    pub fn is_as_good(&self, this: &Rest, other: &Rest) -> bool {
-        let pairs = this.by_channel().into_iter().zip(other.by_channel());
-        pairs.into_iter().all(|(this, other)| this <= AS_GOOD.powi(2) * other)
-    }
-
     /// How many independent samples all runs have.
     pub fn independent(&self) -> f64 {
         let all = self.fit_runs.iter().chain(&self.check_runs);
         let samples: usize = all.map(|r| r.time.len() * r.channels.len()).sum();
         (samples as f64 / self.redundancy).max(2.0)
-    }
-
-    /// Decides whether the model is treated as one that takes long, and says why: by what its simulations cost, unless
-    /// the user `asked` for something.
-    ///
-    /// # Errors
-    /// It cannot be run with its nominal values.
-    pub fn choose_effort(&mut self, asked: Option<Effort>) -> Result<(Effort, String)> {
-        let Some(run) = self.fit_runs.first().copied() else { return Ok((Effort::Full, String::new())) };
-        let model = self.nominal();
-        self.rest(&model, &[run]).map_err(|_| self.why_not(&self.problem(&model, vec![run])))?;
-        let (effort, why) = self.work.effort(run, asked);
-        self.slow = effort == Effort::Low;
-        Ok((effort, why))
     }
 
     /// The parameters that matter: those with the most effect on the outputs, the most important first. If they are
@@ -371,13 +343,7 @@ impl Study<'_> {
     pub fn choose_free(&mut self, candidates: &[FreeParameter]) -> Result<()> {
         self.free = candidates.to_vec();
         let model = self.nominal();
-        let pieces: Vec<Run>;
-        let mut runs = self.fit_runs.clone();
-        if self.slow {
-            pieces = runs.iter().map(|run| beginning(run, SLOW_PIECE)).collect();
-            runs = pieces.iter().collect();
-        }
-        let problem = self.problem(&model, runs);
+        let problem = self.problem(&model, self.fit_runs.clone());
         let mut points = vec![model.parameters.clone()];
         for (i, p) in self.free.iter().enumerate() {
             let mut point = model.parameters.clone();
@@ -417,6 +383,28 @@ impl Study<'_> {
             }
         }
         Error::numeric("the model cannot be run with its nominal values")
+    }
+
+    /// Weighs the channels by what a fitted model leaves of the fit runs, and gives the fit with its derivatives in the new
+    /// weights.
+    pub fn weigh_by(&mut self, fitted: &Fitted, rest: &Rest) -> Fitted {
+        let before = self.weights.clone();
+        let runs = self.fit_runs.clone();
+        self.weigh(&runs, rest);
+        let factors: Vec<f64> = self.weights.iter().zip(&before).map(|(now, before)| now / before).collect();
+        let mut fitted = fitted.clone();
+        // rows are run by run, channel by channel
+        let mut row = 0;
+        for run in &runs {
+            for (channel, factor) in run.channels.iter().zip(&factors) {
+                let n = channel.values.len();
+                if row + n <= fitted.fit.jacobian.nrows() {
+                    fitted.fit.jacobian.rows_mut(row, n).scale_mut(*factor);
+                }
+                row += n;
+            }
+        }
+        fitted
     }
 
     /// Sets weights and redundancy from what a model leaves: every channel counts in multiples of its

@@ -6,7 +6,7 @@ use crate::cosimulate::{Source, System, SystemSlave, read_system};
 use crate::fit::Factory;
 use crate::fmi::Entry;
 use crate::fmi::import::ImportedFmu;
-use crate::model::{Causality, Interface, Kind, Role, Settings, Slave, Value, VariableInfo};
+use crate::model::{Causality, Interface, Kind, Settings, Slave, Value, VariableInfo};
 use crate::recording::read_settings;
 use crate::shipped::MODELS;
 use crate::simulate::{ACTUATORS, follow_recorded_motions};
@@ -16,8 +16,6 @@ use std::sync::Arc;
 
 /// How far a parameter without bounds of its own may move from its nominal value, as a share of it.
 const REACH: f64 = 0.5;
-/// How many times as long as its own the steps of a model may be while effects are looked for.
-const COARSER: [f64; 2] = [2.0, 4.0];
 /// The filter of a rig's actuators.
 const FILTER: &str = "actuator_frequency";
 /// Why a parameter is left out, if not by what it is.
@@ -120,30 +118,6 @@ impl Subject {
                 || self.set_in_system.contains(name)
         };
         follow_recorded_motions(&self.interface, recorded, is_given)
-    }
-
-    /// What is fixed in copies with longer and longer steps of the model's own, if it has such a parameter and the
-    /// user has left it alone.
-    pub fn coarse(&self) -> Vec<Vec<(usize, Value)>> {
-        COARSER.iter().filter_map(|factor| self.with_steps(*factor)).collect()
-    }
-
-    fn with_steps(&self, factor: f64) -> Option<Vec<(usize, Value)>> {
-        let variable = self.interface.time_parameter(Role::Step, "step_size")?;
-        let info = &self.interface.variables[variable];
-        let given = match &self.base {
-            Base::Shipped(_, settings) => settings.values.iter().any(|s| s.name == info.name),
-            _ => self.fixed.iter().any(|(v, _)| *v == variable),
-        };
-        let start = match info.start {
-            Some(Value::Real(start)) => start,
-            _ => return None,
-        };
-        let step = (factor * start).min(info.max.unwrap_or(f64::INFINITY));
-        if given || info.causality != Causality::Parameter || info.kind != Kind::Real || step <= start {
-            return None;
-        }
-        Some(self.fixed.iter().cloned().chain([(variable, Value::Real(step))]).collect())
     }
 
     /// The communication step \[s\] that the model has and no other: that of a wired system.
@@ -497,16 +471,5 @@ mod tests {
     #[test]
     fn no_shipped_model_is_forgotten() {
         assert_eq!(MODELS.len(), 10);
-    }
-
-    #[test]
-    fn a_copy_with_longer_steps_is_made_unless_the_user_has_chosen_one() {
-        let subject = Subject::load("ring-brush-flat-track", &Settings::default()).unwrap();
-        let step = subject.interface.index("step_size").unwrap();
-        // 0.1 ms by itself, at most 0.5 ms
-        assert_eq!(subject.coarse(), [2e-4, 4e-4].map(|long| vec![(step, Value::Real(long))]));
-        let file = "[parameters]\nstep_size = 2e-4\n";
-        let chosen = Settings::parse(file, "own.toml").unwrap();
-        assert_eq!(Subject::load("ring-brush-flat-track", &chosen).unwrap().coarse().len(), 0);
     }
 }

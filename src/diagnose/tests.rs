@@ -1,9 +1,10 @@
 //! Whole diagnoses of small models: what their answers must not depend on, and what is fitted.
 
-use super::effort::Work;
 use super::study::Study;
 use super::*;
-use crate::fit::{Bench, Channel, Drive, Run, Setup};
+use crate::effect::find as find_effect;
+use crate::effect::{Attachment, Chosen, Signal, Source};
+use crate::fit::{Bench, Channel, Drive, Knob, OutputError, Run, Setup};
 use crate::model::Settings;
 use crate::recording::{Channel as Recorded, Recording, write_csv};
 use crate::report::{CheckRun, diagnosis_report};
@@ -12,6 +13,9 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+/// No bounds.
+const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
 /// Four seconds of a shipped brake, whose torque gauge lags by 12 ms.
 fn record_brake(folder: &Path) {
@@ -101,24 +105,19 @@ fn the_speed_of_the_machine_and_the_number_of_threads_change_no_answer() {
         ..Request::default()
     };
     let (json, page, diagnosis) = written(&request(1));
+    assert!(page.contains("Simulated for this: ") && diagnosis.simulated > 100.0, "{}", diagnosis.simulated);
     let (again, same_page, _) = under_load(|| written(&request(3)));
     assert_eq!(json, again);
     assert!(page == same_page, "the pages differ");
     // something was looked for, found and fitted
     assert!(diagnosis.candidates.len() > 1 && !diagnosis.findings.is_empty(), "{json}");
-    assert_eq!(diagnosis.effort, Effort::Full);
-    assert!(diagnosis.notes[0].starts_with("Effort: full, by its steps"), "{:?}", diagnosis.notes);
-    // what the user wants is done, and said
-    let (_, page, low) = written(&Request { effort: Some(Effort::Low), ..request(2) });
-    assert_eq!(low.effort, Effort::Low);
-    assert!(page.contains("Effort: low, as was asked for."));
 }
 
 #[test]
 fn friction_at_the_reference_pressure_is_fitted() {
     let subject = Subject::load("ring-brush-flat-track", &Settings::default()).unwrap();
     let find = |name: &str| subject.interface.index(name).unwrap();
-    let bench = Bench::new(&subject.factory, &subject.coarse()[1], 2).unwrap();
+    let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
     // one second from free rolling to a wheel that nearly locks, under a load that moves
     let truth = 0.8;
     let setup = Setup { values: vec![(find("friction_sliding_reference"), truth)], attachments: Vec::new() };
@@ -161,14 +160,68 @@ fn friction_at_the_reference_pressure_is_fitted() {
         free: Vec::new(),
         lag: 0.0,
         redundancy: 1.0,
-        slow: false,
-        work: Work::of(&subject, &subject.coarse()[1]),
     };
-    assert_eq!(study.choose_effort(None).unwrap().0, Effort::Low);
     study.choose_free(&subject.free).unwrap();
     let place = study.free.iter().position(|p| p.variable == find("friction_sliding_reference"));
     let fitted = study.fit(&study.nominal(), 8).unwrap();
     let value = fitted.model.parameters[place.unwrap()];
     // from 1.0 at least half of the way: friction at no pressure does a part of the same
     assert!(value < 0.9 && value > 0.7, "{value}");
+}
+
+#[test]
+fn what_only_changes_outputs_or_the_lag_is_not_simulated_again() {
+    let subject = Subject::load("brake-hydraulics", &Settings::default()).unwrap();
+    let find = |name: &str| subject.interface.index(name).unwrap();
+    let (pressure, torque, friction) = (find("driver_pressure"), find("brake_torque"), find("friction"));
+    let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
+    let points = 1001;
+    let course = (0..points).map(|k| 4e6 + 1e6 * (0.02 * k as f64).sin()).collect();
+    let drive = Arc::new(Drive { start: 0.0, step: 1e-3, inputs: vec![(pressure, course)], points });
+    let run = Run {
+        name: String::new(),
+        time: (0..points).map(|k| drive.time(k)).collect(),
+        drive: Arc::clone(&drive),
+        channels: vec![Channel { variable: torque, values: vec![0.0; points], counts: false }],
+    };
+    // one with a memory and the rate of what it changes, behind one that an input drives
+    let attachment = |id: &str, drivers: Vec<Signal>, parameters: &[f64]| Attachment {
+        effect: find_effect(id).unwrap(),
+        target: torque,
+        drivers,
+        parameters: parameters
+            .iter()
+            .map(|value| Chosen { value: *value, range: FREE, unit: None })
+            .collect(),
+    };
+    let driven = Signal { variable: pressure, source: Source::Value };
+    let attachments =
+        vec![attachment("cross-talk", vec![driven], &[1e-5]), attachment("sensor-lag", vec![], &[0.02])];
+    let problem = OutputError {
+        bench: &bench,
+        runs: vec![&run],
+        knobs: vec![
+            Knob::Parameter(friction, 1.0),
+            Knob::Lag(1e-3),
+            Knob::Effect { first: 1, end: 2, parameter: 0, scale: 1.0, logarithmic: false },
+        ],
+        values: Vec::new(),
+        attachments,
+        weights: vec![1.0],
+        kept: std::sync::Mutex::default(),
+    };
+    let point = vec![0.4, 0.0, 0.02];
+    let first = problem.simulate(std::slice::from_ref(&point)).pop().unwrap().unwrap();
+    // as the effects do inside the slave, to rounding
+    let inside = bench.run(&[Arc::new(problem.setup(&point))], &[drive], &Arc::from([torque]));
+    let inside = &inside[0].as_ref().unwrap()[0];
+    let size = inside.iter().copied().fold(0.0, f64::max);
+    assert!(first[0][0].iter().zip(inside).all(|(a, b)| (a - b).abs() < 1e-9 * size));
+    let before = bench.simulated();
+    assert!((before - 2.0).abs() < 1e-6, "{before}");
+    let moved = problem.simulate(&[vec![0.4, 1.0, 0.02], vec![0.4, 0.0, 0.03]]);
+    assert!(moved.iter().all(|answer| answer.as_ref().unwrap()[0][0] != first[0][0]));
+    assert_eq!(bench.simulated(), before);
+    problem.simulate(&[vec![0.41, 0.0, 0.02]]);
+    assert!((bench.simulated() - before - 1.0).abs() < 1e-6);
 }

@@ -3,6 +3,7 @@
 use crate::effect::{Attached, Attachment};
 use crate::model::{Interface, Slave, Value};
 use crate::{Error, Result};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -24,6 +25,11 @@ pub struct Drive {
 }
 
 impl Drive {
+    /// How long it takes, in the time of the model \[s\].
+    pub fn length(&self) -> f64 {
+        self.points.saturating_sub(1) as f64 * self.step
+    }
+
     /// Communication point `k` \[s\]: never a sum of steps.
     pub fn time(&self, k: usize) -> f64 {
         self.start + k as f64 * self.step
@@ -57,6 +63,8 @@ pub struct Bench {
     /// Of each variable: parts inside get it.
     passed_on: Vec<bool>,
     threads: usize,
+    /// What was simulated, in millionths of a second: whole numbers have a sum that no order changes.
+    simulated: AtomicU64,
 }
 
 impl Bench {
@@ -74,7 +82,7 @@ impl Bench {
             let (factory, queue, fixed) = (Arc::clone(factory), Arc::clone(&queue), fixed.to_vec());
             thread::spawn(move || work(&factory, &fixed, &queue));
         }
-        Ok(Self { tasks, interface, passed_on, threads: threads.max(1) })
+        Ok(Self { tasks, interface, passed_on, threads: threads.max(1), simulated: AtomicU64::new(0) })
     }
 
     /// The interface of the slaves without effects.
@@ -92,6 +100,11 @@ impl Bench {
         self.threads
     }
 
+    /// How many seconds were simulated so far, all runs together \[s\].
+    pub fn simulated(&self) -> f64 {
+        self.simulated.load(Ordering::Relaxed) as f64 * 1e-6
+    }
+
     /// Runs every setup along every drive; the answers are in the order setup by setup. `watch` are
     /// indices of variables.
     ///
@@ -103,6 +116,8 @@ impl Bench {
         drives: &[Arc<Drive>],
         watch: &Arc<[usize]>,
     ) -> Vec<Result<Traces>> {
+        let each: f64 = drives.iter().map(|d| 1e6 * d.length()).sum();
+        self.simulated.fetch_add((each * setups.len() as f64).round() as u64, Ordering::Relaxed);
         let (answer, answers) = channel();
         let mut number = 0;
         for setup in setups {

@@ -49,10 +49,9 @@ pub struct Options<'a> {
     /// Derivatives by the first unknowns, as many as there are columns, from a problem that differs
     /// little: they are updated from step to step instead of computed by differences.
     pub known: Option<&'a DMatrix<f64>>,
-    /// Where the known derivatives lead nowhere the fit ends, instead of computing them. They may be wrong: the first
-    /// step is tried shorter, too.
-    pub only_known: bool,
-    /// Where known derivatives lead hardly any farther the fit does not end before computed ones do neither.
+    /// Derivatives that were computed once are updated, too, until they lead nowhere.
+    pub update: bool,
+    /// Where known or updated derivatives lead hardly any farther the fit does not end before computed ones do neither.
     pub to_the_end: bool,
 }
 
@@ -63,7 +62,7 @@ impl Default for Options<'_> {
             tolerance: 1e-4,
             redundancy: 1.0,
             known: None,
-            only_known: false,
+            update: false,
             to_the_end: false,
         }
     }
@@ -142,8 +141,8 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         first.ok_or_else(|| Error::numeric("the model cannot be run with the start values"))?;
     let mut jacobian = DMatrix::zeros(residuals.len(), n);
     let known = options.known.filter(|k| k.nrows() == residuals.len() && k.ncols() <= n);
-    // columns that are updated, and whether all of them are known at this point
-    let updated = known.map_or(0, DMatrix::ncols);
+    // columns that are updated, and whether all of them were computed at this point
+    let mut updated = known.map_or(0, DMatrix::ncols);
     let mut exact = updated == 0;
     if let Some(known) = known {
         jacobian.columns_mut(0, updated).copy_from(known);
@@ -154,6 +153,9 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         (last_exact, iterations) = (exact, iteration + 1);
         let from = if exact { 0 } else { updated };
         differentiate(problem, unknowns, &x, &residuals, &mut jacobian, from);
+        if options.update {
+            updated = n;
+        }
         if n == 0 || iteration + 1 == options.iterations {
             break;
         }
@@ -182,13 +184,12 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
             if reached < best {
                 better = Some((tried, point, r, reached));
             }
-            let shorter = options.only_known && iteration == 0 && reached < best;
-            if better.is_some() && !shorter {
+            if better.is_some() {
                 break;
             }
         }
         let Some((tried, point, r, reached)) = better else {
-            if exact || (options.only_known && updated == n) {
+            if exact {
                 let promised = -change(&normal, &gradient, &x, unknowns);
                 end = if promised < options.tolerance * total { End::Gradient } else { End::Step };
                 break;
@@ -427,9 +428,9 @@ mod tests {
         let free = [unknown(2.5, 0.0, 9.0), unknown(0.9, 0.1, 5.0)];
         let near = least_squares(&problem, &free, Options { iterations: 1, ..Options::default() }).unwrap();
         let wrong = -near.jacobian;
-        let options = Options { known: Some(&wrong), only_known: true, ..Options::default() };
+        let options = Options { known: Some(&wrong), iterations: 1, ..Options::default() };
         let fit = least_squares(&problem, &free, options).unwrap();
-        assert_eq!((fit.end, fit.updated), (End::Step, true));
+        assert_eq!((fit.end, fit.updated), (End::Iterations, true));
     }
 
     #[test]
@@ -444,6 +445,40 @@ mod tests {
             let fit = least_squares(&problem, &free, options).unwrap();
             assert!((fit.x[0] - 3.0).abs() < 1e-6 && (fit.x[1] - 0.7).abs() < 1e-6, "{:?}", fit.x);
         }
+    }
+
+    #[test]
+    fn derivatives_that_are_updated_lead_to_the_same_place_with_fewer_residuals() {
+        struct Counted(Decay, std::cell::Cell<usize>);
+        impl Problem for Counted {
+            fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+                self.1.set(self.1.get() + points.len());
+                self.0.residuals(points)
+            }
+        }
+        // twelve unknowns do something, and the last two are those of the exponential
+        struct Many(Counted);
+        impl Problem for Many {
+            fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+                let own: Vec<Vec<f64>> = points.iter().map(|x| x[10..].to_vec()).collect();
+                let add = |(r, x): (Option<Vec<f64>>, &Vec<f64>)| {
+                    r.map(|r| r.into_iter().chain(x[..10].iter().map(|x| x - 1.0)).collect())
+                };
+                self.0.residuals(&own).into_iter().zip(points).map(add).collect()
+            }
+        }
+        let fit = |update: bool| {
+            let problem = Many(Counted(Decay { data: decay(&[3.0, 0.7]) }, 0.into()));
+            let mut free = vec![unknown(0.5, 0.0, 2.0); 10];
+            free.extend([unknown(2.0, 0.0, 10.0), unknown(1.2, -1.0, 5.0)]);
+            let options = Options { iterations: 40, update, to_the_end: true, ..Options::default() };
+            (least_squares(&problem, &free, options).unwrap(), problem.0.1.get())
+        };
+        let ((computed, many), (updated, few)) = (fit(false), fit(true));
+        for found in [&computed, &updated] {
+            assert!((found.x[10] - 3.0).abs() < 1e-4 && (found.x[11] - 0.7).abs() < 1e-4, "{:?}", found.x);
+        }
+        assert!(!updated.updated && few < many, "{few} {many}");
     }
 
     #[test]

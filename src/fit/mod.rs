@@ -4,8 +4,12 @@ mod bench;
 mod covariance;
 mod least_squares;
 mod output_error;
+mod replay;
+mod side_by_side;
 
 pub use bench::{Bench, Drive, Factory, Setup, Traces};
 pub use covariance::Covariance;
 pub use least_squares::{End, Fit, Options, Problem, Unknown, least_squares};
-pub use output_error::{Channel, Knob, OutputError, Run};
+pub use output_error::{Channel, Kept, Knob, OutputError, Run};
+pub use replay::replay;
+pub use side_by_side::side_by_side;

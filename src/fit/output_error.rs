@@ -2,8 +2,10 @@
 
 use super::bench::{Bench, Drive, Setup, Traces};
 use super::least_squares::Problem;
-use crate::effect::Attachment;
-use std::sync::Arc;
+use super::replay::replay;
+use crate::Result;
+use crate::effect::{Attachment, Port, Signal, attached_interface};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A measured channel of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,6 +101,52 @@ pub struct OutputError<'a> {
     pub attachments: Vec<Attachment>,
     /// One weight per channel: residuals are multiplied by it.
     pub weights: Vec<f64>,
+    /// What was simulated last.
+    pub kept: Mutex<Vec<Kept>>,
+}
+
+/// Simulations that are kept at most: the point where a fit stands, and those that it has tried from there.
+const KEPT: usize = 8;
+
+/// What the runs of a setup have made of it.
+#[derive(Debug, Clone)]
+pub struct Kept {
+    key: Key,
+    drives: Vec<Arc<Drive>>,
+    watch: Arc<[usize]>,
+    /// `None` if a run has failed.
+    traces: Option<Arc<Vec<Traces>>>,
+}
+
+impl Kept {
+    /// Whether it is of this setup along these drives, with all that is to be watched.
+    fn is(&self, key: &Key, drives: &[Arc<Drive>], watch: &[usize]) -> bool {
+        self.key == *key
+            && self.drives.len() == drives.len()
+            && self.drives.iter().zip(drives).all(|(a, b)| Arc::ptr_eq(a, b))
+            && watch.iter().all(|v| self.watch.contains(v))
+    }
+}
+
+/// All that a simulation depends on beside its drive, to the last bit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Key {
+    values: Vec<(usize, u64)>,
+    /// Where the effect itself is, where it acts, what drives it, and its parameters.
+    attachments: Vec<(usize, usize, Vec<Signal>, Vec<u64>)>,
+}
+
+impl Key {
+    fn of(setup: &Setup) -> Self {
+        let attachment = |a: &Attachment| {
+            let parameters = a.parameters.iter().map(|p| p.value.to_bits()).collect();
+            (std::ptr::from_ref(a.effect) as usize, a.target, a.drivers.clone(), parameters)
+        };
+        Self {
+            values: setup.values.iter().map(|(v, x)| (*v, x.to_bits())).collect(),
+            attachments: setup.attachments.iter().map(attachment).collect(),
+        }
+    }
 }
 
 impl OutputError<'_> {
@@ -133,27 +181,114 @@ impl OutputError<'_> {
         self.runs.first().map_or(Arc::from([]), |r| r.channels.iter().map(|c| c.variable).collect())
     }
 
-    /// The simulated channels of every run at its samples, for each point; `None` where a run fails.
+    /// Which effects only change outputs that nothing inside the slave gets: no other signal depends on them.
+    fn is_outside(&self, attachment: &Attachment) -> bool {
+        attachment.port(self.bench.interface()) == Port::Output && !self.bench.is_passed_on(attachment.target)
+    }
+
+    fn is_attachable(&self) -> bool {
+        attached_interface(self.bench.interface(), &self.attachments).is_ok()
+    }
+
+    /// What has to be simulated for a setup, and the effects that are replayed behind it.
+    fn parted(&self, setup: Setup) -> (Setup, Vec<Attachment>) {
+        let (outside, attachments) = setup.attachments.into_iter().partition(|a| self.is_outside(a));
+        (Setup { attachments, ..setup }, outside)
+    }
+
+    /// The outputs that are compared, and what drives the effects that are replayed.
+    fn watch_for(&self, outside: &[Attachment]) -> Arc<[usize]> {
+        let mut watch = self.watch().to_vec();
+        for signal in outside.iter().flat_map(|a| &a.drivers) {
+            let is_driven = |run: &&Run| run.drive.inputs.iter().any(|(v, _)| *v == signal.variable);
+            if !watch.contains(&signal.variable) && !self.runs.iter().all(|run| is_driven(&run)) {
+                watch.push(signal.variable);
+            }
+        }
+        watch.into()
+    }
+
+    /// The simulated channels of every run at its samples, for each point; `None` where a run fails. What differs in
+    /// effects on outputs or in the lag only is simulated once, and what was simulated last is not simulated again.
     pub fn simulate(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<Traces>>> {
-        let setups: Vec<Arc<Setup>> = points.iter().map(|p| Arc::new(self.setup(p))).collect();
+        let parted: Vec<(Setup, Vec<Attachment>)> =
+            points.iter().map(|p| self.parted(self.setup(p))).collect();
+        let watch = parted.first().map_or(self.watch(), |(_, outside)| self.watch_for(outside));
         let drives: Vec<Arc<Drive>> = self.runs.iter().map(|r| Arc::clone(&r.drive)).collect();
-        let results = self.bench.run(&setups, &drives, &self.watch());
-        results
-            .chunks(self.runs.len().max(1))
-            .zip(points)
-            .map(|(runs, point)| {
-                let lag = self.lag(point);
-                let sampled = runs.iter().zip(&self.runs).map(|(traces, run)| {
-                    let sample = |(trace, channel): (&Vec<f64>, &Channel)| {
-                        let mut values = run.sample(trace, lag);
-                        channel.same_zero(&mut values);
-                        values
-                    };
-                    traces.as_ref().ok().map(|traces| traces.iter().zip(&run.channels).map(sample).collect())
-                });
-                sampled.collect()
+        let keys: Vec<Key> = parted.iter().map(|(setup, _)| Key::of(setup)).collect();
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut new: Vec<(&Key, Arc<Setup>)> = Vec::new();
+        for (key, (setup, _)) in keys.iter().zip(&parted) {
+            if !kept.iter().any(|k| k.is(key, &drives, &watch)) && !new.iter().any(|(n, _)| *n == key) {
+                new.push((key, Arc::new(setup.clone())));
+            }
+        }
+        let setups: Vec<Arc<Setup>> = new.iter().map(|(_, setup)| Arc::clone(setup)).collect();
+        let results = self.bench.run(&setups, &drives, &watch);
+        let mut results = results.into_iter();
+        let fresh: Vec<Kept> = (new.into_iter())
+            .map(|(key, _)| {
+                let runs: Vec<Result<Traces>> = results.by_ref().take(drives.len()).collect();
+                let traces = runs.into_iter().map(Result::ok).collect::<Option<Vec<Traces>>>();
+                Kept {
+                    key: key.clone(),
+                    drives: drives.clone(),
+                    watch: Arc::clone(&watch),
+                    traces: traces.map(Arc::new),
+                }
             })
-            .collect()
+            .collect();
+        let answer = |((key, (_, outside)), point): ((&Key, &(Setup, Vec<Attachment>)), &Vec<f64>)| {
+            // what cannot be attached to the slave is not replayed either
+            if !outside.is_empty() && !self.is_attachable() {
+                return None;
+            }
+            let found = fresh.iter().chain(kept.iter()).find(|k| k.is(key, &drives, &watch))?;
+            self.sampled(found, outside, self.lag(point))
+        };
+        let answers = keys.iter().zip(&parted).zip(points).map(answer).collect();
+        // points of derivatives are not asked for again
+        if points.len() == 1 {
+            kept.extend(fresh);
+            let old = kept.len().saturating_sub(KEPT);
+            kept.drain(..old);
+        }
+        answers
+    }
+
+    /// The channels of every run at its samples, behind effects on outputs.
+    fn sampled(&self, kept: &Kept, outside: &[Attachment], lag: f64) -> Option<Vec<Traces>> {
+        let of = |(run, traces): (&&Run, &Traces)| -> Option<Traces> {
+            let channel = |channel: &Channel| {
+                let column = kept.watch.iter().position(|v| *v == channel.variable)?;
+                let mut changed: Option<Vec<f64>> = None;
+                for effect in outside.iter().filter(|a| a.target == channel.variable) {
+                    let course = changed.as_deref().unwrap_or(&traces[column]);
+                    let now = replay(effect, course, &run.drive, &kept.watch, traces)?;
+                    if now.iter().any(|v| !v.is_finite()) {
+                        return None;
+                    }
+                    changed = Some(now);
+                }
+                let mut values = run.sample(changed.as_deref().unwrap_or(&traces[column]), lag);
+                channel.same_zero(&mut values);
+                Some(values)
+            };
+            run.channels.iter().map(channel).collect()
+        };
+        self.runs.iter().zip(kept.traces.as_ref()?.iter()).map(of).collect()
+    }
+
+    /// Begins with what another problem has simulated.
+    pub fn keep(&self, kept: Option<Kept>) {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner).extend(kept);
+    }
+
+    /// What was simulated last at a point, for another problem to begin with.
+    pub fn kept(&self, point: &[f64]) -> Option<Kept> {
+        let key = Key::of(&self.parted(self.setup(point)).0);
+        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.iter().rev().find(|k| k.key == key).cloned()
     }
 
     /// Simulated minus measured, weighted: run by run, channel by channel.

@@ -1,6 +1,5 @@
 //! Rivals on a plain spring, where it is known by hand how far they differ.
 
-use super::super::effort::Work;
 use super::*;
 use crate::effect::{Port, Signal, Source, find};
 use crate::fit::{Bench, Channel, Factory};
@@ -78,8 +77,6 @@ fn study<'a>(bench: &'a Bench, runs: &'a [Run]) -> Study<'a> {
         lag: 0.0,
         weights: vec![1.0],
         redundancy: 1.0,
-        slow: false,
-        work: Work::assumed(bench.interface()),
     }
 }
 
@@ -109,7 +106,7 @@ fn proposed(study: &Study<'_>, rivals: &[Rival], noise: f64) -> Option<Experimen
 /// How far rivals differ on the programme whose words begin so: as they are, and after refits.
 fn on(study: &Study<'_>, rivals: &[Rival], noise: f64, words: &str) -> (f64, f64) {
     let runs = study.fit_runs.clone();
-    let mut library = library(study.bench.interface(), &Roles::default(), &runs, None);
+    let mut library = library(study.bench.interface(), &Roles::default(), &runs);
     library.retain(|p| p.words.starts_with(words));
     let stand = Stand { study, rivals, noise: &[noise] };
     let as_they_are = stand.differ(&library[..1]).pop().unwrap().unwrap();
@@ -263,11 +260,11 @@ fn a_budget_is_counted_in_simulations() {
     let tried = |budget: f64| {
         propose_within(&study, &Roles::default(), &rivals, &[0.01], budget).map(|found| found.tried)
     };
-    let all = library(bench.interface(), &Roles::default(), &[&runs[0]], None);
+    let all = library(bench.interface(), &Roles::default(), &[&runs[0]]);
     // without any budget the first are tried, with enough all of them, and in between what it pays for
     assert_eq!((tried(0.0), tried(f64::INFINITY)), (Some(TOGETHER), Some(all.len())));
     let cost = |some: &[Programme]| -> f64 {
-        rivals.len() as f64 * some.iter().map(|p| study.work.cost(&p.drive)).sum::<f64>()
+        rivals.len() as f64 * some.iter().map(|p| p.drive.length()).sum::<f64>()
     };
     assert_eq!(tried(0.99 * cost(&all[..TOGETHER]) / FIRST_LOOK), Some(TOGETHER));
     assert_eq!(tried(1.01 * cost(&all[..TOGETHER]) / FIRST_LOOK), Some(2 * TOGETHER));
@@ -320,17 +317,14 @@ fn fitted_models_become_rivals() {
 #[test]
 fn a_library_keeps_to_what_a_rig_can_do() {
     let interface: Interface = bench(10.0).interface().clone();
-    let programmes = |run: &Run, longest| library(&interface, &Roles::default(), &[run], longest);
+    let programmes = |run: &Run| library(&interface, &Roles::default(), &[run]);
     let usual = run(1e-2, 20.0);
-    for programme in programmes(&usual, Some(2.0)) {
-        assert!(programme.drive.points <= 201, "{}", programme.words);
-    }
     // what is never negative stays so, and the speed, which did not move, is held
     let mut load = usual.clone();
     let mut drive = (*load.drive).clone();
     drive.inputs[0].1.iter_mut().for_each(|v| *v = 0.5 + 0.4 * *v);
     load.drive = Arc::new(drive);
-    let all = programmes(&load, None);
+    let all = programmes(&load);
     assert!(all.iter().any(|p| p.beyond) && all.len() > 8);
     for programme in &all {
         assert!(programme.drive.inputs[0].1.iter().all(|v| *v >= -1e-12), "{}", programme.words);
@@ -341,13 +335,13 @@ fn a_library_keeps_to_what_a_rig_can_do() {
     let mut drive = (*wide.drive).clone();
     drive.inputs[0].1.iter_mut().for_each(|v| *v *= 1.6);
     wide.drive = Arc::new(drive);
-    assert!(programmes(&wide, None).iter().all(|p| !p.beyond));
+    assert!(programmes(&wide).iter().all(|p| !p.beyond));
     // a velocity beside its position follows it
     let mut both = usual;
     let mut drive = (*both.drive).clone();
     drive.inputs[1].1 = both.time.iter().map(|t| 2.0 * PI * (2.0 * PI * t).cos()).collect();
     both.drive = Arc::new(drive);
-    let all = programmes(&both, None);
+    let all = programmes(&both);
     let sine = all.iter().find(|p| p.words.starts_with("sine of travel, amplitude 1 m, 4 Hz")).unwrap();
     let most = sine.drive.inputs[1].1.iter().copied().fold(0.0, f64::max);
     close(most, 8.0 * PI, 0.02);
@@ -356,7 +350,5 @@ fn a_library_keeps_to_what_a_rig_can_do() {
     let mut empty = both;
     (empty.drive, empty.time) =
         (Arc::new(Drive { start: 0.0, step: 0.0, inputs: vec![(0, vec![])], points: 0 }), vec![]);
-    assert!(
-        programmes(&empty, None).is_empty() && library(&interface, &Roles::default(), &[], None).is_empty()
-    );
+    assert!(programmes(&empty).is_empty() && library(&interface, &Roles::default(), &[]).is_empty());
 }
