@@ -1,6 +1,7 @@
 //! The bristles as they are kept: stripe by stripe a row, in the order of their places.
 
 use super::Parameters;
+use super::stripes::Stripes;
 use crate::clone_in_place;
 use crate::solver::lanes::LANES;
 use serde::{Deserialize, Serialize};
@@ -21,8 +22,12 @@ pub struct Bristles {
     pub turned: f64,
     /// The first that may be in contact, and the first behind it that is not, the same in all rows.
     pub window: [usize; 2],
-    /// Lengths of the stripes \[m\].
-    pub lengths: Vec<f64>,
+    /// The stripes.
+    pub(super) stripes: Stripes,
+    /// Lengths of the stripes a step before \[m\].
+    pub(super) old_lengths: Vec<f64>,
+    /// Logarithms to base 2 of twice the distances from the middle, the same in all rows.
+    pub(super) logarithms: Vec<f64>,
     /// Deflections in x \[m\].
     pub deflection_x: Vec<f64>,
     /// Deflections in y \[m\].
@@ -31,7 +36,7 @@ pub struct Bristles {
     pub force_x: Vec<f64>,
     /// Forces on the patch in y \[N\].
     pub force_y: Vec<f64>,
-    /// Pressures \[Pa\]; during a step, the shape of the pressure.
+    /// Pressures \[Pa\].
     pub pressure: Vec<f64>,
     /// 1: sticks, 0: slides or is out of contact.
     pub stick: Vec<f64>,
@@ -46,7 +51,9 @@ clone_in_place!(Bristles {
     first_place,
     turned,
     window,
-    lengths,
+    stripes,
+    old_lengths,
+    logarithms,
     deflection_x,
     deflection_y,
     force_x,
@@ -67,7 +74,9 @@ impl Bristles {
             first_place: 0.0,
             turned: 0.0,
             window: [0; 2],
-            lengths: vec![0.0; stripes],
+            stripes: Stripes::new(stripes),
+            old_lengths: vec![0.0; stripes.next_multiple_of(LANES)],
+            logarithms: vec![0.0; n + LANES],
             deflection_x: row(),
             deflection_y: row(),
             force_x: row(),
@@ -86,12 +95,19 @@ impl Bristles {
         let Self { deflection_x, deflection_y, force_x, force_y, pressure, stick, share, .. } = self;
         let rows = [deflection_x, deflection_y, force_x, force_y, pressure, stick, share];
         self.per_stripe == n
-            && self.lengths.len() == stripes
+            && self.stripes.fits(stripes)
+            && self.old_lengths.len() == self.stripes.lengths.len()
+            && Some(self.logarithms.len()) == n.checked_add(LANES)
             && self.window[0] <= self.window[1]
             && self.window[1] <= n
             && rows
                 .iter()
                 .all(|row| Some(row.len()) == n.checked_add(LANES).and_then(|n| n.checked_mul(stripes)))
+    }
+
+    /// Lengths of the stripes \[m\].
+    pub fn lengths(&self) -> &[f64] {
+        &self.stripes.lengths[..self.stripes.sums.len()]
     }
 
     /// From a bristle to the one at the same place of the next stripe.

@@ -69,13 +69,6 @@ pub(super) fn continuum<T: Real>(
     let tops = Tops::new(p, contact, spin_rate, loads, &steady);
     let shape = Shape::new(p, contact.penetration);
 
-    // pressure = (level + tilt x) (1 - |2x/length|^exponent) factor; odd powers of x cancel
-    let (exponent, _) = shape.exponents();
-    let integrals = |length: T| {
-        let full = exponent / (exponent + 1.0);
-        let second = (T::from(1.0 / 3.0) - T::one() / (exponent + 3.0)) * 0.25;
-        [length * full, length * length * length * second]
-    };
     let stripes = tire.stripe_places().iter().zip(tire.stripe_radii()).enumerate();
     let stripes = stripes.filter_map(|(i, (&y, &radius))| {
         let length = contact.stripe_length(p, y, radius);
@@ -84,7 +77,7 @@ pub(super) fn continuum<T: Real>(
     let mut sums = Moments { s0: zero, s1: zero, s2: zero };
     let mut longest: f64 = 0.0;
     for (_, _, length, factor) in stripes.clone() {
-        let [i0, i2] = integrals(length);
+        let [i0, i2] = shape.integrals(length);
         sums.s0 += i0 * factor / p.bristle_length;
         sums.s2 += i2 * factor / p.bristle_length;
         longest = longest.max(length.value());
@@ -118,7 +111,7 @@ pub(super) fn continuum<T: Real>(
         let middle = deformation.shift_y + y;
         moment.z += x_force[1] + deformation.shift_x * force_y
             - (middle * force_x + deformation.twist * x_force[0] - deformation.bend * xx_force_x);
-        let [i0, i2] = integrals(length);
+        let [i0, i2] = shape.integrals(length);
         let normal = pressure.level * middle * i0
             + (pressure.tilt * deformation.twist - pressure.level * deformation.bend) * i2;
         moment.x += normal * stripe.factor / p.bristle_length;

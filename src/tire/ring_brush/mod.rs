@@ -33,16 +33,16 @@ mod bristle;
 mod bristles;
 mod contact;
 mod continuum;
-mod fronts;
 mod parameters;
 mod passage;
 mod patch;
 mod rows;
-mod share;
 mod sidewall;
 mod state;
 mod stationary;
 mod step;
+mod stretches;
+mod stripes;
 mod tire;
 
 pub use belt::patch_on_belt;

@@ -3,20 +3,17 @@
 //!
 //! A bristle stands for the cell around it. So that sums over bristles do not ripple while these pass one by one, they
 //! are integrals over the stripe by the trapezoidal rule: up to the stripe's ends, which lie between bristles, and up to
-//! the front where bristles break away, which does so, too ([`Front`]). A bristle at an end counts in part.
+//! where stretches of bristles that stick end, which they do there, too (see [`Patch`]).
 
 use super::bristle::norm;
 use super::bristles::Bristles;
-use super::fronts::{Fronts, Pattern, Stripe};
-use super::patch::{Moments, Pressure, PressureState, Shape};
-use super::share::share;
+use super::patch::{Pressure, PressureState, Shape};
+use super::stretches::{Patch, Pattern, Sliding, Stripe};
 use super::{Contact, Deformation, Limits, Parameters, Prepared, Tops};
-use crate::solver::lanes::{LANES, acos_near_one, exp2, larger, log2, smaller, sum};
+use crate::solver::lanes::{LANES, exp2, larger, log2, smaller, sum};
 use crate::{Error, Result};
 use fearless_simd::{Level, Simd, dispatch, f64x4, prelude::*};
 
-/// Stripes that a tire has at most.
-pub(super) const MAX_STRIPES: usize = 64;
 /// A bristle that is by so many spacings out of the contact is in it by rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -100,15 +97,6 @@ impl Friction {
     }
 }
 
-/// What the stripes have in a step.
-struct Stripes {
-    lengths: [f64; MAX_STRIPES],
-    /// Factor of the stripe in the shape of the pressure (4.21).
-    factors: [f64; MAX_STRIPES],
-    /// Logarithm of the length to base 2.
-    logarithms: [f64; MAX_STRIPES],
-}
-
 impl Prepared {
     /// Moves the bristles through the patch, spreads the normal force over them and sums up what they do, with the
     /// instructions of `level`, which change no bit of the result.
@@ -122,8 +110,10 @@ impl Prepared {
         passage: &Passage<'_>,
     ) -> Result<(Sums, Pressure<f64>)> {
         let p = self.parameters();
-        let stripes = dispatch!(level, simd => self.stripes(simd, passage.contact));
-        let longest = stripes.lengths[..self.stripe_places().len()].iter().fold(0.0_f64, |a, b| a.max(*b));
+        let contact = passage.contact;
+        std::mem::swap(&mut bristles.old_lengths, &mut bristles.stripes.lengths);
+        dispatch!(level, simd => self.measure(simd, contact, &mut bristles.stripes));
+        let longest = bristles.stripes.longest();
         if longest > p.ring_length() {
             return Err(Error::numeric(format!(
                 "the contact patch is {longest:.3} m long, the ring of bristles only {:.3} m: more or longer bristles are needed for this deflection",
@@ -132,97 +122,11 @@ impl Prepared {
         }
         bristles.wind(p, passage.spin);
         bristles.look_at(window(p, bristles, longest));
-        let moments = dispatch!(level, simd => self.shapes(simd, bristles, passage, &stripes));
-        let normal = passage.contact.normal_force;
-        let moment = passage.moment + passage.deformation.shift_x * normal;
-        let pressure = Pressure::new(p, &moments, normal, moment, longest);
-        let sums = dispatch!(level, simd => self.bristles(simd, bristles, passage, &stripes, &pressure));
-        let count = bristles.lengths.len();
-        bristles.lengths.copy_from_slice(&stripes.lengths[..count]);
+        let shapes = self.sum_shapes(contact.penetration, bristles);
+        let moment = passage.moment + passage.deformation.shift_x * contact.normal_force;
+        let pressure = Pressure::new(p, &shapes, contact.normal_force, moment, longest);
+        let sums = dispatch!(level, simd => self.bristles(simd, bristles, passage, &pressure));
         Ok((sums, pressure))
-    }
-
-    /// Lengths (4.19), (4.20) and what the pressure has of a whole stripe.
-    #[inline(always)]
-    fn stripes<S: Simd>(&self, simd: S, contact: &Contact<f64>) -> Stripes {
-        let p = self.parameters();
-        let zero = f64x4::splat(simd, 0.0);
-        let mut stripes = Stripes {
-            lengths: [0.0; MAX_STRIPES],
-            factors: [0.0; MAX_STRIPES],
-            logarithms: [0.0; MAX_STRIPES],
-        };
-        if contact.penetration <= 0.0 {
-            return stripes;
-        }
-        let (_, across) = Shape::new(p, contact.penetration).exponents();
-        let (sin, cos) = contact.camber_sin_cos;
-        let rows = self.lanes.places.chunks_exact(LANES).zip(self.lanes.radii.chunks_exact(LANES));
-        for (k, (places, radii)) in rows.enumerate() {
-            let (place, radius) = (f64x4::from_slice(simd, places), f64x4::from_slice(simd, radii));
-            let ratio = (place * (sin / cos) + contact.distance) / radius;
-            let touches = ratio.simd_lt(1.0);
-            let angle = acos_near_one(simd, smaller(ratio, f64x4::splat(simd, 1.0)));
-            let length = touches.select(angle * radius * (2.0 * p.stripe_length_factor), zero);
-            let own = k * LANES..(k + 1) * LANES;
-            length.store_slice(&mut stripes.lengths[own.clone()]);
-            if ratio.simd_lt(0.5).any_true() {
-                // pressed in by half of its radius: the formula for small angles ends here
-                for i in own.clone() {
-                    if let (Some(y), Some(radius)) = (self.stripe_places().get(i), self.stripe_radii().get(i))
-                    {
-                        stripes.lengths[i] = contact.stripe_length(p, *y, *radius);
-                    }
-                }
-            }
-            let length = f64x4::from_slice(simd, &stripes.lengths[own.clone()]);
-            let side = f64x4::from_slice(simd, &self.lanes.sides[own.clone()]);
-            ((-exp2(simd, side * across) + 1.0) * length).store_slice(&mut stripes.factors[own.clone()]);
-            log2(simd, length).store_slice(&mut stripes.logarithms[own]);
-        }
-        stripes
-    }
-
-    /// Writes the shape of the pressure (4.21) to where the pressure is kept, and sums it up (4.24).
-    #[inline(always)]
-    fn shapes<S: Simd>(
-        &self,
-        simd: S,
-        bristles: &mut Bristles,
-        passage: &Passage<'_>,
-        stripes: &Stripes,
-    ) -> Moments<f64> {
-        let p = self.parameters();
-        let (along, _) = Shape::new(p, passage.contact.penetration).exponents();
-        let zero = f64x4::splat(simd, 0.0);
-        let (mut s0, mut s1, mut s2) = (zero, zero, zero);
-        let stride = bristles.stride();
-        let [from, to] = bristles.window;
-        for j in (from..to).step_by(LANES) {
-            let x = places(simd, p, bristles, j);
-            let size = x.abs();
-            // x is the same in all stripes
-            let logarithm = log2(simd, size * 2.0);
-            for (i, old_length) in bristles.lengths.iter().enumerate() {
-                let length = stripes.lengths[i];
-                if length <= 0.0 && *old_length <= 0.0 {
-                    continue;
-                }
-                let half = 0.5 * length;
-                let power = exp2(simd, (logarithm - stripes.logarithms[i]) * along);
-                let shape = larger(-power + 1.0, zero) * stripes.factors[i];
-                let shape = size.simd_le(half).select(shape, zero);
-                shape.store_slice(&mut bristles.pressure[i * stride + j..][..LANES]);
-                let share = shape.simd_gt(0.0).select(share(simd, p, x, length), zero);
-                share.store_slice(&mut bristles.share[i * stride + j..][..LANES]);
-                let counted = shape * share;
-                s0 += counted;
-                let lever = counted * x;
-                s1 += lever;
-                s2 += lever * x;
-            }
-        }
-        Moments { s0: sum(s0), s1: sum(s1), s2: sum(s2) }
     }
 
     /// The bristles' law, four at once; see [`advance`](super::advance), which is the law for one.
@@ -232,7 +136,6 @@ impl Prepared {
         simd: S,
         bristles: &mut Bristles,
         passage: &Passage<'_>,
-        stripes: &Stripes,
         pressure: &Pressure<f64>,
     ) -> Sums {
         let p = self.parameters();
@@ -250,27 +153,39 @@ impl Prepared {
         let [from, to] = bristles.window;
         let all_relaxed = one / splat(dt * c + d);
         let mut total = Lanes::new(simd);
-        let mut fronts = Sums::default();
-        let has_fronts = tops.feed() != 0.0 && !p.whole_step_entry;
+        let mut lacking = Sums::default();
         let mut pattern = Pattern::new();
-        // no bristle is pressed harder
-        let longest = stripes.lengths.iter().fold(0.0_f64, |a, b| a.max(*b));
-        let most = stripes.factors.iter().fold(0.0_f64, |a, b| a.max(*b))
-            * (pressure.level + 0.5 * longest * pressure.tilt.abs());
-        let strongest = law.limits(most).sticking;
+        let (exponent, _) = Shape::new(p, passage.contact.penetration).exponents();
+        let spacings = 1.0 / p.bristle_length;
+        for j in (from..to).step_by(LANES) {
+            // the same in all stripes
+            let size = places(simd, p, bristles, j).abs();
+            log2(simd, size * 2.0).store_slice(&mut bristles.logarithms[j..j + LANES]);
+        }
         for (i, y) in self.stripe_places().iter().enumerate() {
-            let (length, old_length) = (stripes.lengths[i], bristles.lengths[i]);
+            let (length, old_length) = (bristles.stripes.lengths[i], bristles.old_lengths[i]);
             if length <= 0.0 && old_length <= 0.0 {
                 continue;
             }
             let (half, old_half) = (0.5 * length, 0.5 * old_length);
+            let (factor, logarithm) = (bristles.stripes.factors[i], bristles.stripes.logarithms[i]);
             let path = tops.at_stripe(*y);
-            pattern.clear();
             let (vx, vy, led) = (path.velocity_x, path.velocity_y, path.led);
+            let (mut power, mut slip) = (zero, zero);
             for j in (from..to).step_by(LANES) {
                 let k = i * stride + j;
                 let x = places(simd, p, bristles, j);
-                let cell_pressure = four(simd, &bristles.pressure, k) * (x * pressure.tilt + pressure.level);
+                let inside = -x.abs() + half;
+                // the pressure, and how much of it counts
+                let shape = exp2(simd, (four(simd, &bristles.logarithms, j) - logarithm) * exponent);
+                let shape = larger(-shape + 1.0, zero) * factor;
+                let touches = inside.simd_ge(0.0) & shape.simd_gt(0.0);
+                let cell_pressure = touches.select(shape, zero) * (x * pressure.tilt + pressure.level);
+                let mut counts = touches.select(one, zero);
+                if !p.whole_step_entry {
+                    let farther = smaller((x.abs() + half) * spacings, one);
+                    counts = counts * (smaller(inside * spacings, one) + farther) * 0.5;
+                }
 
                 // friction limits: linear in the pressure (4.32), neither is negative; 0 out of contact
                 let held = larger(cell_pressure, zero) * law.area;
@@ -278,7 +193,6 @@ impl Prepared {
                 let mut sliding_limit = larger(cell_pressure * sliding_slope + sliding_0, zero) * held;
 
                 // a bristle that came into contact within the step is loaded for the rest of it only
-                let inside = -x.abs() + half;
                 let inside_before = -(x + shift).abs() + old_half;
                 let enters = inside.simd_gt(0.0) & inside_before.simd_lt(0.0);
                 let (mut loaded, mut per_relaxed) = (one, all_relaxed);
@@ -317,15 +231,17 @@ impl Prepared {
                 force_x.store_slice(&mut bristles.force_x[k..k + LANES]);
                 force_y.store_slice(&mut bristles.force_y[k..k + LANES]);
                 sticks.select(one, zero).store_slice(&mut bristles.stick[k..k + LANES]);
+                counts.store_slice(&mut bristles.share[k..k + LANES]);
 
-                let counts = four(simd, &bristles.share, k);
                 let free_y = velocity_y - (middle * led[1] + led[0]);
                 total.work -= (force_x * velocity_x + force_y * free_y) * (loaded * counts);
                 let slipping = slip_speed * counts;
-                total.power += sliding_limit * slipping;
-                total.slip += larger(cell_pressure, zero) * slipping;
+                power += sliding_limit * slipping;
+                slip += larger(cell_pressure, zero) * slipping;
             }
             // the sums by themselves: nothing there waits for a root and a quotient
+            let (mut normal, mut sliding) = (zero, [zero; 4]);
+            pattern.clear();
             for j in (from..to).step_by(LANES) {
                 let k = i * stride + j;
                 let x = places(simd, p, bristles, j);
@@ -343,43 +259,56 @@ impl Prepared {
                 total.moment_z += x * fy - place_y * fx;
                 total.touching += counts;
                 total.sticking += counts * sticks;
+                normal += counted;
                 if pulls {
                     total.negative += larger(-counted, zero);
                 }
                 total.highest = larger(cell_pressure, total.highest);
                 total.stored += (new_x * new_x + new_y * new_y) * counts;
-                pattern.push(j - from, counts.simd_gt(0.0).to_bitmask(), sticks.simd_gt(0.0).to_bitmask());
+                let stuck = sticks.simd_gt(0.0);
+                let slid = stuck.select(zero, larger(counted, zero));
+                sliding[0] += slid;
+                sliding[1] += slid * x;
+                sliding[2] += stuck.select(zero, fx);
+                sliding[3] += stuck.select(zero, fy);
+                pattern.push(j - from, counts.simd_gt(0.0).to_bitmask(), stuck.to_bitmask());
             }
-            if has_fronts {
-                let fronts_of_all = Fronts {
-                    bristles,
-                    deformation,
-                    friction: &law,
-                    per_length: 1.0 / p.bristle_length,
-                    feed: tops.feed(),
-                    growth: c * p.bristle_length / tops.feed().abs(),
-                    share: tops.feed().abs().min(1.0),
-                    strongest,
-                };
-                let row = i * stride;
-                Stripe { fronts: &fronts_of_all, path: &path, y: *y, length, row }
-                    .add_all(&pattern, &mut fronts);
+            let mut more = 1.0;
+            if !p.whole_step_entry {
+                let patch = Patch { p, bristles, deformation, friction: &law, pressure, exponent, feed: tops.feed() };
+                let stripe = Stripe { patch: &patch, path: &path, row: i * stride, y: *y, length, logarithm, factor };
+                let [pressed, lever, force_x, force_y] = sliding.map(|s| sum(s));
+                let summed = Sliding { pressure: [pressed, lever], force: [force_x, force_y] };
+                let share = stripe.add_all(&pattern, summed, &mut lacking);
+                more = share.sliding;
+                lacking.touching += length * spacings;
+                lacking.sliding += length * spacings - share.sticking;
+                let [level, tilt] = bristles.stripes.sums[i];
+                let load = pressure.level * level + pressure.tilt * tilt - sum(normal);
+                lacking.moment[0] += area * load * (y + deformation.shift_y);
             }
+            total.power += power * more;
+            total.slip += slip * more;
         }
         bristles.stored = sum(total.stored);
+        let (touching, sliding) = if p.whole_step_entry {
+            (sum(total.touching), sum(total.touching) - sum(total.sticking))
+        } else {
+            (lacking.touching, lacking.sliding)
+        };
         Sums {
-            force: [sum(total.force_x) + fronts.force[0], sum(total.force_y) + fronts.force[1]],
+            force: [sum(total.force_x) + lacking.force[0], sum(total.force_y) + lacking.force[1]],
             moment: [
-                area * sum(total.moment_x),
-                sum(total.moment_z) + deformation.shift_x * sum(total.force_y) + fronts.moment[1],
+                area * sum(total.moment_x) + lacking.moment[0],
+                sum(total.moment_z) + deformation.shift_x * sum(total.force_y) + lacking.moment[1],
             ],
-            touching: sum(total.touching),
-            sliding: sum(total.touching) - sum(total.sticking),
+            touching,
+            sliding,
             power: sum(total.power),
             slip: area * sum(total.slip),
             negative: area * sum(total.negative),
             highest: <[f64; LANES]>::from(total.highest).into_iter().fold(0.0, f64::max),
-            work: sum(total.work) + fronts.work,
+            work: sum(total.work) + lacking.work,
         }
     }
 }

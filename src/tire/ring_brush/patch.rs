@@ -244,6 +244,13 @@ impl<T: Real> Shape<T> {
     pub fn along(&self, x: T, length: T) -> T {
         -(x * 2.0 / length).abs().pow(self.exponent_long) + 1.0
     }
+
+    /// The integrals of [`along`](Self::along) over a stripe \[m\], times 1 and x² (times x it is 0).
+    pub fn integrals(&self, length: T) -> [T; 2] {
+        let g = self.exponent_long;
+        let second = (T::from(1.0 / 3.0) - T::one() / (g + 3.0)) * 0.25;
+        [length * (g / (g + 1.0)), length * length * length * second]
+    }
 }
 
 /// Sums of the shape over the bristles: times 1, x and x².

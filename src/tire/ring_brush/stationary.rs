@@ -407,7 +407,7 @@ impl Stationary {
         bristles.look_at([0, bristles.per_stripe]);
         let contact = Contact::new(p, &belt);
         for (i, (y, radius)) in tire.stripe_places().iter().zip(tire.stripe_radii()).enumerate() {
-            bristles.lengths[i] = contact.stripe_length(p, *y, *radius);
+            bristles.stripes.lengths[i] = contact.stripe_length(p, *y, *radius);
         }
 
         // bristles take over the deflection of the interval that they are in

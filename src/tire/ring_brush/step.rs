@@ -1,9 +1,10 @@
 //! The tire in time: one step of belt and patch.
 
 use super::bristles::MAX_PER_STRIPE;
-use super::passage::{MAX_STRIPES, Passage};
+use super::passage::Passage;
 use super::patch::PressureState;
 use super::sidewall::{Coupling, coupling};
+use super::stripes::MAX_STRIPES;
 use super::{Contact, Deformation, Loads, Parameters, State, Tops, moment_y, patch_on_belt};
 use crate::mechanics::{Motion, Wrench, drift, kick};
 use crate::road::{Road, Window};

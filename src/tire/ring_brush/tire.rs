@@ -257,7 +257,7 @@ impl RingBrush {
 
     /// Length of the stripe at a share of the way from left to right \[m\].
     pub fn contact_length(&self, share: f64) -> f64 {
-        self.state.bristles.lengths.get(self.stripe(share)).copied().unwrap_or(0.0)
+        self.state.bristles.lengths().get(self.stripe(share)).copied().unwrap_or(0.0)
     }
 
     /// Number of the stripe at a share of the way from left to right.
