@@ -232,7 +232,7 @@ fn extrapolating_with_derivatives_is_never_worse_than_holding() {
     // an output is without derivative only where the difference misleads
     assert_eq!(
         ragged.keys().map(String::as_str).collect::<Vec<_>>(),
-        ["contact_power_loss", "friction_power", "patch_force_y", "sliding_share"]
+        ["friction_power"]
     );
     assert!(ragged.values().all(|most| *most > 1.0), "{ragged:?}");
 }

@@ -225,7 +225,7 @@ fn z9_start_and_side_wall() {
     assert!(values.windows(2).all(|w| w[0] < w[1]));
 }
 
-/// Finer bristles of the same rubber: towards the continuum with the third order and without a ripple, 4988.80 N without
+/// Finer bristles of the same rubber: towards the continuum with the second order and without a ripple, 4988.80 N without
 /// the bristle's damper. With it 0.4 N remain, 1e-4: a bristle that enters slides for the first 0.03 mm, which steps of
 /// some microseconds would have to resolve.
 #[test]
@@ -264,11 +264,12 @@ fn refinement_of_bristles() {
     for (damping, limit) in [(0.65, 4995.04), (0.0, 4988.80)] {
         let found = grids.map(|(factor, h)| sums(damping, factor, h));
         let errors = found.map(|(mean, _)| (mean - limit).abs());
-        assert!(errors[0] < 5e-4 * limit && errors[3] < 1e-4 * limit, "{errors:?}");
+        assert!(errors[0] < 3e-4 * limit && errors[3] < 1e-4 * limit, "{errors:?}");
         // 3.8 N when every bristle counted as a whole
         assert!(found.iter().all(|(_, ripple)| *ripple < 0.8), "{found:?}");
         if damping == 0.0 {
-            assert!(errors[1] < errors[0] / 6.0 && errors[2] < errors[1] / 6.0, "{errors:?}");
+            // second order
+            assert!(errors.windows(2).all(|e| e[1] < e[0] / 3.0), "{errors:?}");
         }
     }
 }

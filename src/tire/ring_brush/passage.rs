@@ -7,8 +7,9 @@
 
 use super::bristle::norm;
 use super::bristles::Bristles;
-use super::patch::{Pressure, PressureState, Shape};
+use super::patch::{Pressure, Shape};
 use super::stretches::{Patch, Pattern, Sliding, Stripe};
+use super::stripes::closed;
 use super::{Contact, Deformation, Limits, Parameters, Prepared, Tops};
 use crate::solver::lanes::{LANES, exp2, larger, log2, smaller, sum};
 use crate::{Error, Result};
@@ -148,12 +149,11 @@ impl Prepared {
             sticking: [static_0, static_slope], sliding: [sliding_0, sliding_slope], falloff, ..
         } = law;
         let tiny = splat(f64::MIN_POSITIVE);
-        let pulls = pressure.state == PressureState::Negative;
         let stride = bristles.stride();
         let [from, to] = bristles.window;
         let all_relaxed = one / splat(dt * c + d);
         let mut total = Lanes::new(simd);
-        let mut lacking = Sums::default();
+        let (mut rest, mut stored) = (Sums::default(), 0.0);
         let mut pattern = Pattern::new();
         let (exponent, _) = Shape::new(p, passage.contact.penetration).exponents();
         let spacings = 1.0 / p.bristle_length;
@@ -240,7 +240,8 @@ impl Prepared {
                 slip += larger(cell_pressure, zero) * slipping;
             }
             // the sums by themselves: nothing there waits for a root and a quotient
-            let (mut normal, mut sliding) = (zero, [zero; 4]);
+            let (mut normal, mut pulling, mut touching, mut sticking) = (zero, zero, zero, zero);
+            let mut sliding = [zero; 4];
             pattern.clear();
             for j in (from..to).step_by(LANES) {
                 let k = i * stride + j;
@@ -257,14 +258,12 @@ impl Prepared {
                 total.force_y += fy;
                 total.moment_x += place_y * counted;
                 total.moment_z += x * fy - place_y * fx;
-                total.touching += counts;
-                total.sticking += counts * sticks;
-                normal += counted;
-                if pulls {
-                    total.negative += larger(-counted, zero);
-                }
                 total.highest = larger(cell_pressure, total.highest);
                 total.stored += (new_x * new_x + new_y * new_y) * counts;
+                normal += counted;
+                pulling += larger(-counted, zero);
+                touching += counts;
+                sticking += counts * sticks;
                 let stuck = sticks.simd_gt(0.0);
                 let slid = stuck.select(zero, larger(counted, zero));
                 sliding[0] += slid;
@@ -273,42 +272,49 @@ impl Prepared {
                 sliding[3] += stuck.select(zero, fy);
                 pattern.push(j - from, counts.simd_gt(0.0).to_bitmask(), stuck.to_bitmask());
             }
+            let closed = closed(p, length);
             let mut more = 1.0;
-            if !p.whole_step_entry {
-                let patch = Patch { p, bristles, deformation, friction: &law, pressure, exponent, feed: tops.feed() };
-                let stripe = Stripe { patch: &patch, path: &path, row: i * stride, y: *y, length, logarithm, factor };
+            if closed > 0.0 {
+                let patch =
+                    Patch { p, bristles, deformation, friction: &law, pressure, exponent, feed: tops.feed() };
+                let stripe =
+                    Stripe { patch: &patch, path: &path, row: i * stride, y: *y, length, logarithm, factor };
                 let [pressed, lever, force_x, force_y] = sliding.map(|s| sum(s));
-                let summed = Sliding { pressure: [pressed, lever], force: [force_x, force_y] };
-                let share = stripe.add_all(&pattern, summed, &mut lacking);
-                more = share.sliding;
-                lacking.touching += length * spacings;
-                lacking.sliding += length * spacings - share.sticking;
+                let lacking = stripe
+                    .lacking(&pattern, Sliding { pressure: [pressed, lever], force: [force_x, force_y] });
                 let [level, tilt] = bristles.stripes.sums[i];
                 let load = pressure.level * level + pressure.tilt * tilt - sum(normal);
-                lacking.moment[0] += area * load * (y + deformation.shift_y);
+                more += closed * (lacking.sliding - 1.0);
+                rest.force[0] += closed * lacking.force[0];
+                rest.force[1] += closed * lacking.force[1];
+                rest.moment[0] += area * load * (y + deformation.shift_y);
+                rest.moment[1] += closed * lacking.moment;
+                rest.work += closed * lacking.work;
+                stored += closed * lacking.stored;
+                rest.negative += closed * lacking.pulls;
+                rest.touching += closed * length * spacings;
+                rest.sliding += closed * (length * spacings - lacking.sticking);
             }
+            total.negative += pulling * (1.0 - closed);
+            total.touching += touching * (1.0 - closed);
+            total.sticking += sticking * (1.0 - closed);
             total.power += power * more;
             total.slip += slip * more;
         }
-        bristles.stored = sum(total.stored);
-        let (touching, sliding) = if p.whole_step_entry {
-            (sum(total.touching), sum(total.touching) - sum(total.sticking))
-        } else {
-            (lacking.touching, lacking.sliding)
-        };
+        bristles.stored = sum(total.stored) + stored;
         Sums {
-            force: [sum(total.force_x) + lacking.force[0], sum(total.force_y) + lacking.force[1]],
+            force: [sum(total.force_x) + rest.force[0], sum(total.force_y) + rest.force[1]],
             moment: [
-                area * sum(total.moment_x) + lacking.moment[0],
-                sum(total.moment_z) + deformation.shift_x * sum(total.force_y) + lacking.moment[1],
+                area * sum(total.moment_x) + rest.moment[0],
+                sum(total.moment_z) + deformation.shift_x * sum(total.force_y) + rest.moment[1],
             ],
-            touching,
-            sliding,
+            touching: sum(total.touching) + rest.touching,
+            sliding: sum(total.touching) - sum(total.sticking) + rest.sliding,
             power: sum(total.power),
             slip: area * sum(total.slip),
-            negative: area * sum(total.negative),
+            negative: area * (sum(total.negative) + rest.negative),
             highest: <[f64; LANES]>::from(total.highest).into_iter().fold(0.0, f64::max),
-            work: sum(total.work) + lacking.work,
+            work: sum(total.work) + rest.work,
         }
     }
 }

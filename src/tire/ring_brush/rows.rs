@@ -26,12 +26,12 @@ impl RingBrush {
             output("contact_length_center", "m", Access::computed(|m: &Self| m.contact_length(0.5)), "Length of the middle contact stripe"),
             output("contact_length_right", "m", Access::computed(|m: &Self| m.contact_length(1.0)), "Length of the contact stripe with the smallest y (l_mat n)"),
             output("patch_force_x", "N", real!(state.patch.force.x), "Longitudinal force of the patch on the belt, contact frame (F_LGKx)").nominal(1000.0).role(Role::LongitudinalForce),
-            output("patch_force_y", "N", real!(state.patch.force.y), "Lateral force of the patch on the belt, contact frame (F_LGKy)").nominal(1000.0).without_derivative().role(Role::LateralForce),
+            output("patch_force_y", "N", real!(state.patch.force.y), "Lateral force of the patch on the belt, contact frame (F_LGKy)").nominal(1000.0).role(Role::LateralForce),
             output("patch_force_z", "N", real!(state.patch.force.z), "Normal force of the patch on the belt (F_LGKz)").nominal(1000.0).role(Role::Load),
-            output("sliding_share", "1", real!(state.patch.sliding_share), "Bristles that slide over bristles in contact").without_derivative(),
+            output("sliding_share", "1", real!(state.patch.sliding_share), "Part of the contact that slides"),
             output("sliding_distance", "m", real!(state.sliding_distance), "Distance slid since the start, mean over the normal force").role(Role::Other),
             output("friction_power", "W", real!(state.patch.friction_power), "Power of the friction of bristles that slide, at this instant; contact_power_loss has all that is lost").nominal(1000.0).without_derivative().role(Role::Share),
-            output("contact_power_loss", "W", real!(state.patch.power_loss), "Power lost in the contact, all of it: sliding, the bristles' dampers, snapping back at break-away, leaving the contact bent; a mean over the last 10 ms").nominal(1000.0).without_derivative().role(Role::FrictionPower),
+            output("contact_power_loss", "W", real!(state.patch.power_loss), "Power lost in the contact, all of it: sliding, the bristles' dampers, snapping back at break-away, leaving the contact bent; a mean over the last 10 ms").nominal(1000.0).role(Role::FrictionPower),
             output("contact_energy_loss", "J", real!(state.energy_loss), "Energy lost in the contact since the start").nominal(1e4),
             local("belt_camber", "rad", real!(state.belt.angles.x), "Camber of the belt (phi_G0x)").role(Role::Camber),
             local("belt_yaw", "rad", Access::computed(|m: &Self| m.state.belt.angles.z - m.rim.angles.z), "Steer angle of the belt minus that of the rim (phi_G0z - phi_F0z)"),
@@ -98,7 +98,7 @@ impl RingBrush {
             boolean_parameter("even_stripes", boolean!(parameters.even_stripes), false, "Width of a stripe: false as printed in (4.16), 3 B / (3 n - 1); true tire_width / stripes"),
             boolean_parameter("antisymmetric_coupling", boolean!(parameters.antisymmetric_coupling), false, "Rotation between rim and belt: false single entries of the rotation matrix as printed in (4.4), with a ripple of second order twice a turn; true its antisymmetric part"),
             boolean_parameter("limit_pressure_tilt", boolean!(parameters.limit_pressure_tilt), true, "Negative pressure at light load: true limits the tilt so that no pressure is negative, and the lateral-axis moment is not met there; false as printed: bristles that pull count in the normal force but not in the friction, so the others rub with more than the wheel carries"),
-            boolean_parameter("whole_step_entry", boolean!(parameters.whole_step_entry), false, "Bristle that comes into contact within a step: false it is loaded from that instant; true for the whole step, which makes the patch longer by half a step's travel and probably is in the source's own example"),
+            boolean_parameter("whole_step_entry", boolean!(parameters.whole_step_entry), false, "How bristles count: false one that comes into contact within a step is loaded from that instant, and sums over bristles are integrals over the contact; true as printed: loaded for the whole step, which makes the patch longer by half a step's travel, and each counts as a whole, so that sums ripple"),
         ])
     }
 }

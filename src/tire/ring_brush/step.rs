@@ -274,7 +274,8 @@ impl Prepared {
             PressureState::Negative if sums.negative == 0.0 => PressureState::Regular,
             other => other,
         };
-        patch.sliding_share = if sums.touching > 0.0 { sums.sliding / sums.touching } else { 0.0 };
+        patch.sliding_share =
+            if sums.touching > 0.0 { (sums.sliding / sums.touching).clamp(0.0, 1.0) } else { 0.0 };
         patch.friction_power = sums.power;
         if dt > 0.0 {
             // what went into the bristles and is not in their springs is lost

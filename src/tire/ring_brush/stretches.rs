@@ -2,11 +2,12 @@
 
 use super::bristle::norm;
 use super::bristles::{Bristles, MAX_PER_STRIPE};
-use super::passage::{Friction, Sums};
+use super::passage::Friction;
 use super::patch::{Path, Pressure};
-use super::stripes::closed;
 use super::{Deformation, Limits, Parameters};
 
+/// From this speed \[m/s\] on a wheel rolls: bristles come by within the time in which slips change.
+const ROLLS: f64 = 0.1;
 const BITS: usize = u64::BITS as usize;
 const WORDS: usize = MAX_PER_STRIPE.div_ceil(BITS);
 
@@ -117,12 +118,21 @@ pub(super) struct Sliding {
     pub force: [f64; 2],
 }
 
-/// What a stripe has of sticking and sliding.
-pub(super) struct Share {
+/// What sums over the bristles of a stripe lack of integrals over it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Lacking {
+    pub force: [f64; 2],
+    /// About z.
+    pub moment: f64,
+    pub work: f64,
+    /// Squared deflections \[m²\].
+    pub stored: f64,
     /// Spacings that stick.
     pub sticking: f64,
     /// How much more pressure slides than that of the bristles that do.
     pub sliding: f64,
+    /// What pulls of the pressure, over the spacing.
+    pub pulls: f64,
 }
 
 /// An end of a stretch or a stripe.
@@ -180,10 +190,11 @@ struct Front {
 }
 
 impl Stripe<'_> {
-    /// Adds what the sums over bristles lack.
-    pub fn add_all(&self, pattern: &Pattern, summed: Sliding, sums: &mut Sums) -> Share {
+    /// What the sums over bristles lack.
+    pub fn lacking(&self, pattern: &Pattern, summed: Sliding) -> Lacking {
         let Patch { p, bristles, feed, .. } = *self.patch;
         let bounds = self.bounds();
+        let mut sums = Lacking::default();
         let mut slides = summed;
         let mut sticking = 0.0;
         let mut held = [0.0; 2];
@@ -196,29 +207,31 @@ impl Stripe<'_> {
         let from = self.row + bristles.window[0];
         pattern.each_stretch(|first, last| {
             let (first, last) = (from + first, from + last);
-            let rear = self.end(first, -1.0, first == last, &bounds[0], &mut slides, sums);
-            let front = self.end(last, 1.0, first == last, &bounds[1], &mut slides, sums);
+            let rear = self.end(first, -1.0, first == last, &bounds[0], &mut slides, &mut sums);
+            let front = self.end(last, 1.0, first == last, &bounds[1], &mut slides, &mut sums);
             hold([rear, front], 1.0);
-            // the product of place and force is curved where both are linear
-            let grown = bristles.force_y[last] - bristles.force_y[first];
-            sums.moment[1] -= p.bristle_length / 6.0 * grown;
+            let grown = difference(self.force(last), self.force(first));
+            self.add_products(1.0, (last - first) as f64, grown, 1.0, 1.0, &mut sums);
         });
         if let (Some([first, last]), true) = (pattern.ends(), feed != 0.0) {
             let outer = if self.is_forward() { last } else { first };
             if !pattern.sticks(outer) {
-                // as the direction of the rolling resistance (4.22)
-                let share = feed.abs().min(1.0);
-                if let Some(front) = self.entry(from + outer, share, &bounds, &mut slides, sums) {
+                let share = self.rolls();
+                if let Some(front) = self.entry(from + outer, share, &bounds, &mut slides, &mut sums) {
                     hold(if self.is_forward() { [front, bounds[1]] } else { [bounds[0], front] }, share);
                 }
             }
         }
-        let lacking = self.add_pressure(&bounds, held, &slides, sums);
-        let sliding = match summed.pressure[0] {
+        let lacking = self.add_pressure(&bounds, held, &slides, &mut sums);
+        let [rear, front] = bounds.map(|b| b.pressure[0]);
+        let [all_rear, all_front] = [-0.5, 0.5].map(|end| self.integrals(end * self.length, 1.0).pressure[0]);
+        sums.sticking = sticking.clamp(0.0, self.length / p.bristle_length);
+        sums.sliding = match summed.pressure[0] {
             summed if summed > 0.0 => (slides.pressure[0] + lacking) / summed,
             _ => 1.0,
         };
-        Share { sticking, sliding }
+        sums.pulls = (front - rear) - (all_front - all_rear);
+        sums
     }
 
     /// The ends of what is pressed on the road.
@@ -227,7 +240,10 @@ impl Stripe<'_> {
         let Pressure { level, tilt, .. } = *self.patch.pressure;
         [-half, half].map(|x| match level + tilt * x {
             pressed if pressed >= 0.0 => self.integrals(x, 1.0),
-            _ => self.integrals(-level / tilt, self.power(-level / tilt)),
+            _ => {
+                let x = (-level / tilt).clamp(-half, half);
+                self.integrals(x, self.power(x).min(1.0))
+            }
         })
     }
 
@@ -255,16 +271,13 @@ impl Stripe<'_> {
         alone: bool,
         bound: &End,
         slides: &mut Sliding,
-        sums: &mut Sums,
+        sums: &mut Lacking,
     ) -> End {
-        let Patch { p, feed, .. } = *self.patch;
+        let Patch { p, .. } = *self.patch;
         let (next, inner) = (self.neighbour(held, side), self.neighbour(held, -side));
         let (from, force) = (self.place(held), self.force(held));
         let growth = match inner {
-            Some(inner) if !alone => {
-                let behind = self.force(inner);
-                [force[0] - behind[0], force[1] - behind[1]]
-            }
+            Some(inner) if !alone => difference(force, self.force(inner)),
             _ => self.growth_of_one(held).map(|g| if self.is_entry(side) { -g } else { g }),
         };
         let spacings = if next.is_some() { 1.0 } else { side * (bound.x - from) / p.bristle_length };
@@ -272,32 +285,49 @@ impl Stripe<'_> {
             return *bound;
         }
         let mut way = Way { from, side, spacings, force, growth, limit: 0.0, rise: 0.0, bend: 0.0 };
-        if next.is_none() && feed != 0.0 && self.is_entry(side) {
-            // no bristle is loaded more outside of the contact than in it
-            let (most, there) = (norm(force), norm(way.force(spacings)));
-            let outer = way.force(spacings).map(|f| if there > most { f * (most / there) } else { f });
-            self.add_node(bound.x, outer.map(|f| 0.5 * spacings * f), sums);
-            self.add_product(side, spacings, outer[1] - force[1], sums);
-            return *bound;
+        let share = if next.is_some() {
+            1.0
+        } else if self.is_entry(side) {
+            0.0
+        } else {
+            self.rolls()
+        };
+        let mut end = *bound;
+        if share < 1.0 {
+            // in no sum is more friction than the law allows
+            let outer = way.force(spacings);
+            let most = (self.limits(self.pressure(held)).sticking - norm(force)).max(0.0);
+            let part = (most / norm(outer).max(f64::MIN_POSITIVE)).min(1.0);
+            let outer = outer.map(|f| part * f);
+            self.add_node(bound.x, 0.5 * (1.0 - share) * spacings, outer, sums);
+            self.add_products(side, 1.0, difference(outer, force), spacings, 1.0 - share, sums);
         }
-        // the limit as a parabola through three nodes
-        let limit = |k: Option<usize>| k.map_or(0.0, |k| self.limits(self.pressure(k)).sticking);
-        let behind = if inner.is_some() { 1.0 } else { 0.5 * self.length / p.bristle_length + side * from / p.bristle_length };
-        way.limit = limit(Some(held));
-        let (ahead, back) = ((limit(next) - way.limit) / spacings, (limit(inner) - way.limit) / behind);
-        way.bend = (ahead + back) / (spacings + behind);
-        way.rise = ahead - way.bend * spacings;
-        let front = self.front(&way, way.meets());
+        if share > 0.0 {
+            // the limit as a parabola through three nodes
+            let limit = |k: Option<usize>| k.map_or(0.0, |k| self.limits(self.pressure(k)).sticking);
+            let behind = match inner {
+                Some(_) => 1.0,
+                None => (0.5 * self.length + side * from) / p.bristle_length,
+            };
+            way.limit = limit(Some(held));
+            let (ahead, back) = ((limit(next) - way.limit) / spacings, (limit(inner) - way.limit) / behind);
+            way.bend = (ahead + back) / (spacings + behind);
+            way.rise = ahead - way.bend * spacings;
+            let front = self.front(&way, way.meets());
 
-        let (at, left) = (front.at, spacings - front.at);
-        self.add_node(from, force.map(|f| 0.5 * (at - spacings) * f), sums);
-        if let Some(next) = next {
-            self.add_node(self.place(next), self.force(next).map(|f| -0.5 * at * f), sums);
-            self.slide(next, -0.5 * at, slides);
+            let (at, left) = (front.at, spacings - front.at);
+            self.add_node(from, 0.5 * share * (at - spacings), force, sums);
+            if let Some(next) = next {
+                self.add_node(self.place(next), -0.5 * at, self.force(next), sums);
+                self.slide(next, -0.5 * at, slides);
+            }
+            self.add_front(&front, 0.5 * share * at, 0.5 * share * left, slides, sums);
+            self.add_products(side, 1.0, difference(front.held, force), at, share, sums);
+            let mix = |front: f64, bound: f64| bound + share * (front - bound);
+            end.x = mix(front.end.x, bound.x);
+            end.pressure = std::array::from_fn(|c| mix(front.end.pressure[c], bound.pressure[c]));
         }
-        self.add_front(&front, 0.5 * at, 0.5 * left, slides, sums);
-        self.add_product(side, at, front.held[1] - force[1], sums);
-        front.end
+        end
     }
 
     /// The end of the stretch in which bristles stick that have just come in, before the first bristle, which slides. Near
@@ -308,7 +338,7 @@ impl Stripe<'_> {
         share: f64,
         bounds: &[End; 2],
         slides: &mut Sliding,
-        sums: &mut Sums,
+        sums: &mut Lacking,
     ) -> Option<End> {
         let Patch { p, feed, .. } = *self.patch;
         let (side, [exit, entry]) =
@@ -333,10 +363,10 @@ impl Stripe<'_> {
         let way = Way { from: entry.x, side, spacings, force: [0.0; 2], growth, limit: 0.0, rise, bend };
         let front = self.front(&way, at);
         let at = share * front.at;
-        self.add_node(self.place(first), self.force(first).map(|f| -0.5 * at * f), sums);
+        self.add_node(self.place(first), -0.5 * at, self.force(first), sums);
         self.slide(first, -0.5 * at, slides);
         self.add_front(&front, 0.5 * at, 0.5 * share * (spacings - front.at), slides, sums);
-        self.add_product(side, share * front.at, front.held[1], sums);
+        self.add_products(side, 1.0, front.held, front.at, share, sums);
         Some(front.end)
     }
 
@@ -354,8 +384,13 @@ impl Stripe<'_> {
         let mut at = at;
         if slope < 0.0 && at < w {
             at = (at - gap / slope).clamp(0.0, w);
-            let moved = (place(at) - near) / near;
-            power = (power * (1.0 + exponent * moved * (1.0 + 0.5 * (exponent - 1.0) * moved))).clamp(0.0, 1.0);
+            let (moved, by) = (place(at), place(at) / near - 1.0);
+            power = if by.abs() < 0.1 {
+                power * (1.0 + exponent * by * (1.0 + 0.5 * (exponent - 1.0) * by))
+            } else {
+                self.power(moved)
+            };
+            power = power.clamp(0.0, 1.0);
         }
         let x = place(at);
         let pressure = pressed(x, power).max(0.0);
@@ -373,14 +408,14 @@ impl Stripe<'_> {
     }
 
     /// A front counts on its sticking and on its sliding side.
-    fn add_front(&self, front: &Front, held: f64, slid: f64, slides: &mut Sliding, sums: &mut Sums) {
-        let sliding = front.slid.map(|f| slid * f);
+    fn add_front(&self, front: &Front, held: f64, slid: f64, slides: &mut Sliding, sums: &mut Lacking) {
         for c in 0..2 {
-            slides.force[c] += sliding[c];
+            slides.force[c] += slid * front.slid[c];
         }
         slides.pressure[0] += slid * front.pressure;
         slides.pressure[1] += slid * front.pressure * front.end.x;
-        self.add_node(front.end.x, std::array::from_fn(|c| held * front.held[c] + sliding[c]), sums);
+        self.add_node(front.end.x, held, front.held, sums);
+        self.add_node(front.end.x, slid, front.slid, sums);
     }
 
     /// A bristle that slides counts more.
@@ -394,37 +429,57 @@ impl Stripe<'_> {
     }
 
     /// What the trapezoidal rule lacks of the pressure that slides, it lacks of the friction. Returns that pressure.
-    fn add_pressure(&self, bounds: &[End; 2], held: [f64; 2], slides: &Sliding, sums: &mut Sums) -> f64 {
-        let Patch { p, deformation, .. } = *self.patch;
+    fn add_pressure(&self, bounds: &[End; 2], held: [f64; 2], slides: &Sliding, sums: &mut Lacking) -> f64 {
+        let deformation = self.patch.deformation;
         let Sliding { pressure, force } = *slides;
         if pressure[0] <= 0.0 {
             return 0.0;
         }
-        let closed = closed(p, self.length);
         let [lacking, lever] =
-            [0, 1].map(|c| closed * (bounds[1].pressure[c] - bounds[0].pressure[c] - held[c] - pressure[c]));
+            [0, 1].map(|c| bounds[1].pressure[c] - bounds[0].pressure[c] - held[c] - pressure[c]);
         let friction = force.map(|f| f / pressure[0]);
         let middle = if lacking == 0.0 { 0.0 } else { (lever / lacking).clamp(bounds[0].x, bounds[1].x) };
         let force = friction.map(|f| f * lacking);
         sums.force[0] += force[0];
         sums.force[1] += force[1];
-        sums.moment[1] += friction[1] * (lever + deformation.shift_x * lacking)
+        sums.moment += friction[1] * (lever + deformation.shift_x * lacking)
             - deformation.place(middle, self.y)[1] * force[0];
         sums.work += self.path.power(middle, force);
         lacking
     }
 
-    fn add_node(&self, x: f64, force: [f64; 2], sums: &mut Sums) {
+    fn add_node(&self, x: f64, share: f64, force: [f64; 2], sums: &mut Lacking) {
+        let stiffness = self.patch.p.bristle_stiffness;
         let [place_x, place_y] = self.patch.deformation.place(x, self.y);
-        sums.force[0] += force[0];
-        sums.force[1] += force[1];
-        sums.moment[1] += place_x * force[1] - place_y * force[0];
-        sums.work += self.path.power(x, force);
+        sums.stored += share * (force[0] * force[0] + force[1] * force[1]) / (stiffness * stiffness);
+        let [force_x, force_y] = force.map(|f| share * f);
+        sums.force[0] += force_x;
+        sums.force[1] += force_y;
+        sums.moment += place_x * force_y - place_y * force_x;
+        sums.work += self.path.power(x, [force_x, force_y]);
     }
 
-    /// What the product of place and force has less over a way than the trapezoidal rule says, both being linear.
-    fn add_product(&self, side: f64, spacings: f64, growth: f64, sums: &mut Sums) {
-        sums.moment[1] -= side * spacings * spacings * self.patch.p.bristle_length / 6.0 * growth;
+    /// What products of place, velocity and force, each of which is linear, have less than the trapezoidal rule says: over
+    /// a way of so many equal intervals, each `spacings` long, on which the force grows by so much.
+    fn add_products(
+        &self,
+        side: f64,
+        intervals: f64,
+        [growth_x, growth_y]: [f64; 2],
+        spacings: f64,
+        share: f64,
+        sums: &mut Lacking,
+    ) {
+        let Patch { p, .. } = *self.patch;
+        let Path { velocity_x, velocity_y, led } = self.path;
+        let lever = share * side * spacings * spacings * p.bristle_length / 6.0;
+        sums.moment -= lever * growth_y;
+        sums.work += lever * (growth_x * velocity_x[1] + growth_y * (velocity_y[1] - led[1]));
+        let squares =
+            (growth_x * growth_x + growth_y * growth_y) / (p.bristle_stiffness * p.bristle_stiffness);
+        if intervals > 0.0 {
+            sums.stored -= share * spacings / 6.0 * squares / intervals;
+        }
     }
 
     /// By how much the force of a bristle grows in a spacing towards the exit, if it alone sticks.
@@ -436,16 +491,18 @@ impl Stripe<'_> {
         let side = if self.is_forward() { 1.0 } else { -1.0 };
         let force = self.force(held);
         match self.neighbour(held, side) {
-            Some(before) => {
-                let before = self.force(before);
-                [force[0] - before[0], force[1] - before[1]]
-            }
+            Some(before) => difference(force, self.force(before)),
             // it was not loaded where it came in
             None => {
                 let spacings = (0.5 * self.length - side * self.place(held)) / p.bristle_length;
                 force.map(|f| f / spacings.max(f64::MIN_POSITIVE))
             }
         }
+    }
+
+    /// How far what is ahead of a bristle tells what it will do. Where the wheel stands it does not.
+    fn rolls(&self) -> f64 {
+        (self.patch.feed.abs() / ROLLS).min(1.0)
     }
 
     /// Bristles go to the rear.
@@ -481,4 +538,8 @@ impl Stripe<'_> {
     fn limits(&self, pressure: f64) -> Limits<f64> {
         self.patch.friction.limits(pressure)
     }
+}
+
+fn difference(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
 }
