@@ -230,9 +230,6 @@ fn extrapolating_with_derivatives_is_never_worse_than_holding() {
     }
     assert!(worse.is_empty(), "{worse:#?}");
     // an output is without derivative only where the difference misleads
-    assert_eq!(
-        ragged.keys().map(String::as_str).collect::<Vec<_>>(),
-        ["friction_power"]
-    );
+    assert_eq!(ragged.keys().map(String::as_str).collect::<Vec<_>>(), ["friction_power"]);
     assert!(ragged.values().all(|most| *most > 1.0), "{ragged:?}");
 }

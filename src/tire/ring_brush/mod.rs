@@ -33,6 +33,7 @@ mod bristle;
 mod bristles;
 mod contact;
 mod continuum;
+mod ends;
 mod parameters;
 mod passage;
 mod patch;

@@ -5,10 +5,10 @@
 //! are integrals over the stripe by the trapezoidal rule: up to the stripe's ends, which lie between bristles, and up to
 //! where stretches of bristles that stick end, which they do there, too (see [`Patch`]).
 
-use super::bristle::norm;
 use super::bristles::Bristles;
-use super::patch::{Pressure, Shape};
-use super::stretches::{Patch, Pattern, Sliding, Stripe};
+use super::ends::{Ends, Lacking, Patch, Shares};
+use super::patch::{Path, Pressure};
+use super::stretches::{Bound, Pattern, Stretches};
 use super::stripes::closed;
 use super::{Contact, Deformation, Limits, Parameters, Prepared, Tops};
 use crate::solver::lanes::{LANES, exp2, larger, log2, smaller, sum};
@@ -91,11 +91,6 @@ impl Friction {
         let limit = |[at_zero, slope]: [f64; 2]| (at_zero + slope * pressure).max(0.0) * held;
         Limits { sticking: limit(self.sticking), sliding: limit(self.sliding) }
     }
-
-    /// What is left of the sliding friction at a velocity \[m/s\] of the top.
-    pub fn at_speed(&self, velocity: [f64; 2]) -> f64 {
-        if self.falloff == 0.0 { 1.0 } else { 1.0 / (1.0 + self.falloff * norm(velocity)) }
-    }
 }
 
 impl Prepared {
@@ -126,207 +121,372 @@ impl Prepared {
         let shapes = self.sum_shapes(contact.penetration, bristles);
         let moment = passage.moment + passage.deformation.shift_x * contact.normal_force;
         let pressure = Pressure::new(p, &shapes, contact.normal_force, moment, longest);
-        let sums = dispatch!(level, simd => self.bristles(simd, bristles, passage, &pressure));
+        let law = Friction::new(p, passage.friction);
+        let patch = Patch::new(passage, p, &law, &pressure);
+        let sums = dispatch!(level, simd => Pass::new(simd, self, &patch, passage).all(simd, bristles));
         Ok((sums, pressure))
     }
+}
 
-    /// The bristles' law, four at once; see [`advance`](super::advance), which is the law for one.
+/// What all bristles have in a step.
+struct Pass<'a, S: Simd> {
+    tire: &'a Prepared,
+    patch: &'a Patch<'a>,
+    passage: &'a Passage<'a>,
+    /// 1 / (dt c + d).
+    relaxed: f64x4<S>,
+}
+
+/// A stripe, and which of four it is.
+#[derive(Clone, Copy)]
+struct Stripe {
+    lane: usize,
+    number: usize,
+    y: f64,
+    length: f64,
+    path: Path<f64>,
+}
+
+impl<'a, S: Simd> Pass<'a, S> {
     #[inline(always)]
-    fn bristles<S: Simd>(
-        &self,
-        simd: S,
-        bristles: &mut Bristles,
-        passage: &Passage<'_>,
-        pressure: &Pressure<f64>,
-    ) -> Sums {
-        let p = self.parameters();
-        let Passage { tops, deformation, shift, friction, dt, .. } = *passage;
-        let splat = |x: f64| f64x4::splat(simd, x);
-        let (zero, one) = (splat(0.0), splat(1.0));
-        let (c, d, area) = (p.bristle_stiffness, p.bristle_damping, p.cell_area());
-        let law = Friction::new(p, friction);
-        let Friction {
-            sticking: [static_0, static_slope], sliding: [sliding_0, sliding_slope], falloff, ..
-        } = law;
-        let tiny = splat(f64::MIN_POSITIVE);
-        let stride = bristles.stride();
+    fn new(simd: S, tire: &'a Prepared, patch: &'a Patch<'a>, passage: &'a Passage<'a>) -> Self {
+        let p = tire.parameters();
+        let relaxed = f64x4::splat(simd, 1.0)
+            / f64x4::splat(simd, passage.dt * p.bristle_stiffness + p.bristle_damping);
+        Self { tire, patch, passage, relaxed }
+    }
+
+    #[inline(always)]
+    fn all(&self, simd: S, bristles: &mut Bristles) -> Sums {
+        let p = self.patch.p;
         let [from, to] = bristles.window;
-        let all_relaxed = one / splat(dt * c + d);
-        let mut total = Lanes::new(simd);
-        let (mut rest, mut stored) = (Sums::default(), 0.0);
-        let mut pattern = Pattern::new();
-        let (exponent, _) = Shape::new(p, passage.contact.penetration).exponents();
-        let spacings = 1.0 / p.bristle_length;
         for j in (from..to).step_by(LANES) {
             // the same in all stripes
             let size = places(simd, p, bristles, j).abs();
             log2(simd, size * 2.0).store_slice(&mut bristles.logarithms[j..j + LANES]);
         }
-        for (i, y) in self.stripe_places().iter().enumerate() {
-            let (length, old_length) = (bristles.stripes.lengths[i], bristles.old_lengths[i]);
-            if length <= 0.0 && old_length <= 0.0 {
-                continue;
-            }
-            let (half, old_half) = (0.5 * length, 0.5 * old_length);
-            let (factor, logarithm) = (bristles.stripes.factors[i], bristles.stripes.logarithms[i]);
-            let path = tops.at_stripe(*y);
-            let (vx, vy, led) = (path.velocity_x, path.velocity_y, path.led);
-            let (mut power, mut slip) = (zero, zero);
-            for j in (from..to).step_by(LANES) {
-                let k = i * stride + j;
-                let x = places(simd, p, bristles, j);
-                let inside = -x.abs() + half;
-                // the pressure, and how much of it counts
-                let shape = exp2(simd, (four(simd, &bristles.logarithms, j) - logarithm) * exponent);
-                let shape = larger(-shape + 1.0, zero) * factor;
-                let touches = inside.simd_ge(0.0) & shape.simd_gt(0.0);
-                let cell_pressure = touches.select(shape, zero) * (x * pressure.tilt + pressure.level);
-                let mut counts = touches.select(one, zero);
-                if !p.whole_step_entry {
-                    let farther = smaller((x.abs() + half) * spacings, one);
-                    counts = counts * (smaller(inside * spacings, one) + farther) * 0.5;
+        let mut total = Total::new(simd);
+        let (mut rest, mut ends, mut pattern) = (Lacking::default(), Ends::default(), Pattern::new());
+        let mut numbers = 0..self.tire.stripe_places().len();
+        while !numbers.is_empty() {
+            let mut four = Four::default();
+            for (lane, number) in numbers.by_ref().take(LANES).enumerate() {
+                let (length, old_length) = (bristles.stripes.lengths[number], bristles.old_lengths[number]);
+                if length <= 0.0 && old_length <= 0.0 {
+                    continue;
                 }
-
-                // friction limits: linear in the pressure (4.32), neither is negative; 0 out of contact
-                let held = larger(cell_pressure, zero) * law.area;
-                let sticking_limit = larger(cell_pressure * static_slope + static_0, zero) * held;
-                let mut sliding_limit = larger(cell_pressure * sliding_slope + sliding_0, zero) * held;
-
-                // a bristle that came into contact within the step is loaded for the rest of it only
-                let inside_before = -(x + shift).abs() + old_half;
-                let enters = inside.simd_gt(0.0) & inside_before.simd_lt(0.0);
-                let (mut loaded, mut per_relaxed) = (one, all_relaxed);
-                if !p.whole_step_entry && enters.any_true() {
-                    loaded = enters.select(inside / (inside - inside_before), one);
-                    per_relaxed = one / (loaded * (dt * c) + d);
-                }
-                let time = loaded * dt;
-                let middle = loaded * (0.5 * shift) + x;
-                let velocity_x = (middle * vx[2] + vx[1]) * middle + vx[0];
-                let velocity_y = (middle * vy[2] + vy[1]) * middle + vy[0];
-
-                // radial return
-                let (old_x, old_y) =
-                    (four(simd, &bristles.deflection_x, k), four(simd, &bristles.deflection_y, k));
-                let resistance = time * c + d;
-                let trial_x = old_x * c - velocity_x * resistance;
-                let trial_y = old_y * c - velocity_y * resistance;
-                let trial = (trial_x * trial_x + trial_y * trial_y).sqrt();
-                if falloff != 0.0 {
-                    let speed = (velocity_x * velocity_x + velocity_y * velocity_y).sqrt();
-                    sliding_limit = sliding_limit / (speed * falloff + 1.0);
-                }
-                let stuck = four(simd, &bristles.stick, k).simd_gt(0.0);
-                let bound = stuck.select(sticking_limit, sliding_limit);
-                let sticks = bound.simd_gt(0.0) & trial.simd_le(bound);
-                let cut = sticks.select(one, sliding_limit / larger(trial, tiny));
-                let slip_speed = sticks.select(zero, (trial - sliding_limit) * per_relaxed);
-                let (force_x, force_y) = (trial_x * cut, trial_y * cut);
-                let (relaxes, gives) = (per_relaxed * d, per_relaxed * time);
-                let (new_x, new_y) = (force_x * gives + old_x * relaxes, force_y * gives + old_y * relaxes);
-
-                cell_pressure.store_slice(&mut bristles.pressure[k..k + LANES]);
-                new_x.store_slice(&mut bristles.deflection_x[k..k + LANES]);
-                new_y.store_slice(&mut bristles.deflection_y[k..k + LANES]);
-                force_x.store_slice(&mut bristles.force_x[k..k + LANES]);
-                force_y.store_slice(&mut bristles.force_y[k..k + LANES]);
-                sticks.select(one, zero).store_slice(&mut bristles.stick[k..k + LANES]);
-                counts.store_slice(&mut bristles.share[k..k + LANES]);
-
-                let free_y = velocity_y - (middle * led[1] + led[0]);
-                total.work -= (force_x * velocity_x + force_y * free_y) * (loaded * counts);
-                let slipping = slip_speed * counts;
-                power += sliding_limit * slipping;
-                slip += larger(cell_pressure, zero) * slipping;
+                let y = self.tire.stripe_places()[number];
+                let stripe = Stripe { lane, number, y, length, path: self.passage.tops.at_stripe(y) };
+                self.advance(simd, &stripe, bristles, &mut four, &mut total);
+                self.sum(simd, &stripe, bristles, &mut pattern, &mut four, &mut total);
+                self.hand_over(simd, &stripe, bristles, &pattern, &mut four, &mut ends, &mut rest);
             }
-            // the sums by themselves: nothing there waits for a root and a quotient
-            let (mut normal, mut pulling, mut touching, mut sticking) = (zero, zero, zero, zero);
-            let mut sliding = [zero; 4];
-            pattern.clear();
-            for j in (from..to).step_by(LANES) {
-                let k = i * stride + j;
-                let x = places(simd, p, bristles, j);
-                let (counts, sticks) = (four(simd, &bristles.share, k), four(simd, &bristles.stick, k));
-                let cell_pressure = four(simd, &bristles.pressure, k);
-                let (new_x, new_y) =
-                    (four(simd, &bristles.deflection_x, k), four(simd, &bristles.deflection_y, k));
-                let fx = four(simd, &bristles.force_x, k) * counts;
-                let fy = four(simd, &bristles.force_y, k) * counts;
-                let counted = cell_pressure * counts;
-                let place_y = (x * -deformation.bend + deformation.twist) * x + (y + deformation.shift_y);
-                total.force_x += fx;
-                total.force_y += fy;
-                total.moment_x += place_y * counted;
-                total.moment_z += x * fy - place_y * fx;
-                total.highest = larger(cell_pressure, total.highest);
-                total.stored += (new_x * new_x + new_y * new_y) * counts;
-                normal += counted;
-                pulling += larger(-counted, zero);
-                touching += counts;
-                sticking += counts * sticks;
-                let stuck = sticks.simd_gt(0.0);
-                let slid = stuck.select(zero, larger(counted, zero));
-                sliding[0] += slid;
-                sliding[1] += slid * x;
-                sliding[2] += stuck.select(zero, fx);
-                sliding[3] += stuck.select(zero, fy);
-                pattern.push(j - from, counts.simd_gt(0.0).to_bitmask(), stuck.to_bitmask());
-            }
-            let closed = closed(p, length);
-            let mut more = 1.0;
-            if closed > 0.0 {
-                let patch =
-                    Patch { p, bristles, deformation, friction: &law, pressure, exponent, feed: tops.feed() };
-                let stripe =
-                    Stripe { patch: &patch, path: &path, row: i * stride, y: *y, length, logarithm, factor };
-                let [pressed, lever, force_x, force_y] = sliding.map(|s| sum(s));
-                let lacking = stripe
-                    .lacking(&pattern, Sliding { pressure: [pressed, lever], force: [force_x, force_y] });
-                let [level, tilt] = bristles.stripes.sums[i];
-                let load = pressure.level * level + pressure.tilt * tilt - sum(normal);
-                more += closed * (lacking.sliding - 1.0);
-                rest.force[0] += closed * lacking.force[0];
-                rest.force[1] += closed * lacking.force[1];
-                rest.moment[0] += area * load * (y + deformation.shift_y);
-                rest.moment[1] += closed * lacking.moment;
-                rest.work += closed * lacking.work;
-                stored += closed * lacking.stored;
-                rest.negative += closed * lacking.pulls;
-                rest.touching += closed * length * spacings;
-                rest.sliding += closed * (length * spacings - lacking.sticking);
-            }
-            total.negative += pulling * (1.0 - closed);
-            total.touching += touching * (1.0 - closed);
-            total.sticking += sticking * (1.0 - closed);
-            total.power += power * more;
-            total.slip += slip * more;
+            ends.work(simd, self.patch, &mut four.shares, &mut rest);
+            self.finish(simd, &four, &mut total);
         }
-        bristles.stored = sum(total.stored) + stored;
+        let area = p.cell_area();
+        let force_y = sum(total.force_y);
+        bristles.stored = sum(total.stored) + rest.stored;
         Sums {
-            force: [sum(total.force_x) + rest.force[0], sum(total.force_y) + rest.force[1]],
+            force: [sum(total.force_x) + rest.force[0], force_y + rest.force[1]],
             moment: [
-                area * sum(total.moment_x) + rest.moment[0],
-                sum(total.moment_z) + deformation.shift_x * sum(total.force_y) + rest.moment[1],
+                area * sum(total.moment_x),
+                sum(total.moment_z) + self.passage.deformation.shift_x * force_y + rest.moment,
             ],
-            touching: sum(total.touching) + rest.touching,
-            sliding: sum(total.touching) - sum(total.sticking) + rest.sliding,
+            touching: sum(total.touching),
+            sliding: sum(total.sliding),
             power: sum(total.power),
             slip: area * sum(total.slip),
-            negative: area * (sum(total.negative) + rest.negative),
+            negative: area * sum(total.negative),
             highest: <[f64; LANES]>::from(total.highest).into_iter().fold(0.0, f64::max),
             work: sum(total.work) + rest.work,
         }
     }
+
+    /// The bristles' law, four at once; see [`advance`](super::advance), which is the law for one.
+    #[inline(always)]
+    fn advance(
+        &self,
+        simd: S,
+        stripe: &Stripe,
+        bristles: &mut Bristles,
+        four: &mut Four,
+        total: &mut Total<S>,
+    ) {
+        let Patch { p, pressure, friction: law, exponent, spacings, .. } = *self.patch;
+        let Passage { shift, dt, .. } = *self.passage;
+        let splat = |x: f64| f64x4::splat(simd, x);
+        let (zero, one, tiny) = (splat(0.0), splat(1.0), splat(f64::MIN_POSITIVE));
+        let (c, d) = (p.bristle_stiffness, p.bristle_damping);
+        let Friction { sticking: [static_0, static_slope], sliding: [sliding_0, sliding_slope], .. } = *law;
+        let (half, old_half) = (0.5 * stripe.length, 0.5 * bristles.old_lengths[stripe.number]);
+        let factor = bristles.stripes.factors[stripe.number];
+        let logarithm = bristles.stripes.logarithms[stripe.number];
+        let Path { velocity_x: vx, velocity_y: vy, led } = stripe.path;
+        let (mut power, mut slip) = (zero, zero);
+        let [from, to] = bristles.window;
+        for j in (from..to).step_by(LANES) {
+            let k = stripe.number * bristles.stride() + j;
+            let x = places(simd, p, bristles, j);
+            let inside = -x.abs() + half;
+            // the pressure, and how much of it counts
+            let shape = exp2(simd, (load(simd, &bristles.logarithms, j) - logarithm) * exponent);
+            let shape = larger(-shape + 1.0, zero) * factor;
+            let touches = inside.simd_ge(0.0) & shape.simd_gt(0.0);
+            let cell_pressure = touches.select(shape, zero) * (x * pressure.tilt + pressure.level);
+            let mut counts = touches.select(one, zero);
+            if !p.whole_step_entry {
+                let farther = smaller((x.abs() + half) * spacings, one);
+                counts = counts * (smaller(inside * spacings, one) + farther) * 0.5;
+            }
+
+            // friction limits: linear in the pressure (4.32), neither is negative; 0 out of contact
+            let held = larger(cell_pressure, zero) * law.area;
+            let sticking_limit = larger(cell_pressure * static_slope + static_0, zero) * held;
+            let mut sliding_limit = larger(cell_pressure * sliding_slope + sliding_0, zero) * held;
+
+            // a bristle that came into contact within the step is loaded for the rest of it only
+            let inside_before = -(x + shift).abs() + old_half;
+            let enters = inside.simd_gt(0.0) & inside_before.simd_lt(0.0);
+            let (mut loaded, mut per_relaxed) = (one, self.relaxed);
+            if !p.whole_step_entry && enters.any_true() {
+                loaded = enters.select(inside / (inside - inside_before), one);
+                per_relaxed = one / (loaded * (dt * c) + d);
+            }
+            let time = loaded * dt;
+            let middle = loaded * (0.5 * shift) + x;
+            let velocity_x = (middle * vx[2] + vx[1]) * middle + vx[0];
+            let velocity_y = (middle * vy[2] + vy[1]) * middle + vy[0];
+
+            // radial return
+            let (old_x, old_y) =
+                (load(simd, &bristles.deflection_x, k), load(simd, &bristles.deflection_y, k));
+            let resistance = time * c + d;
+            let trial_x = old_x * c - velocity_x * resistance;
+            let trial_y = old_y * c - velocity_y * resistance;
+            let trial = (trial_x * trial_x + trial_y * trial_y).sqrt();
+            if law.falloff != 0.0 {
+                let speed = (velocity_x * velocity_x + velocity_y * velocity_y).sqrt();
+                sliding_limit = sliding_limit / (speed * law.falloff + 1.0);
+            }
+            let stuck = load(simd, &bristles.stick, k).simd_gt(0.0);
+            let bound = stuck.select(sticking_limit, sliding_limit);
+            let sticks = bound.simd_gt(0.0) & trial.simd_le(bound);
+            let cut = sticks.select(one, sliding_limit / larger(trial, tiny));
+            let slip_speed = sticks.select(zero, (trial - sliding_limit) * per_relaxed);
+            let (force_x, force_y) = (trial_x * cut, trial_y * cut);
+            let (relaxes, gives) = (per_relaxed * d, per_relaxed * time);
+            let (new_x, new_y) = (force_x * gives + old_x * relaxes, force_y * gives + old_y * relaxes);
+
+            cell_pressure.store_slice(&mut bristles.pressure[k..k + LANES]);
+            new_x.store_slice(&mut bristles.deflection_x[k..k + LANES]);
+            new_y.store_slice(&mut bristles.deflection_y[k..k + LANES]);
+            force_x.store_slice(&mut bristles.force_x[k..k + LANES]);
+            force_y.store_slice(&mut bristles.force_y[k..k + LANES]);
+            sticks.select(one, zero).store_slice(&mut bristles.stick[k..k + LANES]);
+            counts.store_slice(&mut bristles.share[k..k + LANES]);
+
+            let free_y = velocity_y - (middle * led[1] + led[0]);
+            total.work -= (force_x * velocity_x + force_y * free_y) * (loaded * counts);
+            let slipping = slip_speed * counts;
+            power += sliding_limit * slipping;
+            slip += larger(cell_pressure, zero) * slipping;
+        }
+        four.power[stripe.lane] = sum(power);
+        four.slip[stripe.lane] = sum(slip);
+    }
+
+    /// The sums by themselves: nothing there waits for a root and a quotient.
+    #[inline(always)]
+    fn sum(
+        &self,
+        simd: S,
+        stripe: &Stripe,
+        bristles: &Bristles,
+        pattern: &mut Pattern,
+        four: &mut Four,
+        total: &mut Total<S>,
+    ) {
+        let (p, deformation) = (self.patch.p, self.patch.deformation);
+        let zero = f64x4::splat(simd, 0.0);
+        let middle_y = stripe.y + deformation.shift_y;
+        let (mut normal, mut pulling, mut touching, mut sticking) = (zero, zero, zero, zero);
+        let (mut sliding, mut lever, mut friction_x, mut friction_y) = (zero, zero, zero, zero);
+        pattern.clear();
+        let [from, to] = bristles.window;
+        for j in (from..to).step_by(LANES) {
+            let k = stripe.number * bristles.stride() + j;
+            let x = places(simd, p, bristles, j);
+            let (counts, sticks) = (load(simd, &bristles.share, k), load(simd, &bristles.stick, k));
+            let cell_pressure = load(simd, &bristles.pressure, k);
+            let (new_x, new_y) =
+                (load(simd, &bristles.deflection_x, k), load(simd, &bristles.deflection_y, k));
+            let fx = load(simd, &bristles.force_x, k) * counts;
+            let fy = load(simd, &bristles.force_y, k) * counts;
+            let counted = cell_pressure * counts;
+            let place_y = (x * -deformation.bend + deformation.twist) * x + middle_y;
+            total.force_x += fx;
+            total.force_y += fy;
+            total.moment_x += place_y * counted;
+            total.moment_z += x * fy - place_y * fx;
+            total.highest = larger(cell_pressure, total.highest);
+            total.stored += (new_x * new_x + new_y * new_y) * counts;
+            normal += counted;
+            pulling += larger(-counted, zero);
+            touching += counts;
+            sticking += counts * sticks;
+            let stuck = sticks.simd_gt(0.0);
+            let slid = stuck.select(zero, larger(counted, zero));
+            sliding += slid;
+            lever += slid * x;
+            friction_x += stuck.select(zero, fx);
+            friction_y += stuck.select(zero, fy);
+            pattern.push(j - from, counts.simd_gt(0.0).to_bitmask(), stuck.to_bitmask());
+        }
+        let lane = stripe.lane;
+        four.normal[lane] = sum(normal);
+        four.pulling[lane] = sum(pulling);
+        four.touching[lane] = sum(touching);
+        four.sticking[lane] = sum(sticking);
+        four.summed[lane] = sum(sliding);
+        four.shares.sliding[0][lane] = four.summed[lane];
+        four.shares.sliding[1][lane] = sum(lever);
+        four.shares.friction[0][lane] = sum(friction_x);
+        four.shares.friction[1][lane] = sum(friction_y);
+    }
+
+    /// Looks for what sticks in a stripe, and notes what its integrals need.
+    #[inline(always)]
+    fn hand_over(
+        &self,
+        simd: S,
+        stripe: &Stripe,
+        bristles: &Bristles,
+        pattern: &Pattern,
+        four: &mut Four,
+        ends: &mut Ends,
+        rest: &mut Lacking,
+    ) {
+        let Stripe { lane, number, y, length, .. } = *stripe;
+        let Pressure { level, tilt, .. } = *self.patch.pressure;
+        let [s0, s1] = bristles.stripes.sums[number];
+        four.length[lane] = length;
+        four.y[lane] = y;
+        four.velocity_x[lane] = stripe.path.velocity_x[0];
+        four.load[lane] = level * s0 + tilt * s1;
+        let closed = closed(self.patch.p, length);
+        if closed == 0.0 {
+            return;
+        }
+        let (factor, logarithm) = (bristles.stripes.factors[number], bristles.stripes.logarithms[number]);
+        let (all, bounds) = Bound::of(self.patch, length, logarithm, factor);
+        let [rear, front] = bounds;
+        four.closed[lane] = closed;
+        four.rear[lane] = rear.x;
+        four.front[lane] = front.x;
+        four.pressed[lane] = front.pressure[0] - rear.pressure[0];
+        four.pressed_lever[lane] = front.pressure[1] - rear.pressure[1];
+        four.all[lane] = all[1].pressure[0] - all[0].pressure[0];
+        let stretches = Stretches {
+            patch: self.patch,
+            bristles,
+            lane,
+            row: number * bristles.stride(),
+            feed: self.passage.tops.feed(),
+            y,
+            velocity_x: stripe.path.velocity_x[0],
+            length,
+            logarithm,
+            factor,
+            closed,
+            bounds,
+        };
+        stretches.hand_over(simd, pattern, ends, &mut four.shares, rest);
+    }
+
+    /// Adds what sums over the bristles of four stripes lack, now that it is known what sticks in them.
+    #[inline(always)]
+    fn finish(&self, simd: S, four: &Four, total: &mut Total<S>) {
+        let Patch { deformation, path, spacings, .. } = *self.patch;
+        let load = |values: &[f64; LANES]| f64x4::from_slice(simd, values);
+        let (zero, one) = (f64x4::splat(simd, 0.0), f64x4::splat(simd, 1.0));
+        let closed = load(&four.closed);
+        let open = -closed + 1.0;
+        let (sliding, summed) = (load(&four.shares.sliding[0]), load(&four.summed));
+
+        // what the trapezoidal rule lacks of the pressure that slides, it lacks of the friction
+        let lacks = load(&four.pressed) - load(&four.shares.held[0]) - sliding;
+        let lever = load(&four.pressed_lever) - load(&four.shares.held[1]) - load(&four.shares.sliding[1]);
+        let slides = sliding.simd_gt(0.0);
+        let friction = |f: &[f64; LANES]| slides.select(load(f) / slides.select(sliding, one), zero) * closed;
+        let (mu_x, mu_y) = (friction(&four.shares.friction[0]), friction(&four.shares.friction[1]));
+        let (force_x, force_y) = (mu_x * lacks, mu_y * lacks);
+        let some = (lacks * lacks).simd_gt(0.0);
+        let middle = some.select(lever / some.select(lacks, one), zero);
+        let x = smaller(larger(middle, load(&four.rear)), load(&four.front));
+        let y = load(&four.y) + deformation.shift_y;
+        let place_y = (x * -deformation.bend + deformation.twist) * x + y;
+        let velocity_x = (x * path.velocity_x[2] + path.velocity_x[1]) * x + load(&four.velocity_x);
+        let velocity_y = (x * path.velocity_y[2] + path.velocity_y[1]) * x + path.velocity_y[0];
+        let free_y = velocity_y - (x * path.led[1] + path.led[0]);
+        total.force_x += force_x;
+        total.force_y += force_y;
+        total.moment_z += mu_y * lever - place_y * force_x;
+        total.moment_x += (load(&four.load) - load(&four.normal)) * y;
+        total.work -= force_x * velocity_x + force_y * free_y;
+
+        let is_summed = summed.simd_gt(0.0);
+        let grows = (slides.select(sliding + lacks, summed)) / is_summed.select(summed, one);
+        let more = is_summed.select(closed * (grows - 1.0) + 1.0, one);
+        total.power += load(&four.power) * more;
+        total.slip += load(&four.slip) * more;
+        total.negative += closed * (load(&four.pressed) - load(&four.all)) + open * load(&four.pulling);
+        let length = load(&four.length);
+        let sticks = smaller(larger(load(&four.shares.sticking), zero), length);
+        let touching = load(&four.touching);
+        total.touching += closed * length * spacings + open * touching;
+        total.sliding += closed * (length - sticks) * spacings + open * (touching - load(&four.sticking));
+    }
+}
+
+/// Four stripes: what is known of each.
+#[derive(Default)]
+struct Four {
+    /// Length \[m\], place across \[m\], velocity of the tops in x at x = 0 \[m/s\].
+    length: [f64; LANES],
+    y: [f64; LANES],
+    velocity_x: [f64; LANES],
+    /// How far integrals count.
+    closed: [f64; LANES],
+    /// Ends of what is pressed on the road \[m\].
+    rear: [f64; LANES],
+    front: [f64; LANES],
+    /// Integrals over the spacing: of the pressure, of what is pressed on the road of it, times x.
+    all: [f64; LANES],
+    pressed: [f64; LANES],
+    pressed_lever: [f64; LANES],
+    /// The normal force over a bristle's area, and the sum over the bristles that it is without integrals.
+    load: [f64; LANES],
+    normal: [f64; LANES],
+    /// Sums over bristles: pressures that pull, shares of those in contact and of those that stick, pressures that slide.
+    pulling: [f64; LANES],
+    touching: [f64; LANES],
+    sticking: [f64; LANES],
+    summed: [f64; LANES],
+    /// Power of friction, and slip speed times pressure.
+    power: [f64; LANES],
+    slip: [f64; LANES],
+    shares: Shares,
 }
 
 /// Sums that are not yet added up over the lanes.
-struct Lanes<S: Simd> {
+struct Total<S: Simd> {
     force_x: f64x4<S>,
     force_y: f64x4<S>,
     moment_x: f64x4<S>,
     moment_z: f64x4<S>,
     touching: f64x4<S>,
-    sticking: f64x4<S>,
+    sliding: f64x4<S>,
     power: f64x4<S>,
     slip: f64x4<S>,
     negative: f64x4<S>,
@@ -335,7 +495,7 @@ struct Lanes<S: Simd> {
     stored: f64x4<S>,
 }
 
-impl<S: Simd> Lanes<S> {
+impl<S: Simd> Total<S> {
     #[inline(always)]
     fn new(simd: S) -> Self {
         let zero = f64x4::splat(simd, 0.0);
@@ -345,7 +505,7 @@ impl<S: Simd> Lanes<S> {
             moment_x: zero,
             moment_z: zero,
             touching: zero,
-            sticking: zero,
+            sliding: zero,
             power: zero,
             slip: zero,
             negative: zero,
@@ -371,7 +531,7 @@ fn window(p: &Parameters, bristles: &Bristles, longest: f64) -> [usize; 2] {
 
 /// Four numbers from `k` on.
 #[inline(always)]
-fn four<S: Simd>(simd: S, values: &[f64], k: usize) -> f64x4<S> {
+fn load<S: Simd>(simd: S, values: &[f64], k: usize) -> f64x4<S> {
     f64x4::from_slice(simd, &values[k..k + LANES])
 }
 

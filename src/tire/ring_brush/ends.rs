@@ -1,0 +1,322 @@
+//! Ends of stretches of bristles that stick, and what sums over bristles lack for them: four at once.
+
+use super::passage::{Friction, Passage};
+use super::patch::{Path, Pressure, Shape};
+use super::{Deformation, Parameters};
+use crate::solver::lanes::{LANES, exp2, larger, log2, smaller, sum};
+use fearless_simd::{Simd, f64x4, prelude::*};
+
+/// Up to this relative change of a place its power is followed by a parabola.
+const NEAR: f64 = 0.1;
+
+/// A way that leads away from a node, over which the force of a bristle that sticks grows, while its limit is
+/// `limit + rise t + bend t²`, t in spacings. Where the two meet, bristles break away.
+macro_rules! way {
+    ($($(#[$doc:meta])* $field:ident,)*) => {
+        #[derive(Debug, Clone, Copy, Default)]
+        pub(super) struct Way<T> {
+            $($(#[$doc])* pub $field: T,)*
+        }
+
+        impl Way<[f64; LANES]> {
+            fn put(&mut self, lane: usize, way: &Way<f64>) {
+                $(self.$field[lane] = way.$field;)*
+            }
+
+            #[inline(always)]
+            fn lanes<S: Simd>(&self, simd: S) -> Way<f64x4<S>> {
+                Way { $($field: f64x4::from_slice(simd, &self.$field),)* }
+            }
+        }
+    };
+}
+
+way! {
+    /// Place of the node \[m\].
+    from,
+    /// 1 if the way leads to the front, -1.
+    side,
+    /// Its length in spacings.
+    spacings,
+    /// Force of a bristle at the node \[N\].
+    force_x,
+    force_y,
+    /// By how much it grows in a spacing.
+    growth_x,
+    growth_y,
+    limit,
+    rise,
+    bend,
+    /// Where the two meet, if that is known, or negative.
+    meets,
+    /// How far it counts that they meet.
+    breaks,
+    /// How far it counts that the line goes on to the end of the stripe.
+    goes_on,
+    /// The node at the end of the way, a bristle that slides: 1, place, force and pressure, or 0.
+    next,
+    next_x,
+    next_force_x,
+    next_force_y,
+    next_pressure,
+    /// The end of the stripe: place, and integrals of the pressure up to there.
+    bound_x,
+    bound_pressure,
+    bound_lever,
+    /// The stretch begins at the end of the stripe.
+    begins,
+    /// Place of the stripe across \[m\].
+    y,
+    /// Velocity of its tops in x at x = 0.
+    velocity_x,
+    /// Factor of the stripe in the shape of the pressure, and the logarithm of its length to base 2.
+    factor,
+    logarithm,
+    /// How far integrals count in the stripe.
+    closed,
+}
+
+/// What does not change from stripe to stripe.
+pub(super) struct Patch<'a> {
+    pub p: &'a Parameters,
+    pub deformation: &'a Deformation<f64>,
+    pub friction: &'a Friction,
+    pub pressure: &'a Pressure<f64>,
+    /// Velocity of the tops; of that in x, the part without x is the stripe's own.
+    pub path: Path<f64>,
+    /// Exponent of the pressure along the stripes, g, and 1 / (g + 1), 1 / (g + 2), 1 / (g + 3).
+    pub exponent: f64,
+    pub over: [f64; 3],
+    pub spacings: f64,
+}
+
+impl<'a> Patch<'a> {
+    pub fn new(
+        passage: &Passage<'a>,
+        p: &'a Parameters,
+        friction: &'a Friction,
+        pressure: &'a Pressure<f64>,
+    ) -> Self {
+        let (exponent, _) = Shape::new(p, passage.contact.penetration).exponents();
+        Self {
+            p,
+            deformation: passage.deformation,
+            friction,
+            pressure,
+            path: passage.tops.at_stripe(0.0),
+            exponent,
+            over: [1.0, 2.0, 3.0].map(|n| 1.0 / (exponent + n)),
+            spacings: 1.0 / p.bristle_length,
+        }
+    }
+}
+
+/// Sums over what sticks and slides in four stripes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Shares {
+    /// Pressure that slides, times 1 and x.
+    pub sliding: [[f64; LANES]; 2],
+    /// Its friction.
+    pub friction: [[f64; LANES]; 2],
+    /// Integrals of the pressure that sticks, times 1 and x.
+    pub held: [[f64; LANES]; 2],
+    /// Length that sticks \[m\].
+    pub sticking: [f64; LANES],
+}
+
+/// What sums over bristles lack of integrals.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Lacking {
+    pub force: [f64; 2],
+    /// About z.
+    pub moment: f64,
+    pub work: f64,
+    /// Squared deflections \[m²\].
+    pub stored: f64,
+}
+
+/// Ends that wait to be worked on.
+#[derive(Default)]
+pub(super) struct Ends {
+    used: usize,
+    stripes: [usize; LANES],
+    ways: Way<[f64; LANES]>,
+}
+
+impl Ends {
+    /// Takes a way of one of the four stripes.
+    pub fn push<S: Simd>(
+        &mut self,
+        simd: S,
+        patch: &Patch<'_>,
+        stripe: usize,
+        way: &Way<f64>,
+        shares: &mut Shares,
+        lacking: &mut Lacking,
+    ) {
+        self.stripes[self.used] = stripe;
+        self.ways.put(self.used, way);
+        self.used += 1;
+        if self.used == LANES {
+            self.work(simd, patch, shares, lacking);
+        }
+    }
+
+    /// Works on those that wait.
+    #[inline(never)]
+    pub fn work<S: Simd>(&mut self, simd: S, patch: &Patch<'_>, shares: &mut Shares, lacking: &mut Lacking) {
+        if self.used == 0 {
+            return;
+        }
+        for lane in self.used..LANES {
+            // a way of no length, where nothing is pressed
+            self.ways.put(lane, &Way { from: 1.0, ..Way::default() });
+        }
+        let found = simd.vectorize(
+            #[inline(always)]
+            || end(simd, patch, &self.ways.lanes(simd), lacking),
+        );
+        for (lane, stripe) in self.stripes[..self.used].iter().enumerate() {
+            let Found { sliding, friction, held, sticking } = &found;
+            for c in 0..2 {
+                shares.sliding[c][*stripe] += sliding[c][lane];
+                shares.friction[c][*stripe] += friction[c][lane];
+                shares.held[c][*stripe] += held[c][lane];
+            }
+            shares.sticking[*stripe] += sticking[lane];
+        }
+        self.used = 0;
+    }
+}
+
+/// What four ends add to the sums of their stripes.
+type Found = Shares;
+
+/// The length of four vectors.
+#[inline(always)]
+fn norm<S: Simd>([x, y]: [f64x4<S>; 2]) -> f64x4<S> {
+    (x * x + y * y).sqrt()
+}
+
+#[inline(always)]
+fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut Lacking) -> Found {
+    let Patch { p, deformation, friction, pressure, path, exponent, over, spacings: per_length } = *patch;
+    let splat = |x: f64| f64x4::splat(simd, x);
+    let (zero, one) = (splat(0.0), splat(1.0));
+    let tiny = splat(f64::MIN_POSITIVE);
+    let w = way.spacings;
+    let force_at = |t: f64x4<S>| [way.growth_x * t + way.force_x, way.growth_y * t + way.force_y];
+    let clamp = |t: f64x4<S>| smaller(larger(t, zero), w);
+
+    // where the line meets the parabola: a chord, and a step of Newton's method
+    let (load, there) = (norm([way.force_x, way.force_y]), norm(force_at(w)));
+    let below = larger(way.limit - load, zero);
+    let above = there - (way.limit + (way.rise + way.bend * w) * w);
+    let whole = larger(below + above, tiny);
+    let t = w * below / whole;
+    let slope = whole / larger(w, tiny) - way.bend * (t * 2.0 - w);
+    let t = slope.simd_gt(0.0).select(clamp(t + way.bend * t * (t - w) / slope), t);
+    // a bristle that would still stick slides because it broke away elsewhere
+    let t = above.simd_gt(0.0).select(t, w);
+    let t = way.meets.simd_ge(0.0).select(way.meets, t);
+
+    // a step more, with the pressure itself
+    let place = |t: f64x4<S>| way.side * t * p.bristle_length + way.from;
+    let power_at =
+        |x: f64x4<S>| smaller(exp2(simd, (log2(simd, x.abs() * 2.0) - way.logarithm) * exponent), one);
+    let near = place(t);
+    let power = power_at(near);
+    let pressed = |x: f64x4<S>, power: f64x4<S>| {
+        larger((x * pressure.tilt + pressure.level) * way.factor * (-power + 1.0), zero)
+    };
+    let limit = |[at_zero, slope]: [f64; 2], pressed: f64x4<S>| {
+        larger(pressed * slope + at_zero, zero) * pressed * friction.area
+    };
+    let gap = limit(friction.sticking, pressed(near, power)) - norm(force_at(t));
+    let slope = way.rise + way.bend * t * 2.0 - (there - load) / larger(w, tiny);
+    let goes = slope.simd_lt(0.0) & t.simd_lt(w);
+    let t = goes.select(clamp(t - gap / smaller(slope, -tiny)), t);
+    let x = place(t);
+    let by = x / near - 1.0;
+    let is_near = by.abs().simd_lt(NEAR);
+    let followed = power * ((by * (0.5 * (exponent - 1.0)) + 1.0) * by * exponent + 1.0);
+    let power = if is_near.all_true() { followed } else { is_near.select(followed, power_at(x)) };
+    let power = smaller(larger(power, zero), one);
+
+    // what is there
+    let pressure_there = pressed(x, power);
+    let velocity_x = |x: f64x4<S>| (x * path.velocity_x[2] + path.velocity_x[1]) * x + way.velocity_x;
+    let velocity_y = |x: f64x4<S>| (x * path.velocity_y[2] + path.velocity_y[1]) * x + path.velocity_y[0];
+    let mut sliding = limit(friction.sliding, pressure_there);
+    if friction.falloff != 0.0 {
+        sliding = sliding / (norm([velocity_x(x), velocity_y(x)]) * friction.falloff + 1.0);
+    }
+    let force = force_at(t);
+    let size = larger(norm(force), tiny);
+    let held = force.map(|f| f * smaller(limit(friction.sticking, pressure_there) / size, one));
+    let slid = force.map(|f| f * (sliding / size));
+    // at the end of the stripe; in no sum is more friction than the law allows
+    let outer = force_at(w);
+    let part = smaller(below / larger(norm(outer), tiny), one);
+    let outer = outer.map(|f| f * part);
+
+    // nodes: the first, the bristle that slides, both sides of where sticking ends, the end of the stripe
+    let half = way.breaks * 0.5;
+    let left = w - t;
+    let nodes = [
+        (way.from, -(half * left), [way.force_x, way.force_y]),
+        (way.next_x, -(half * t * way.next), [way.next_force_x, way.next_force_y]),
+        (x, half * t, held),
+        (x, half * left, slid),
+        (way.bound_x, way.goes_on * w * 0.5, outer),
+    ];
+    let (mut force_x, mut force_y, mut moment, mut work, mut stored) = (zero, zero, zero, zero, zero);
+    for (x, share, [node_x, node_y]) in nodes {
+        let (fx, fy) = (share * node_x, share * node_y);
+        let place_y = (x * -deformation.bend + deformation.twist) * x + way.y + deformation.shift_y;
+        force_x += fx;
+        force_y += fy;
+        moment += (x + deformation.shift_x) * fy - place_y * fx;
+        work -= fx * velocity_x(x) + fy * (velocity_y(x) - (x * path.led[1] + path.led[0]));
+        stored += fx * node_x + fy * node_y;
+    }
+    // products of what is linear over the way are curved
+    for (share, t, [end_x, end_y]) in [(way.breaks, t, held), (way.goes_on, w, outer)] {
+        let (grown_x, grown_y) = (end_x - way.force_x, end_y - way.force_y);
+        let lever = share * way.side * t * t * (p.bristle_length / 6.0);
+        moment -= lever * grown_y;
+        work += lever * (grown_x * path.velocity_x[1] + grown_y * (path.velocity_y[1] - path.led[1]));
+        stored -= share * t * (1.0 / 6.0) * (grown_x * grown_x + grown_y * grown_y);
+    }
+    lacking.force[0] += sum(force_x * way.closed);
+    lacking.force[1] += sum(force_y * way.closed);
+    lacking.moment += sum(moment * way.closed);
+    lacking.work += sum(work * way.closed);
+    lacking.stored += sum(stored * way.closed) / (p.bristle_stiffness * p.bristle_stiffness);
+
+    // integrals of the pressure up to there
+    let scale = way.factor * per_length;
+    let squared = x * x;
+    let first = x * (-power * over[0] + 1.0);
+    let second = squared * (-power * over[1] + 0.5);
+    let third = squared * x * (-power * over[2] + 1.0 / 3.0);
+    let at = [
+        scale * (first * pressure.level + second * pressure.tilt),
+        scale * (second * pressure.level + third * pressure.tilt),
+    ];
+    let held = |at: f64x4<S>, bound: f64x4<S>| {
+        let end = bound + way.breaks * (at - bound) - way.begins * bound;
+        <[f64; LANES]>::from(way.side * end)
+    };
+    let slides = half * left * pressure_there;
+    let no_longer = half * t * way.next;
+    let stops = no_longer * way.next_pressure;
+    let changed =
+        |slid: f64x4<S>, next: f64x4<S>| <[f64; LANES]>::from(slid * half * left - no_longer * next);
+    Shares {
+        sliding: [(slides - stops).into(), (slides * x - stops * way.next_x).into()],
+        friction: [changed(slid[0], way.next_force_x), changed(slid[1], way.next_force_y)],
+        held: [held(at[0], way.bound_pressure), held(at[1], way.bound_lever)],
+        sticking: held(x, way.bound_x),
+    }
+}
