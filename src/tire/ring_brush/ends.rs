@@ -51,8 +51,6 @@ way! {
     meets,
     /// How far it counts that they meet.
     breaks,
-    /// How far it counts that the line goes on to the end of the stripe.
-    goes_on,
     /// The node at the end of the way, a bristle that slides: 1, place, force and pressure, or 0.
     next,
     next_x,
@@ -177,7 +175,7 @@ impl Ends {
             || end(simd, patch, &self.ways.lanes(simd), lacking),
         );
         for (lane, stripe) in self.stripes[..self.used].iter().enumerate() {
-            let Found { sliding, friction, held, sticking } = &found;
+            let Shares { sliding, friction, held, sticking } = &found;
             for c in 0..2 {
                 shares.sliding[c][*stripe] += sliding[c][lane];
                 shares.friction[c][*stripe] += friction[c][lane];
@@ -189,105 +187,154 @@ impl Ends {
     }
 }
 
-/// What four ends add to the sums of their stripes.
-type Found = Shares;
-
 /// The length of four vectors.
 #[inline(always)]
 fn norm<S: Simd>([x, y]: [f64x4<S>; 2]) -> f64x4<S> {
     (x * x + y * y).sqrt()
 }
 
+/// Four vectors, each times a number.
 #[inline(always)]
-fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut Lacking) -> Found {
-    let Patch { p, deformation, friction, pressure, path, exponent, over, spacings: per_length } = *patch;
-    let splat = |x: f64| f64x4::splat(simd, x);
-    let (zero, one) = (splat(0.0), splat(1.0));
-    let tiny = splat(f64::MIN_POSITIVE);
+fn times<S: Simd>([x, y]: [f64x4<S>; 2], factor: f64x4<S>) -> [f64x4<S>; 2] {
+    [x * factor, y * factor]
+}
+
+/// c0 + c1 x + c2 x².
+#[inline(always)]
+fn parabola<S: Simd>(x: f64x4<S>, c0: f64x4<S>, c1: f64, c2: f64) -> f64x4<S> {
+    (x * c2 + c1) * x + c0
+}
+
+/// The friction limit at a pressure (4.32).
+#[inline(always)]
+fn limit<S: Simd>(simd: S, [at_zero, slope]: [f64; 2], area: f64, pressed: f64x4<S>) -> f64x4<S> {
+    larger(pressed * slope + at_zero, f64x4::splat(simd, 0.0)) * pressed * area
+}
+
+impl<S: Simd> Way<f64x4<S>> {
+    /// Force of a bristle that sticks at t.
+    #[inline(always)]
+    fn force(&self, t: f64x4<S>) -> [f64x4<S>; 2] {
+        [self.growth_x * t + self.force_x, self.growth_y * t + self.force_y]
+    }
+
+    /// t where it is on the way, or its nearer end.
+    #[inline(always)]
+    fn within(&self, simd: S, t: f64x4<S>) -> f64x4<S> {
+        smaller(larger(t, f64x4::splat(simd, 0.0)), self.spacings)
+    }
+
+    #[inline(always)]
+    fn place(&self, patch: &Patch<'_>, t: f64x4<S>) -> f64x4<S> {
+        self.side * t * patch.p.bristle_length + self.from
+    }
+
+    /// (2 |x| / length)^g.
+    #[inline(always)]
+    fn power(&self, simd: S, patch: &Patch<'_>, x: f64x4<S>) -> f64x4<S> {
+        let power = exp2(simd, (log2(simd, x.abs() * 2.0) - self.logarithm) * patch.exponent);
+        smaller(power, f64x4::splat(simd, 1.0))
+    }
+
+    /// The pressure where the power has this value.
+    #[inline(always)]
+    fn pressed(&self, simd: S, patch: &Patch<'_>, x: f64x4<S>, power: f64x4<S>) -> f64x4<S> {
+        let Pressure { level, tilt, .. } = *patch.pressure;
+        larger((x * tilt + level) * self.factor * (-power + 1.0), f64x4::splat(simd, 0.0))
+    }
+
+    /// Velocity of the tops.
+    #[inline(always)]
+    fn velocity(&self, simd: S, patch: &Patch<'_>, x: f64x4<S>) -> [f64x4<S>; 2] {
+        let Path { velocity_x: [_, x1, x2], velocity_y: [y0, y1, y2], .. } = patch.path;
+        [parabola(x, self.velocity_x, x1, x2), parabola(x, f64x4::splat(simd, y0), y1, y2)]
+    }
+
+    /// Integral over what sticks, from the integrals up to where sticking ends and up to the end of the stripe.
+    #[inline(always)]
+    fn held(&self, there: f64x4<S>, bound: f64x4<S>) -> [f64; LANES] {
+        (self.side * self.breaks * (there - self.begins * bound)).into()
+    }
+}
+
+/// Works on four ends: returns what they change in their stripes.
+#[inline(always)]
+fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut Lacking) -> Shares {
+    let Patch { p, deformation, friction, pressure, path, exponent, over, .. } = *patch;
+    let (zero, one) = (f64x4::splat(simd, 0.0), f64x4::splat(simd, 1.0));
+    let tiny = f64x4::splat(simd, f64::MIN_POSITIVE);
     let w = way.spacings;
-    let force_at = |t: f64x4<S>| [way.growth_x * t + way.force_x, way.growth_y * t + way.force_y];
-    let clamp = |t: f64x4<S>| smaller(larger(t, zero), w);
 
     // where the line meets the parabola: a chord, and a step of Newton's method
-    let (load, there) = (norm([way.force_x, way.force_y]), norm(force_at(w)));
+    let (load, there) = (norm([way.force_x, way.force_y]), norm(way.force(w)));
     let below = larger(way.limit - load, zero);
     let above = there - (way.limit + (way.rise + way.bend * w) * w);
     let whole = larger(below + above, tiny);
+    let per_spacing = one / larger(w, tiny);
     let t = w * below / whole;
-    let slope = whole / larger(w, tiny) - way.bend * (t * 2.0 - w);
-    let t = slope.simd_gt(0.0).select(clamp(t + way.bend * t * (t - w) / slope), t);
+    let slope = whole * per_spacing - way.bend * (t * 2.0 - w);
+    let t = slope.simd_gt(0.0).select(way.within(simd, t + way.bend * t * (t - w) / slope), t);
     // a bristle that would still stick slides because it broke away elsewhere
     let t = above.simd_gt(0.0).select(t, w);
     let t = way.meets.simd_ge(0.0).select(way.meets, t);
 
     // a step more, with the pressure itself
-    let place = |t: f64x4<S>| way.side * t * p.bristle_length + way.from;
-    let power_at =
-        |x: f64x4<S>| smaller(exp2(simd, (log2(simd, x.abs() * 2.0) - way.logarithm) * exponent), one);
-    let near = place(t);
-    let power = power_at(near);
-    let pressed = |x: f64x4<S>, power: f64x4<S>| {
-        larger((x * pressure.tilt + pressure.level) * way.factor * (-power + 1.0), zero)
-    };
-    let limit = |[at_zero, slope]: [f64; 2], pressed: f64x4<S>| {
-        larger(pressed * slope + at_zero, zero) * pressed * friction.area
-    };
-    let gap = limit(friction.sticking, pressed(near, power)) - norm(force_at(t));
-    let slope = way.rise + way.bend * t * 2.0 - (there - load) / larger(w, tiny);
+    let near = way.place(patch, t);
+    let power = way.power(simd, patch, near);
+    let pressed = way.pressed(simd, patch, near, power);
+    let gap = limit(simd, friction.sticking, friction.area, pressed) - norm(way.force(t));
+    let slope = way.rise + way.bend * t * 2.0 - (there - load) * per_spacing;
     let goes = slope.simd_lt(0.0) & t.simd_lt(w);
-    let t = goes.select(clamp(t - gap / smaller(slope, -tiny)), t);
-    let x = place(t);
+    let t = goes.select(way.within(simd, t - gap / smaller(slope, -tiny)), t);
+    let x = way.place(patch, t);
     let by = x / near - 1.0;
     let is_near = by.abs().simd_lt(NEAR);
     let followed = power * ((by * (0.5 * (exponent - 1.0)) + 1.0) * by * exponent + 1.0);
-    let power = if is_near.all_true() { followed } else { is_near.select(followed, power_at(x)) };
+    let power =
+        if is_near.all_true() { followed } else { is_near.select(followed, way.power(simd, patch, x)) };
     let power = smaller(larger(power, zero), one);
 
     // what is there
-    let pressure_there = pressed(x, power);
-    let velocity_x = |x: f64x4<S>| (x * path.velocity_x[2] + path.velocity_x[1]) * x + way.velocity_x;
-    let velocity_y = |x: f64x4<S>| (x * path.velocity_y[2] + path.velocity_y[1]) * x + path.velocity_y[0];
-    let mut sliding = limit(friction.sliding, pressure_there);
+    let pressed = way.pressed(simd, patch, x, power);
+    let (sticking, mut sliding) = (
+        limit(simd, friction.sticking, friction.area, pressed),
+        limit(simd, friction.sliding, friction.area, pressed),
+    );
     if friction.falloff != 0.0 {
-        sliding = sliding / (norm([velocity_x(x), velocity_y(x)]) * friction.falloff + 1.0);
+        sliding = sliding / (norm(way.velocity(simd, patch, x)) * friction.falloff + 1.0);
     }
-    let force = force_at(t);
-    let size = larger(norm(force), tiny);
-    let held = force.map(|f| f * smaller(limit(friction.sticking, pressure_there) / size, one));
-    let slid = force.map(|f| f * (sliding / size));
-    // at the end of the stripe; in no sum is more friction than the law allows
-    let outer = force_at(w);
-    let part = smaller(below / larger(norm(outer), tiny), one);
-    let outer = outer.map(|f| f * part);
+    let force = way.force(t);
+    let per_size = one / larger(norm(force), tiny);
+    let held = times(force, smaller(sticking * per_size, one));
+    let slid = times(force, sliding * per_size);
 
-    // nodes: the first, the bristle that slides, both sides of where sticking ends, the end of the stripe
+    // nodes: the first, the bristle that slides, both sides of where sticking ends
     let half = way.breaks * 0.5;
-    let left = w - t;
+    let (before, behind) = (half * t, half * (w - t));
+    let no_longer = before * way.next;
     let nodes = [
-        (way.from, -(half * left), [way.force_x, way.force_y]),
-        (way.next_x, -(half * t * way.next), [way.next_force_x, way.next_force_y]),
-        (x, half * t, held),
-        (x, half * left, slid),
-        (way.bound_x, way.goes_on * w * 0.5, outer),
+        (way.from, -behind, [way.force_x, way.force_y]),
+        (way.next_x, -no_longer, [way.next_force_x, way.next_force_y]),
+        (x, before, held),
+        (x, behind, slid),
     ];
     let (mut force_x, mut force_y, mut moment, mut work, mut stored) = (zero, zero, zero, zero, zero);
     for (x, share, [node_x, node_y]) in nodes {
         let (fx, fy) = (share * node_x, share * node_y);
-        let place_y = (x * -deformation.bend + deformation.twist) * x + way.y + deformation.shift_y;
+        let [velocity_x, velocity_y] = way.velocity(simd, patch, x);
+        let place_y = parabola(x, way.y + deformation.shift_y, deformation.twist, -deformation.bend);
         force_x += fx;
         force_y += fy;
         moment += (x + deformation.shift_x) * fy - place_y * fx;
-        work -= fx * velocity_x(x) + fy * (velocity_y(x) - (x * path.led[1] + path.led[0]));
+        work -= fx * velocity_x + fy * (velocity_y - (x * path.led[1] + path.led[0]));
         stored += fx * node_x + fy * node_y;
     }
     // products of what is linear over the way are curved
-    for (share, t, [end_x, end_y]) in [(way.breaks, t, held), (way.goes_on, w, outer)] {
-        let (grown_x, grown_y) = (end_x - way.force_x, end_y - way.force_y);
-        let lever = share * way.side * t * t * (p.bristle_length / 6.0);
-        moment -= lever * grown_y;
-        work += lever * (grown_x * path.velocity_x[1] + grown_y * (path.velocity_y[1] - path.led[1]));
-        stored -= share * t * (1.0 / 6.0) * (grown_x * grown_x + grown_y * grown_y);
-    }
+    let (grown_x, grown_y) = (held[0] - way.force_x, held[1] - way.force_y);
+    let lever = way.breaks * way.side * t * t * (p.bristle_length / 6.0);
+    moment -= lever * grown_y;
+    work += lever * (grown_x * path.velocity_x[1] + grown_y * (path.velocity_y[1] - path.led[1]));
+    stored -= way.breaks * t * (1.0 / 6.0) * (grown_x * grown_x + grown_y * grown_y);
     lacking.force[0] += sum(force_x * way.closed);
     lacking.force[1] += sum(force_y * way.closed);
     lacking.moment += sum(moment * way.closed);
@@ -295,28 +342,21 @@ fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut L
     lacking.stored += sum(stored * way.closed) / (p.bristle_stiffness * p.bristle_stiffness);
 
     // integrals of the pressure up to there
-    let scale = way.factor * per_length;
+    let scale = way.factor * patch.spacings;
     let squared = x * x;
     let first = x * (-power * over[0] + 1.0);
     let second = squared * (-power * over[1] + 0.5);
     let third = squared * x * (-power * over[2] + 1.0 / 3.0);
-    let at = [
-        scale * (first * pressure.level + second * pressure.tilt),
-        scale * (second * pressure.level + third * pressure.tilt),
-    ];
-    let held = |at: f64x4<S>, bound: f64x4<S>| {
-        let end = bound + way.breaks * (at - bound) - way.begins * bound;
-        <[f64; LANES]>::from(way.side * end)
-    };
-    let slides = half * left * pressure_there;
-    let no_longer = half * t * way.next;
-    let stops = no_longer * way.next_pressure;
-    let changed =
-        |slid: f64x4<S>, next: f64x4<S>| <[f64; LANES]>::from(slid * half * left - no_longer * next);
+    let up_to = scale * (first * pressure.level + second * pressure.tilt);
+    let lever = scale * (second * pressure.level + third * pressure.tilt);
+    let (slides, stops) = (behind * pressed, no_longer * way.next_pressure);
     Shares {
         sliding: [(slides - stops).into(), (slides * x - stops * way.next_x).into()],
-        friction: [changed(slid[0], way.next_force_x), changed(slid[1], way.next_force_y)],
-        held: [held(at[0], way.bound_pressure), held(at[1], way.bound_lever)],
-        sticking: held(x, way.bound_x),
+        friction: [
+            (slid[0] * behind - no_longer * way.next_force_x).into(),
+            (slid[1] * behind - no_longer * way.next_force_y).into(),
+        ],
+        held: [way.held(up_to, way.bound_pressure), way.held(lever, way.bound_lever)],
+        sticking: way.held(x, way.bound_x),
     }
 }

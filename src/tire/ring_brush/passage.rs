@@ -408,44 +408,48 @@ impl<'a, S: Simd> Pass<'a, S> {
     #[inline(always)]
     fn finish(&self, simd: S, four: &Four, total: &mut Total<S>) {
         let Patch { deformation, path, spacings, .. } = *self.patch;
-        let load = |values: &[f64; LANES]| f64x4::from_slice(simd, values);
         let (zero, one) = (f64x4::splat(simd, 0.0), f64x4::splat(simd, 1.0));
-        let closed = load(&four.closed);
+        let closed = load(simd, &four.closed, 0);
         let open = -closed + 1.0;
-        let (sliding, summed) = (load(&four.shares.sliding[0]), load(&four.summed));
+        let (sliding, summed) = (load(simd, &four.shares.sliding[0], 0), load(simd, &four.summed, 0));
 
         // what the trapezoidal rule lacks of the pressure that slides, it lacks of the friction
-        let lacks = load(&four.pressed) - load(&four.shares.held[0]) - sliding;
-        let lever = load(&four.pressed_lever) - load(&four.shares.held[1]) - load(&four.shares.sliding[1]);
+        let lacks = load(simd, &four.pressed, 0) - load(simd, &four.shares.held[0], 0) - sliding;
+        let lever = load(simd, &four.pressed_lever, 0)
+            - load(simd, &four.shares.held[1], 0)
+            - load(simd, &four.shares.sliding[1], 0);
         let slides = sliding.simd_gt(0.0);
-        let friction = |f: &[f64; LANES]| slides.select(load(f) / slides.select(sliding, one), zero) * closed;
-        let (mu_x, mu_y) = (friction(&four.shares.friction[0]), friction(&four.shares.friction[1]));
+        let per_pressure = slides.select(closed / slides.select(sliding, one), zero);
+        let mu_x = load(simd, &four.shares.friction[0], 0) * per_pressure;
+        let mu_y = load(simd, &four.shares.friction[1], 0) * per_pressure;
         let (force_x, force_y) = (mu_x * lacks, mu_y * lacks);
         let some = (lacks * lacks).simd_gt(0.0);
         let middle = some.select(lever / some.select(lacks, one), zero);
-        let x = smaller(larger(middle, load(&four.rear)), load(&four.front));
-        let y = load(&four.y) + deformation.shift_y;
+        let x = smaller(larger(middle, load(simd, &four.rear, 0)), load(simd, &four.front, 0));
+        let y = load(simd, &four.y, 0) + deformation.shift_y;
         let place_y = (x * -deformation.bend + deformation.twist) * x + y;
-        let velocity_x = (x * path.velocity_x[2] + path.velocity_x[1]) * x + load(&four.velocity_x);
+        let velocity_x = (x * path.velocity_x[2] + path.velocity_x[1]) * x + load(simd, &four.velocity_x, 0);
         let velocity_y = (x * path.velocity_y[2] + path.velocity_y[1]) * x + path.velocity_y[0];
         let free_y = velocity_y - (x * path.led[1] + path.led[0]);
         total.force_x += force_x;
         total.force_y += force_y;
         total.moment_z += mu_y * lever - place_y * force_x;
-        total.moment_x += (load(&four.load) - load(&four.normal)) * y;
+        total.moment_x += (load(simd, &four.load, 0) - load(simd, &four.normal, 0)) * y;
         total.work -= force_x * velocity_x + force_y * free_y;
 
         let is_summed = summed.simd_gt(0.0);
         let grows = (slides.select(sliding + lacks, summed)) / is_summed.select(summed, one);
         let more = is_summed.select(closed * (grows - 1.0) + 1.0, one);
-        total.power += load(&four.power) * more;
-        total.slip += load(&four.slip) * more;
-        total.negative += closed * (load(&four.pressed) - load(&four.all)) + open * load(&four.pulling);
-        let length = load(&four.length);
-        let sticks = smaller(larger(load(&four.shares.sticking), zero), length);
-        let touching = load(&four.touching);
+        total.power += load(simd, &four.power, 0) * more;
+        total.slip += load(simd, &four.slip, 0) * more;
+        total.negative += closed * (load(simd, &four.pressed, 0) - load(simd, &four.all, 0))
+            + open * load(simd, &four.pulling, 0);
+        let length = load(simd, &four.length, 0);
+        let sticks = smaller(larger(load(simd, &four.shares.sticking, 0), zero), length);
+        let touching = load(simd, &four.touching, 0);
         total.touching += closed * length * spacings + open * touching;
-        total.sliding += closed * (length - sticks) * spacings + open * (touching - load(&four.sticking));
+        total.sliding +=
+            closed * (length - sticks) * spacings + open * (touching - load(simd, &four.sticking, 0));
     }
 }
 

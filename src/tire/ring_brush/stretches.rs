@@ -155,10 +155,25 @@ impl Stretches<'_> {
         pattern.each_stretch(|first, last| {
             let (first, last) = (from + first, from + last);
             for (held, side) in [(first, -1.0), (last, 1.0)] {
-                let way = self.way(held, side, first == last);
-                ends.push(simd, self.patch, self.lane, &way, shares, lacking);
+                let growth = self.growth(held, side, first == last);
+                let breaks = match self.neighbour(held, side) {
+                    Some(_) => 1.0,
+                    None if self.is_entry(side) => 0.0,
+                    None => self.rolls(),
+                };
+                if breaks < 1.0 {
+                    self.go_on(held, side, growth, 1.0 - breaks, shares, lacking);
+                }
+                if breaks > 0.0 {
+                    let way = self.way(held, side, growth, breaks);
+                    ends.push(simd, self.patch, self.lane, &way, shares, lacking);
+                }
             }
-            self.add_products(first, last, lacking);
+            if last > first {
+                // many equal intervals
+                let grown = difference(self.force(last), self.force(first));
+                self.add_products(1.0 / (last - first) as f64, (last - first) as f64, grown, lacking);
+            }
         });
         if let (Some([first, last]), true) = (pattern.ends(), self.feed != 0.0) {
             let outer = if self.is_forward() { last } else { first };
@@ -187,22 +202,58 @@ impl Stretches<'_> {
         }
     }
 
+    /// By how much the force grows in a spacing from the outermost bristle of a stretch on.
+    fn growth(&self, held: usize, side: f64, alone: bool) -> [f64; 2] {
+        if alone {
+            return self.growth_of_one(held).map(|g| if self.is_entry(side) { -g } else { g });
+        }
+        let inner = if side > 0.0 { held - 1 } else { held + 1 };
+        difference(self.force(held), self.force(inner))
+    }
+
+    /// Follows the force on to the end of the stripe, a node at which it counts by `share`.
+    fn go_on(
+        &self,
+        held: usize,
+        side: f64,
+        growth: [f64; 2],
+        share: f64,
+        shares: &mut Shares,
+        lacking: &mut Lacking,
+    ) {
+        let Patch { p, deformation, path, spacings, .. } = *self.patch;
+        let bound = &self.bounds[usize::from(side > 0.0)];
+        let (x, force) = (bound.x, self.force(held));
+        let length = (side * (x - self.place(held)) * spacings).max(0.0);
+        let outer: [f64; 2] = std::array::from_fn(|c| force[c] + length * growth[c]);
+        // in no sum is more friction than the law allows
+        let most = (self.limit(held) - norm(force)).max(0.0);
+        let part = (most / norm(outer).max(f64::MIN_POSITIVE)).min(1.0);
+        let outer = outer.map(|f| part * f);
+        let [fx, fy] = outer.map(|f| 0.5 * self.closed * share * length * f);
+        let [x0, x1, x2] = [self.velocity_x, path.velocity_x[1], path.velocity_x[2]];
+        let [y0, y1, y2] = path.velocity_y;
+        let (velocity_x, velocity_y) = ((x2 * x + x1) * x + x0, (y2 * x + y1) * x + y0);
+        let [place_x, place_y] = deformation.place(x, self.y);
+        lacking.force[0] += fx;
+        lacking.force[1] += fy;
+        lacking.moment += place_x * fy - place_y * fx;
+        lacking.work -= fx * velocity_x + fy * (velocity_y - (path.led[0] + path.led[1] * x));
+        lacking.stored += (fx * outer[0] + fy * outer[1]) / (p.bristle_stiffness * p.bristle_stiffness);
+        self.add_products(share * length, side * length, difference(outer, force), lacking);
+        shares.held[0][self.lane] += share * side * bound.pressure[0];
+        shares.held[1][self.lane] += share * side * bound.pressure[1];
+        shares.sticking[self.lane] += share * side * x;
+    }
+
     /// The way from a bristle, the outermost of a stretch on this side, to the next node.
-    fn way(&self, held: usize, side: f64, alone: bool) -> Way<f64> {
+    fn way(&self, held: usize, side: f64, growth: [f64; 2], breaks: f64) -> Way<f64> {
         let spacings = self.patch.spacings;
         let bound = &self.bounds[usize::from(side > 0.0)];
         let (next, inner) = (self.neighbour(held, side), self.neighbour(held, -side));
         let (from, [force_x, force_y]) = (self.place(held), self.force(held));
-        let [growth_x, growth_y] = match inner {
-            Some(inner) if !alone => difference([force_x, force_y], self.force(inner)),
-            _ => self.growth_of_one(held).map(|g| if self.is_entry(side) { -g } else { g }),
-        };
+        let [growth_x, growth_y] = growth;
         let length = if next.is_some() { 1.0 } else { (side * (bound.x - from) * spacings).max(0.0) };
-        let breaks = match next {
-            Some(_) => 1.0,
-            None if self.is_entry(side) => 0.0,
-            None => self.rolls(),
-        };
         // the limit as a parabola through three nodes
         let limit = |k: Option<usize>| k.map_or(0.0, |k| self.limit(k));
         let behind = if inner.is_some() { 1.0 } else { (0.5 * self.length + side * from) * spacings };
@@ -220,7 +271,6 @@ impl Stretches<'_> {
             rise: ahead - bend * length,
             bend,
             breaks,
-            goes_on: 1.0 - breaks,
             ..self.own(side, bound)
         };
         if let Some(next) = next {
@@ -281,18 +331,15 @@ impl Stretches<'_> {
     }
 
     /// What products of place, velocity and force, each of which is linear between bristles, have less than the
-    /// trapezoidal rule says.
-    fn add_products(&self, first: usize, last: usize, lacking: &mut Lacking) {
+    /// trapezoidal rule says: over `way` spacings, to the rear if negative, on which the force grows by so much. They count
+    /// by `share`, which is that of an interval in the way.
+    fn add_products(&self, share: f64, way: f64, [x, y]: [f64; 2], lacking: &mut Lacking) {
         let Patch { p, path, .. } = *self.patch;
-        if first == last {
-            return;
-        }
-        let [x, y] = difference(self.force(last), self.force(first));
-        let lever = self.closed * p.bristle_length / 6.0;
+        let share = self.closed / 6.0 * share;
+        let lever = share * way * p.bristle_length;
         lacking.moment -= lever * y;
         lacking.work += lever * (x * path.velocity_x[1] + y * (path.velocity_y[1] - path.led[1]));
-        let squares = (x * x + y * y) / (p.bristle_stiffness * p.bristle_stiffness);
-        lacking.stored -= self.closed / 6.0 * squares / (last - first) as f64;
+        lacking.stored -= share * (x * x + y * y) / (p.bristle_stiffness * p.bristle_stiffness);
     }
 
     /// By how much the force of a bristle grows in a spacing towards the exit, if it alone sticks.
