@@ -15,7 +15,7 @@ mod verlet;
 
 pub use bushing::Bushing;
 pub use element::{BumpStop, SpringDamper, Strut};
-pub use motion::{Motion, Wrench};
+pub use motion::{Attitude, Motion, Wrench};
 pub(crate) use motion::{cross, rotation_x, rotation_y, rotation_z};
 pub use point_mass::PointMass;
 pub use rigid::RigidBody;

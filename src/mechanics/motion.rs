@@ -78,27 +78,81 @@ impl Motion<f64> {
 impl<T: Real> Motion<T> {
     /// A: body components to frame 0.
     pub fn rotation(&self) -> Matrix3<T> {
-        rotation_z(self.angles.z) * rotation_x(self.angles.x) * rotation_y(self.angles.y)
+        self.attitude().rotation()
+    }
+
+    /// Sines and cosines of the angles.
+    pub fn attitude(&self) -> Attitude<T> {
+        Attitude { x: self.angles.x.sin_cos(), y: self.angles.y.sin_cos(), z: self.angles.z.sin_cos() }
     }
 
     /// Omega(angles), which maps Cardan rates to the angular velocity in frame 0 (4.11).
     pub fn rate_map(&self) -> Matrix3<T> {
-        let ((sx, cx), (sz, cz)) = (self.angles.x.sin_cos(), self.angles.z.sin_cos());
-        let (zero, one) = (T::zero(), T::one());
-        Matrix3::new(cz, -sz * cx, zero, sz, cz * cx, zero, zero, sx, one)
+        self.attitude().rate_map()
     }
 
     /// The inverse of [`rate_map`](Self::rate_map) (C.151).
     pub fn rate_map_inverse(&self) -> Matrix3<T> {
-        let ((sx, cx), (sz, cz)) = (self.angles.x.sin_cos(), self.angles.z.sin_cos());
-        let (zero, one) = (T::zero(), T::one());
-        Matrix3::new(cz, sz, zero, -sz / cx, cz / cx, zero, sx * sz / cx, -sx * cz / cx, one)
+        self.attitude().rate_map_inverse()
     }
 
     /// The time derivative of [`rate_map`](Self::rate_map).
     pub fn rate_map_derivative(&self) -> Matrix3<T> {
-        let ((sx, cx), (sz, cz)) = (self.angles.x.sin_cos(), self.angles.z.sin_cos());
-        let (dx, dz) = (self.rates.x, self.rates.z);
+        self.attitude().rate_map_derivative(&self.rates)
+    }
+
+    /// Angular velocity in frame 0 \[rad/s\].
+    pub fn angular_velocity(&self) -> Vector3<T> {
+        self.rate_map() * self.rates
+    }
+
+    /// The time derivative of [`rotation`](Self::rotation).
+    pub fn rotation_derivative(&self) -> Matrix3<T> {
+        self.attitude().rotation_and_derivative(&self.rates).1
+    }
+}
+
+/// Sines and cosines of Cardan angles, which cost more than what is made of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Attitude<T> {
+    /// Of the camber.
+    pub x: (T, T),
+    /// Of the spin angle.
+    pub y: (T, T),
+    /// Of the steer angle.
+    pub z: (T, T),
+}
+
+impl<T: Real> Attitude<T> {
+    /// [`Motion::rotation`].
+    pub fn rotation(&self) -> Matrix3<T> {
+        about_z(self.z) * about_x(self.x) * about_y(self.y)
+    }
+
+    /// [`Motion::rotation`] and its time derivative at these rates of the angles.
+    pub fn rotation_and_derivative(&self, rates: &Vector3<T>) -> (Matrix3<T>, Matrix3<T>) {
+        let rotation = self.rotation();
+        (rotation, cross_matrix(&(self.rate_map() * rates)) * rotation)
+    }
+
+    /// [`Motion::rate_map`].
+    pub fn rate_map(&self) -> Matrix3<T> {
+        let ((sx, cx), (sz, cz)) = (self.x, self.z);
+        let (zero, one) = (T::zero(), T::one());
+        Matrix3::new(cz, -sz * cx, zero, sz, cz * cx, zero, zero, sx, one)
+    }
+
+    /// [`Motion::rate_map_inverse`].
+    pub fn rate_map_inverse(&self) -> Matrix3<T> {
+        let ((sx, cx), (sz, cz)) = (self.x, self.z);
+        let (zero, one) = (T::zero(), T::one());
+        Matrix3::new(cz, sz, zero, -sz / cx, cz / cx, zero, sx * sz / cx, -sx * cz / cx, one)
+    }
+
+    /// [`Motion::rate_map_derivative`] at these rates of the angles.
+    pub fn rate_map_derivative(&self, rates: &Vector3<T>) -> Matrix3<T> {
+        let ((sx, cx), (sz, cz)) = (self.x, self.z);
+        let (dx, dz) = (rates.x, rates.z);
         let zero = T::zero();
         Matrix3::new(
             -sz * dz,
@@ -112,33 +166,35 @@ impl<T: Real> Motion<T> {
             zero,
         )
     }
-
-    /// Angular velocity in frame 0 \[rad/s\].
-    pub fn angular_velocity(&self) -> Vector3<T> {
-        self.rate_map() * self.rates
-    }
-
-    /// The time derivative of [`rotation`](Self::rotation).
-    pub fn rotation_derivative(&self) -> Matrix3<T> {
-        cross_matrix(&self.angular_velocity()) * self.rotation()
-    }
 }
 
 /// Rotation about x.
 pub fn rotation_x<T: Real>(angle: T) -> Matrix3<T> {
-    let ((s, c), o, i) = (angle.sin_cos(), T::zero(), T::one());
-    Matrix3::new(i, o, o, o, c, -s, o, s, c)
+    about_x(angle.sin_cos())
 }
 
 /// Rotation about y.
 pub fn rotation_y<T: Real>(angle: T) -> Matrix3<T> {
-    let ((s, c), o, i) = (angle.sin_cos(), T::zero(), T::one());
-    Matrix3::new(c, o, s, o, i, o, -s, o, c)
+    about_y(angle.sin_cos())
 }
 
 /// Rotation about z.
 pub fn rotation_z<T: Real>(angle: T) -> Matrix3<T> {
-    let ((s, c), o, i) = (angle.sin_cos(), T::zero(), T::one());
+    about_z(angle.sin_cos())
+}
+
+fn about_x<T: Real>((s, c): (T, T)) -> Matrix3<T> {
+    let (o, i) = (T::zero(), T::one());
+    Matrix3::new(i, o, o, o, c, -s, o, s, c)
+}
+
+fn about_y<T: Real>((s, c): (T, T)) -> Matrix3<T> {
+    let (o, i) = (T::zero(), T::one());
+    Matrix3::new(c, o, s, o, i, o, -s, o, c)
+}
+
+fn about_z<T: Real>((s, c): (T, T)) -> Matrix3<T> {
+    let (o, i) = (T::zero(), T::one());
     Matrix3::new(c, -s, o, s, c, o, o, o, i)
 }
 

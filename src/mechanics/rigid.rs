@@ -26,15 +26,17 @@ impl RigidBody {
         linear.z -= T::from(gravity);
 
         let moments = self.inertia.map(T::from);
-        let rotation = motion.rotation();
+        let attitude = motion.attitude();
+        let rotation = attitude.rotation();
         let body =
             |diagonal: [T; 3]| rotation * Matrix3::from_diagonal(&diagonal.into()) * rotation.transpose();
         let inertia = body(moments);
         let inverse = body(moments.map(|j| T::one() / j));
 
-        let spin = motion.angular_velocity();
+        let spin = attitude.rate_map() * motion.rates;
         let spin_rate = inverse * (loads.moment - cross(&spin, &(inertia * spin)));
-        let angular = motion.rate_map_inverse() * (spin_rate - motion.rate_map_derivative() * motion.rates);
+        let turning = attitude.rate_map_derivative(&motion.rates) * motion.rates;
+        let angular = attitude.rate_map_inverse() * (spin_rate - turning);
         (linear, angular)
     }
 

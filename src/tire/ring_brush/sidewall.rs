@@ -46,9 +46,9 @@ fn on_rim<T: Real>(on_belt: &Wrench<T>, belt_from_rim: &Vector3<T>) -> Wrench<T>
 
 /// Forces and moments of the side wall for given motions of rim and belt.
 pub fn coupling<T: Real>(p: &Parameters, rim: &Motion<T>, belt: &Motion<T>) -> Coupling<T> {
-    let (to_road, to_road_rate) = (belt.rotation(), belt.rotation_derivative());
+    let (to_road, to_road_rate) = belt.attitude().rotation_and_derivative(&belt.rates);
     let (to_belt, to_belt_rate) = (to_road.transpose(), to_road_rate.transpose());
-    let (rim_rotation, rim_rotation_rate) = (rim.rotation(), rim.rotation_derivative());
+    let (rim_rotation, rim_rotation_rate) = rim.attitude().rotation_and_derivative(&rim.rates);
 
     let apart = rim.position - belt.position;
     let offset = to_belt * apart;
