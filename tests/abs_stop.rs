@@ -41,6 +41,7 @@ impl Stop {
             ("corner", "friction_speed_falloff", Value::Real(self.falloff)),
             ("corner", "road_friction", Value::Text(self.friction.into())),
             ("brake", "step_size", Value::Real(1e-4)),
+            ("corner", "step_size", Value::Real(self.step.min(5e-4))),
         ];
         if self.abs {
             wires.extend([

@@ -274,6 +274,35 @@ fn refinement_of_bristles() {
     }
 }
 
+/// A wheel that rolls slowly at a slip angle does so quietly: no bristle that breaks away or leaves the contact gives the
+/// belt a blow. With each counted as a whole the vertical force swings by some 400 N.
+#[test]
+fn slow_rolling_is_quiet() {
+    for (speed, step) in [(0.3, 1e-4), (1.0, 1e-4), (1.0, 5e-4), (3.0, 5e-4)] {
+        let swings = |whole: f64| {
+            let mut rig = flat_track(&[
+                ("path_speed", speed),
+                ("slip_angle", 0.05),
+                ("deflection", 0.02),
+                ("step_size", step),
+                ("whole_step_entry", whole),
+            ]);
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for k in 0..2000 {
+                rig.step(f64::from(k) * 1e-3, 1e-3).unwrap();
+                if k >= 1000 {
+                    low = low.min(get(&mut rig, "force_z"));
+                    high = high.max(get(&mut rig, "force_z"));
+                }
+            }
+            high - low
+        };
+        let (quiet, whole) = (swings(0.0), swings(1.0));
+        println!("{speed} m/s, {step} s: {quiet:.2} N, {whole:.1} N with whole bristles");
+        assert!(quiet < 2.0 && quiet < 0.2 * whole, "{speed} {step}: {quiet} {whole}");
+    }
+}
+
 /// Vertical transient of a standing wheel: second order in the step.
 #[test]
 fn second_order_in_time() {

@@ -200,8 +200,8 @@ impl OutputError<'_> {
     fn watch_for(&self, outside: &[Attachment]) -> Arc<[usize]> {
         let mut watch = self.watch().to_vec();
         for signal in outside.iter().flat_map(|a| &a.drivers) {
-            let is_driven = |run: &&Run| run.drive.inputs.iter().any(|(v, _)| *v == signal.variable);
-            if !watch.contains(&signal.variable) && !self.runs.iter().all(|run| is_driven(&run)) {
+            let drives = |run: &Arc<Drive>| run.inputs.iter().any(|(v, _)| *v == signal.variable);
+            if !watch.contains(&signal.variable) && !self.runs.iter().all(|run| drives(&run.drive)) {
                 watch.push(signal.variable);
             }
         }
@@ -238,7 +238,7 @@ impl OutputError<'_> {
                 }
             })
             .collect();
-        let answer = |((key, (_, outside)), point): ((&Key, &(Setup, Vec<Attachment>)), &Vec<f64>)| {
+        let answer = |key: &Key, outside: &[Attachment], point: &[f64]| {
             // what cannot be attached to the slave is not replayed either
             if !outside.is_empty() && !self.is_attachable() {
                 return None;
@@ -246,7 +246,9 @@ impl OutputError<'_> {
             let found = fresh.iter().chain(kept.iter()).find(|k| k.is(key, &drives, &watch))?;
             self.sampled(found, outside, self.lag(point))
         };
-        let answers = keys.iter().zip(&parted).zip(points).map(answer).collect();
+        let answers = (keys.iter().zip(&parted).zip(points))
+            .map(|((key, (_, outside)), point)| answer(key, outside, point))
+            .collect();
         // points of derivatives are not asked for again
         if points.len() == 1 {
             kept.extend(fresh);

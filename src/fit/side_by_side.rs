@@ -22,8 +22,11 @@ pub fn side_by_side<T: Sync, R: Send>(
     };
     let mut answers: Vec<Option<R>> = items.iter().map(|_| None).collect();
     std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads.clamp(1, items.len().max(1))).map(|_| scope.spawn(&work)).collect();
-        for (i, answer) in workers.into_iter().flat_map(|w| w.join().unwrap_or_default()) {
+        let workers: Vec<_> = (0..threads.clamp(1, items.len().max(1))).map(|_| scope.spawn(work)).collect();
+        for (i, answer) in workers
+            .into_iter()
+            .flat_map(|w| w.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+        {
             answers[i] = Some(answer);
         }
     });

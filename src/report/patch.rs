@@ -486,8 +486,11 @@ mod tests {
     fn a_frame_of_the_model_has_its_contact_and_its_sliding() {
         let settings = Settings::default();
         let mut slave = Native::<RingBrushFlatTrack>::new(&settings).unwrap();
-        let slip_angle = slave.find("slip_angle").unwrap();
-        slave.set(slip_angle, 0.05).unwrap();
+        // each bristle counts as a whole: the sums over cells are those of the model
+        for (name, value) in [("slip_angle", 0.05), ("whole_step_entry", 1.0)] {
+            let variable = slave.find(name).unwrap();
+            slave.set(variable, value).unwrap();
+        }
         slave.start(0.0, None).unwrap();
         slave.finish_start().unwrap();
         for i in 0..50 {

@@ -97,7 +97,7 @@ impl Bristles {
         self.per_stripe == n
             && self.stripes.fits(stripes)
             && self.old_lengths.len() == self.stripes.lengths.len()
-            && Some(self.logarithms.len()) == n.checked_add(LANES)
+            && (n == 0 || Some(self.logarithms.len()) == n.checked_add(LANES))
             && self.window[0] <= self.window[1]
             && self.window[1] <= n
             && rows

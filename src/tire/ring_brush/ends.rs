@@ -139,6 +139,8 @@ pub(super) struct Ends {
     used: usize,
     stripes: [usize; LANES],
     ways: Way<[f64; LANES]>,
+    /// What sums over bristles lack for all that were worked on.
+    pub lacking: Lacking,
 }
 
 impl Ends {
@@ -150,19 +152,18 @@ impl Ends {
         stripe: usize,
         way: &Way<f64>,
         shares: &mut Shares,
-        lacking: &mut Lacking,
     ) {
         self.stripes[self.used] = stripe;
         self.ways.put(self.used, way);
         self.used += 1;
         if self.used == LANES {
-            self.work(simd, patch, shares, lacking);
+            self.work(simd, patch, shares);
         }
     }
 
     /// Works on those that wait.
     #[inline(never)]
-    pub fn work<S: Simd>(&mut self, simd: S, patch: &Patch<'_>, shares: &mut Shares, lacking: &mut Lacking) {
+    pub fn work<S: Simd>(&mut self, simd: S, patch: &Patch<'_>, shares: &mut Shares) {
         if self.used == 0 {
             return;
         }
@@ -172,7 +173,7 @@ impl Ends {
         }
         let found = simd.vectorize(
             #[inline(always)]
-            || end(simd, patch, &self.ways.lanes(simd), lacking),
+            || end(simd, patch, &self.ways.lanes(simd), &mut self.lacking),
         );
         for (lane, stripe) in self.stripes[..self.used].iter().enumerate() {
             let Shares { sliding, friction, held, sticking } = &found;
@@ -301,7 +302,7 @@ fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut L
         limit(simd, friction.sliding, friction.area, pressed),
     );
     if friction.falloff != 0.0 {
-        sliding = sliding / (norm(way.velocity(simd, patch, x)) * friction.falloff + 1.0);
+        sliding /= norm(way.velocity(simd, patch, x)) * friction.falloff + 1.0;
     }
     let force = way.force(t);
     let per_size = one / larger(norm(force), tiny);

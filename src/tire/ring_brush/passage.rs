@@ -6,7 +6,7 @@
 //! where stretches of bristles that stick end, which they do there, too (see [`Patch`]).
 
 use super::bristles::Bristles;
-use super::ends::{Ends, Lacking, Patch, Shares};
+use super::ends::{Ends, Patch, Shares};
 use super::patch::{Path, Pressure};
 use super::stretches::{Bound, Pattern, Stretches};
 use super::stripes::closed;
@@ -166,7 +166,7 @@ impl<'a, S: Simd> Pass<'a, S> {
             log2(simd, size * 2.0).store_slice(&mut bristles.logarithms[j..j + LANES]);
         }
         let mut total = Total::new(simd);
-        let (mut rest, mut ends, mut pattern) = (Lacking::default(), Ends::default(), Pattern::new());
+        let (mut ends, mut pattern) = (Ends::default(), Pattern::new());
         let mut numbers = 0..self.tire.stripe_places().len();
         while !numbers.is_empty() {
             let mut four = Four::default();
@@ -179,12 +179,12 @@ impl<'a, S: Simd> Pass<'a, S> {
                 let stripe = Stripe { lane, number, y, length, path: self.passage.tops.at_stripe(y) };
                 self.advance(simd, &stripe, bristles, &mut four, &mut total);
                 self.sum(simd, &stripe, bristles, &mut pattern, &mut four, &mut total);
-                self.hand_over(simd, &stripe, bristles, &pattern, &mut four, &mut ends, &mut rest);
+                self.hand_over(simd, &stripe, bristles, &pattern, &mut four, &mut ends);
             }
-            ends.work(simd, self.patch, &mut four.shares, &mut rest);
+            ends.work(simd, self.patch, &mut four.shares);
             self.finish(simd, &four, &mut total);
         }
-        let area = p.cell_area();
+        let (area, rest) = (p.cell_area(), ends.lacking);
         let force_y = sum(total.force_y);
         bristles.stored = sum(total.stored) + rest.stored;
         Sums {
@@ -267,7 +267,7 @@ impl<'a, S: Simd> Pass<'a, S> {
             let trial = (trial_x * trial_x + trial_y * trial_y).sqrt();
             if law.falloff != 0.0 {
                 let speed = (velocity_x * velocity_x + velocity_y * velocity_y).sqrt();
-                sliding_limit = sliding_limit / (speed * law.falloff + 1.0);
+                sliding_limit /= speed * law.falloff + 1.0;
             }
             let stuck = load(simd, &bristles.stick, k).simd_gt(0.0);
             let bound = stuck.select(sticking_limit, sliding_limit);
@@ -365,7 +365,6 @@ impl<'a, S: Simd> Pass<'a, S> {
         pattern: &Pattern,
         four: &mut Four,
         ends: &mut Ends,
-        rest: &mut Lacking,
     ) {
         let Stripe { lane, number, y, length, .. } = *stripe;
         let Pressure { level, tilt, .. } = *self.patch.pressure;
@@ -401,7 +400,7 @@ impl<'a, S: Simd> Pass<'a, S> {
             closed,
             bounds,
         };
-        stretches.hand_over(simd, pattern, ends, &mut four.shares, rest);
+        stretches.hand_over(simd, pattern, ends, &mut four.shares);
     }
 
     /// Adds what sums over the bristles of four stripes lack, now that it is known what sticks in them.

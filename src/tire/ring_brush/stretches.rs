@@ -143,14 +143,7 @@ impl Bound {
 
 impl Stretches<'_> {
     /// Hands over the ends of all stretches that stick, and adds what is between them.
-    pub fn hand_over<S: Simd>(
-        &self,
-        simd: S,
-        pattern: &Pattern,
-        ends: &mut Ends,
-        shares: &mut Shares,
-        lacking: &mut Lacking,
-    ) {
+    pub fn hand_over<S: Simd>(&self, simd: S, pattern: &Pattern, ends: &mut Ends, shares: &mut Shares) {
         let from = self.row + self.bristles.window[0];
         pattern.each_stretch(|first, last| {
             let (first, last) = (from + first, from + last);
@@ -162,25 +155,30 @@ impl Stretches<'_> {
                     None => self.rolls(),
                 };
                 if breaks < 1.0 {
-                    self.go_on(held, side, growth, 1.0 - breaks, shares, lacking);
+                    self.go_on(held, side, growth, 1.0 - breaks, shares, &mut ends.lacking);
                 }
                 if breaks > 0.0 {
                     let way = self.way(held, side, growth, breaks);
-                    ends.push(simd, self.patch, self.lane, &way, shares, lacking);
+                    ends.push(simd, self.patch, self.lane, &way, shares);
                 }
             }
             if last > first {
                 // many equal intervals
                 let grown = difference(self.force(last), self.force(first));
-                self.add_products(1.0 / (last - first) as f64, (last - first) as f64, grown, lacking);
+                self.add_products(
+                    1.0 / (last - first) as f64,
+                    (last - first) as f64,
+                    grown,
+                    &mut ends.lacking,
+                );
             }
         });
         if let (Some([first, last]), true) = (pattern.ends(), self.feed != 0.0) {
             let outer = if self.is_forward() { last } else { first };
-            if !pattern.sticks(outer) {
-                if let Some(way) = self.entry(from + outer) {
-                    ends.push(simd, self.patch, self.lane, &way, shares, lacking);
-                }
+            if !pattern.sticks(outer)
+                && let Some(way) = self.entry(from + outer)
+            {
+                ends.push(simd, self.patch, self.lane, &way, shares);
             }
         }
     }
