@@ -14,15 +14,16 @@
 //!
 //! # Stages of a step
 //!
-//! Belt to mid-step and end (half kick, drift) - contact - pressure - bristles - patch lag - side
-//! wall and belt (second half kick). See [`Prepared::step`].
+//! Belt to mid-step and end (half kick, drift) - contact - stripes - pressure - bristles - what their sums lack - patch lag -
+//! side wall and belt (second half kick). See [`Prepared::step`].
 //!
 //! # Known differences from the source
 //!
 //! * (4.13): `(B/2)²` under the root, where the print has a wrong dimension.
 //! * Stick or slide is a memory of each bristle; the source does not list it among the states.
-//! * A bristle that comes into contact within a step is bent from that instant on only; the source's
-//!   own numbers seem to come from whole steps.
+//! * A bristle that comes into contact within a step is bent from that instant on only, and sums over bristles are
+//!   integrals; the source's own numbers seem to come from whole steps, and it sums whole bristles. `whole_step_entry`
+//!   does both as it does.
 //! * The band of sliding speeds below 1e-4 m/s, over which (4.32) blends static into sliding
 //!   friction, is left out: it is unstable and changes forces by less than 1e-4 N.
 //! * Roads: the source has flat ones. Here the belt rolls on the plane that a mean over the contact's length makes
