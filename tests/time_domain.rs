@@ -174,9 +174,9 @@ fn z9_and_the_step() {
     }
     // what the spacing of 14 mm is off by in a short contact is not the step's
     let finest = exact[5];
-    assert!((finest - limit).abs() < 5e-3 * limit, "{finest} for {limit}");
+    assert!((finest - limit).abs() < 1e-3 * limit, "{finest} for {limit}");
     for value in exact {
-        assert!((value - finest).abs() < 0.3, "{value} for {finest}");
+        assert!((value - finest).abs() < 0.03, "{value} for {finest}");
     }
     // with whole steps the error is of first order, around the printed limit
     for k in 1..4 {

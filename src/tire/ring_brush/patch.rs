@@ -168,20 +168,6 @@ pub struct Path<T> {
     pub led: [T; 2],
 }
 
-impl Path<f64> {
-    /// Velocity of the top at x; see [`Tops::velocity`].
-    pub fn velocity(&self, x: f64) -> [f64; 2] {
-        [self.velocity_x, self.velocity_y].map(|[c0, c1, c2]| (c2 * x + c1) * x + c0)
-    }
-
-    /// Power \[W\] that a bristle at x takes out of the belt; see [`Tops::power`].
-    pub fn power(&self, x: f64, [force_x, force_y]: [f64; 2]) -> f64 {
-        let [velocity_x, velocity_y] = self.velocity(x);
-        let led = self.led[0] + self.led[1] * x;
-        -(force_x * velocity_x + force_y * (velocity_y - led))
-    }
-}
-
 /// Moment of the patch about the lateral axis of K, on the belt \[N.m\] (4.22). `force_x` is lagged.
 pub fn moment_y<T: Real>(p: &Parameters, contact: &Contact<T>, spin_rate: T, force_x: T) -> T {
     let speed = spin_rate * p.rolling_radius;
