@@ -29,17 +29,18 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Rolling at combined slip under 4 kN, `bristles` per stripe of a total stiffness that stays.
-fn start(slave: &mut dyn Slave, speed: f64, bristles: f64) {
+/// Rolling at combined slip under 4 kN, with stripes of so many bristles, whose total stiffness stays.
+fn start(slave: &mut dyn Slave, speed: f64, stripes: f64, bristles: f64) {
     let scale = 30.0 / bristles;
     let values = [
         ("path_speed", speed),
         ("slip", 0.03),
         ("slip_angle", 0.03),
+        ("stripes", stripes),
         ("bristles_per_stripe", bristles),
         ("bristle_length", 0.014 * scale),
-        ("bristle_stiffness", 4e4 * scale),
-        ("bristle_damping", 0.65 * scale),
+        ("bristle_stiffness", 4e4 * scale * 6.0 / stripes),
+        ("bristle_damping", 0.65 * scale * 6.0 / stripes),
     ];
     start_with(slave, &values);
 }
@@ -54,11 +55,109 @@ fn start_with(slave: &mut dyn Slave, values: &[(&str, f64)]) {
 }
 
 fn run(slave: &mut dyn Slave) {
+    run_in_steps(slave, STEPS, COMMUNICATION_STEP);
+}
+
+fn run_in_steps(slave: &mut dyn Slave, steps: usize, length: f64) {
     let force = slave.find("force_x").unwrap();
-    for k in 0..STEPS {
-        slave.step(k as f64 * COMMUNICATION_STEP, COMMUNICATION_STEP).unwrap();
+    for k in 0..steps {
+        slave.step(k as f64 * length, length).unwrap();
         black_box(slave.get(force).unwrap());
     }
+}
+
+/// The flat track at several speeds, grids and communication steps, and over a rough road, in turn in each round.
+fn flat_track(rounds: usize, power: f64) {
+    const CASES: [(f64, f64, f64, f64, f64); 9] = [
+        // speed, stripes, bristles, communication step, road
+        (10.0, 6.0, 30.0, 1e-3, 1.0),
+        (30.0, 6.0, 30.0, 1e-3, 1.0),
+        (10.0, 6.0, 30.0, 1e-3, 6.0),
+        (30.0, 6.0, 30.0, 1e-3, 6.0),
+        (10.0, 5.0, 48.0, 1e-3, 1.0),
+        (10.0, 6.0, 60.0, 1e-3, 1.0),
+        (10.0, 6.0, 120.0, 1e-3, 1.0),
+        (10.0, 20.0, 48.0, 1e-3, 1.0),
+        (10.0, 20.0, 48.0, 2.5e-4, 1.0),
+    ];
+    let mut seconds = vec![Vec::new(); CASES.len()];
+    for _ in 0..rounds {
+        for ((speed, stripes, bristles, length, road), taken) in CASES.iter().zip(&mut seconds) {
+            let mut rig = FlatTrack::new(&Settings::default()).unwrap();
+            let road_kind = rig.find("road_kind").unwrap();
+            rig.set(road_kind, *road).unwrap();
+            start(&mut rig, *speed, *stripes, *bristles);
+            let steps = (STEPS as f64 * COMMUNICATION_STEP / length).round() as usize;
+            taken.push(time(|| run_in_steps(&mut rig, steps, *length)) / (STEPS as f64 * COMMUNICATION_STEP));
+        }
+    }
+    let own = FlatTrack::new(&Settings::default()).unwrap().model().step_size();
+    println!("\nflat track, model step {} ms", own * 1e3);
+    println!(
+        "  speed  bristles  road       communication step   model step   per bristle   of a pow   times real time   of the first"
+    );
+    for ((speed, stripes, bristles, length, road), taken) in CASES.iter().zip(&seconds) {
+        let second = median(taken.clone());
+        let step = second * own.min(*length);
+        let bristle = step / (stripes * bristles);
+        let ratio = median(taken.iter().zip(&seconds[0]).map(|(a, b)| a / b).collect());
+        let road = if *road == 1.0 { "flat" } else { "ISO 8608" };
+        println!(
+            "  {speed:2.0} m/s   {stripes:2.0}x{bristles:<4.0} {road:<10} {:11.2} ms   {:13.2} us   {:8.1} ns   {:8.2}   {:15.1}   {ratio:12.2}",
+            length * 1e3,
+            step * 1e6,
+            bristle * 1e9,
+            bristle / power,
+            1.0 / second,
+        );
+    }
+}
+
+/// Many tires: one after the other at each communication point on one core, and on two.
+fn instances(rounds: usize) {
+    let run_all = |rigs: &mut [FlatTrack]| {
+        for k in 0..STEPS {
+            for rig in rigs.iter_mut() {
+                rig.step(k as f64 * COMMUNICATION_STEP, COMMUNICATION_STEP).unwrap();
+            }
+        }
+    };
+    const COUNTS: [usize; 3] = [1, 4, 16];
+    let mut alone = vec![Vec::new(); COUNTS.len()];
+    let mut shared = Vec::new();
+    for _ in 0..rounds {
+        for (count, taken) in COUNTS.iter().zip(&mut alone) {
+            let make = || {
+                let mut rig = FlatTrack::new(&Settings::default()).unwrap();
+                start(&mut rig, 10.0, 6.0, 30.0);
+                rig
+            };
+            let mut rigs: Vec<FlatTrack> = (0..*count).map(|_| make()).collect();
+            taken.push(time(|| run_all(&mut rigs)));
+            if *count == 16 {
+                let mut rigs: Vec<FlatTrack> = (0..*count).map(|_| make()).collect();
+                let (first, second) = rigs.split_at_mut(8);
+                shared.push(time(|| {
+                    std::thread::scope(|scope| {
+                        scope.spawn(|| run_all(first));
+                        run_all(second);
+                    });
+                }));
+            }
+        }
+    }
+    let simulated = STEPS as f64 * COMMUNICATION_STEP;
+    println!("\ntires side by side, 6x30, 10 m/s, 1 kHz");
+    for (count, taken) in COUNTS.iter().zip(&alone) {
+        let ratio = taken.iter().zip(&alone[0]).map(|(a, b)| a / b / *count as f64).collect();
+        println!(
+            "  {count:2} on one core   {:6.1} times real time   {:5.2} of the cost of one, each",
+            simulated / median(taken.clone()),
+            median(ratio)
+        );
+    }
+    let faster = shared.iter().zip(&alone[2]).map(|(two, one)| one / two).collect();
+    println!("  16 on two cores  {:5.2} times as fast as on one", median(faster));
 }
 
 /// Seconds per simulated second of the flat track, then of corner and wheel, in turn in each round: these
@@ -76,7 +175,7 @@ fn vehicle_units(rounds: usize) {
             seconds[row].push(taken);
         };
         let mut rig = FlatTrack::new(&Settings::default()).unwrap();
-        start(&mut rig, 27.8, 30.0);
+        start(&mut rig, 27.8, 6.0, 30.0);
         measure(0, &mut rig);
         for (k, (_, kind)) in ROADS.iter().enumerate() {
             let values = |of: &[(&'static str, f64)]| [of, &[("road_kind", *kind)]].concat();
@@ -97,7 +196,7 @@ fn vehicle_units(rounds: usize) {
             measure(6 + k, &mut corner);
         }
     }
-    println!("\ncorner and wheel braking from 27.8 m/s at 1 kHz, 6x30 bristles, model step 0.1 ms");
+    println!("\ncorner and wheel braking from 27.8 m/s at 1 kHz, 6x30 bristles");
     println!(
         "  model                      road       communication step   times real time   of the flat track"
     );
@@ -120,13 +219,6 @@ fn vehicle_units(rounds: usize) {
 fn main() {
     // cargo test runs benchmarks with --test to see that they work
     let rounds = if std::env::args().any(|a| a == "--test") { 1 } else { ROUNDS };
-    let simulated = STEPS as f64 * COMMUNICATION_STEP;
-    let model_steps = {
-        let mut rig = FlatTrack::new(&Settings::default()).unwrap();
-        start(&mut rig, 10.0, 30.0);
-        simulated / rig.model().step_size()
-    };
-
     // A yardstick for the machine: the dearest function of the pressure distribution.
     let powers = 1_000_000;
     let power = median(
@@ -154,29 +246,8 @@ fn main() {
         median((0..rounds).map(|_| make()).collect()) * 1e6
     );
 
-    println!("\nflat track at 1 kHz, 6 stripes, model step 0.1 ms");
-    println!("  speed  bristles   model step   per bristle   of a pow   times real time");
-    for (speed, bristles) in [(10.0, 30.0), (30.0, 30.0), (10.0, 60.0), (10.0, 120.0)] {
-        let seconds = median(
-            (0..rounds)
-                .map(|_| {
-                    let mut rig = FlatTrack::new(&Settings::default()).unwrap();
-                    start(&mut rig, speed, bristles);
-                    time(|| run(&mut rig))
-                })
-                .collect(),
-        );
-        let step = seconds / model_steps;
-        let bristle = step / (6.0 * bristles);
-        println!(
-            "  {speed:2.0} m/s     6x{bristles:<4.0}   {:8.2} us   {:8.1} ns   {:8.2}   {:15.1}",
-            step * 1e6,
-            bristle * 1e9,
-            bristle / power,
-            simulated / seconds
-        );
-    }
-
+    flat_track(rounds, power);
+    instances(rounds);
     vehicle_units(rounds);
 
     let library = match ModelLibrary::shipped(MODELS) {
@@ -198,9 +269,9 @@ fn main() {
             black_box(make());
         }));
         rig.reset().unwrap();
-        initialize.push(time(|| start(&mut rig, 10.0, 30.0)));
+        initialize.push(time(|| start(&mut rig, 10.0, 6.0, 30.0)));
         fmu.reset().unwrap();
-        start(&mut fmu, 10.0, 30.0);
+        start(&mut fmu, 10.0, 6.0, 30.0);
         let (native, through_fmi) = (time(|| run(&mut rig)), time(|| run(&mut fmu)));
         ratios.push(through_fmi / native);
     }
