@@ -34,9 +34,6 @@ pub use variable::{
 use crate::Result;
 use serde::{Serialize, de::DeserializeOwned};
 
-/// What a step of a model with a handful of states takes, in updates as [`Model::step_work`] counts them.
-pub const SMALL_STEP: f64 = 8.0;
-
 /// A model: one plain value that holds parameters, inputs, states and outputs.
 ///
 /// Whoever clones the value has saved the state; whoever serialises it can continue elsewhere. The
@@ -70,12 +67,6 @@ pub trait Model: Clone + Default + PartialEq + Serialize + DeserializeOwned + Se
     /// The step h of the model's own time grid t0 + n h \[s\]. May depend on parameters, on nothing
     /// else.
     fn step_size(&self) -> f64;
-
-    /// How much work a step is: updates of a bristle or of a small state, fixed by parameters and the same on every
-    /// machine. What chooses its effort by it must not choose by a clock.
-    fn step_work(&self) -> f64 {
-        SMALL_STEP
-    }
 
     /// Checks the parameters against each other and finds the state at the start from parameters
     /// and inputs. May be called again with other inputs until the first step.

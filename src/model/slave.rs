@@ -120,12 +120,6 @@ pub trait Slave {
         None
     }
 
-    /// How much work a simulated second is beside the calls of the master, in updates as
-    /// [`Model::step_work`](super::Model::step_work) counts them \[1/s\], if it tells.
-    fn work(&self) -> Option<f64> {
-        None
-    }
-
     /// True if a part inside gets the value of this output: in a wired system.
     fn is_passed_on(&self, variable: usize) -> bool {
         let _ = variable;

@@ -82,10 +82,6 @@ impl<T: Tire> Model for Bare<T> {
         self.step_size
     }
 
-    fn step_work(&self) -> f64 {
-        self.tire.tire.step_work()
-    }
-
     fn initialize(&mut self) -> Result<()> {
         self.tire.tire.mount(&Road::default())?;
         self.last = (self.place(), self.plane);

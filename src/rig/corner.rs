@@ -131,10 +131,6 @@ impl<T: Tire> Model for Corner<T> {
         self.step_size
     }
 
-    fn step_work(&self) -> f64 {
-        self.tire.tire().step_work()
-    }
-
     fn initialize(&mut self) -> Result<()> {
         self.tire.mount()?;
         let Vehicle { vehicle_mass, sprung_mass, .. } = self.vehicle;

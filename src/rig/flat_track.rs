@@ -99,10 +99,6 @@ impl<T: Tire> Model for FlatTrack<T> {
         self.step_size
     }
 
-    fn step_work(&self) -> f64 {
-        self.tire.tire().step_work()
-    }
-
     fn initialize(&mut self) -> Result<()> {
         self.tire.mount()?;
         let commands = &self.commands;

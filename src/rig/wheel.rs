@@ -103,10 +103,6 @@ impl<T: Tire> Model for Wheel<T> {
         self.step_size
     }
 
-    fn step_work(&self) -> f64 {
-        self.tire.tire().step_work()
-    }
-
     fn initialize(&mut self) -> Result<()> {
         self.tire.mount()?;
         self.check_steps()?;

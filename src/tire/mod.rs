@@ -12,7 +12,7 @@ pub use crate::mechanics::{Link, Motion, Wrench};
 pub use ground::{Flat, Ground, Plane};
 pub use mounted::{Mounted, Start, to_heading};
 
-use crate::model::{SMALL_STEP, Table};
+use crate::model::Table;
 use crate::road::{Road, Window};
 use crate::solver::Dual;
 use crate::{Error, Result};
@@ -199,11 +199,6 @@ pub trait Tire: Clone + Default + PartialEq + Serialize + DeserializeOwned + Sen
 
     /// Energy lost in the contact since the start \[J\].
     fn energy_loss(&self) -> f64;
-
-    /// How much work a step is, as [`Model::step_work`](crate::model::Model::step_work) counts it.
-    fn step_work(&self) -> f64 {
-        SMALL_STEP
-    }
 
     /// What a picture shows of its contact.
     fn cells(&self) -> Vec<Cell> {

@@ -494,11 +494,6 @@ impl<M: Model> Slave for Native<M> {
         Ok(parts.map(|((formula, difference), rest)| formula.unwrap_or(difference) + rest).collect())
     }
 
-    fn work(&self) -> Option<f64> {
-        let model = &self.data.grid;
-        Some(model.step_work() / model.step_size())
-    }
-
     fn own_step(&self) -> Option<f64> {
         Some(self.data.grid.step_size())
     }

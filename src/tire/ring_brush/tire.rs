@@ -2,7 +2,7 @@
 
 use super::{Bristles, Contact, Parameters, Prepared, State, Stationary, coupling, stationary};
 use crate::mechanics::{Link, Motion, Wrench};
-use crate::model::{SMALL_STEP, Table};
+use crate::model::Table;
 use crate::road::{Road, Window};
 use crate::solver::Dual;
 use crate::tire::mounted::to_heading;
@@ -159,11 +159,6 @@ impl Tire for RingBrush {
 
     fn energy_loss(&self) -> f64 {
         self.state.energy_loss
-    }
-
-    /// All bristles are looked at in every step, whether or not they are in contact.
-    fn step_work(&self) -> f64 {
-        SMALL_STEP + f64::from(self.parameters.stripes) * f64::from(self.parameters.bristles_per_stripe)
     }
 
     fn cells(&self) -> Vec<Cell> {
