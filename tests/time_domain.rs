@@ -176,7 +176,7 @@ fn z9_and_the_step() {
     let finest = exact[5];
     assert!((finest - limit).abs() < 1e-3 * limit, "{finest} for {limit}");
     for value in exact {
-        assert!((value - finest).abs() < 0.03, "{value} for {finest}");
+        assert!((value - finest).abs() < 0.1, "{value} for {finest}");
     }
     // with whole steps the error is of first order, around the printed limit
     for k in 1..4 {

@@ -120,13 +120,14 @@ pub(super) struct Shares {
     pub held: [[f64; LANES]; 2],
     /// Length that sticks \[m\].
     pub sticking: [f64; LANES],
+    /// What the sums of the bristles' forces lack, x and y \[N\].
+    pub force: [[f64; LANES]; 2],
 }
 
 /// What sums over bristles lack of integrals.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Lacking {
-    pub force: [f64; 2],
-    /// About z.
+    /// About z, with places from the middle of the stripe in x.
     pub moment: f64,
     pub work: f64,
     /// Squared deflections \[m²\].
@@ -176,11 +177,12 @@ impl Ends {
             || end(simd, patch, &self.ways.lanes(simd), &mut self.lacking),
         );
         for (lane, stripe) in self.stripes[..self.used].iter().enumerate() {
-            let Shares { sliding, friction, held, sticking } = &found;
+            let Shares { sliding, friction, held, sticking, force } = &found;
             for c in 0..2 {
                 shares.sliding[c][*stripe] += sliding[c][lane];
                 shares.friction[c][*stripe] += friction[c][lane];
                 shares.held[c][*stripe] += held[c][lane];
+                shares.force[c][*stripe] += force[c][lane];
             }
             shares.sticking[*stripe] += sticking[lane];
         }
@@ -307,7 +309,7 @@ fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut L
     let force = way.force(t);
     let per_size = one / larger(norm(force), tiny);
     let held = times(force, smaller(sticking * per_size, one));
-    let slid = times(force, sliding * per_size);
+    let slid = times(times(force, per_size), sliding);
 
     // nodes: the first, the bristle that slides, both sides of where sticking ends
     let half = way.breaks * 0.5;
@@ -326,7 +328,7 @@ fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut L
         let place_y = parabola(x, way.y + deformation.shift_y, deformation.twist, -deformation.bend);
         force_x += fx;
         force_y += fy;
-        moment += (x + deformation.shift_x) * fy - place_y * fx;
+        moment += x * fy - place_y * fx;
         work -= fx * velocity_x + fy * (velocity_y - (x * path.led[1] + path.led[0]));
         stored += fx * node_x + fy * node_y;
     }
@@ -336,8 +338,6 @@ fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut L
     moment -= lever * grown_y;
     work += lever * (grown_x * path.velocity_x[1] + grown_y * (path.velocity_y[1] - path.led[1]));
     stored -= way.breaks * t * (1.0 / 6.0) * (grown_x * grown_x + grown_y * grown_y);
-    lacking.force[0] += sum(force_x * way.closed);
-    lacking.force[1] += sum(force_y * way.closed);
     lacking.moment += sum(moment * way.closed);
     lacking.work += sum(work * way.closed);
     lacking.stored += sum(stored * way.closed) / (p.bristle_stiffness * p.bristle_stiffness);
@@ -350,6 +350,11 @@ fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut L
     let third = squared * x * (-power * over[2] + 1.0 / 3.0);
     let up_to = scale * (first * pressure.level + second * pressure.tilt);
     let lever = scale * (second * pressure.level + third * pressure.tilt);
+    // nothing sticks beyond where anything is pressed
+    let is_pressed = (way.side * (x - way.bound_x)).simd_le(0.0);
+    let up_to = is_pressed.select(up_to, way.bound_pressure);
+    let lever = is_pressed.select(lever, way.bound_lever);
+    let end = is_pressed.select(x, way.bound_x);
     let (slides, stops) = (behind * pressed, no_longer * way.next_pressure);
     Shares {
         sliding: [(slides - stops).into(), (slides * x - stops * way.next_x).into()],
@@ -358,6 +363,7 @@ fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut L
             (slid[1] * behind - no_longer * way.next_force_y).into(),
         ],
         held: [way.held(up_to, way.bound_pressure), way.held(lever, way.bound_lever)],
-        sticking: way.held(x, way.bound_x),
+        sticking: way.held(end, way.bound_x),
+        force: [(force_x * way.closed).into(), (force_y * way.closed).into()],
     }
 }

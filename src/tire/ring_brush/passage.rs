@@ -85,6 +85,12 @@ impl Friction {
         }
     }
 
+    /// The most that the limit of a bristle is over its pressure, up to this pressure \[Pa\].
+    fn most(&self, highest: f64) -> f64 {
+        let [at_zero, slope] = self.sticking;
+        self.area * (at_zero + slope.max(0.0) * highest)
+    }
+
     /// The limits of a bristle with this pressure \[Pa\], that of sliding at no speed; see [`Limits::new`].
     pub fn limits(&self, pressure: f64) -> Limits<f64> {
         let held = pressure.max(0.0) * self.area;
@@ -188,7 +194,7 @@ impl<'a, S: Simd> Pass<'a, S> {
         let force_y = sum(total.force_y);
         bristles.stored = sum(total.stored) + rest.stored;
         Sums {
-            force: [sum(total.force_x) + rest.force[0], force_y + rest.force[1]],
+            force: [sum(total.force_x), force_y],
             moment: [
                 area * sum(total.moment_x),
                 sum(total.moment_z) + self.passage.deformation.shift_x * force_y + rest.moment,
@@ -310,6 +316,7 @@ impl<'a, S: Simd> Pass<'a, S> {
         let (p, deformation) = (self.patch.p, self.patch.deformation);
         let zero = f64x4::splat(simd, 0.0);
         let middle_y = stripe.y + deformation.shift_y;
+        let (mut force_x, mut force_y) = (zero, zero);
         let (mut normal, mut pulling, mut touching, mut sticking) = (zero, zero, zero, zero);
         let (mut sliding, mut lever, mut friction_x, mut friction_y) = (zero, zero, zero, zero);
         pattern.clear();
@@ -325,8 +332,8 @@ impl<'a, S: Simd> Pass<'a, S> {
             let fy = load(simd, &bristles.force_y, k) * counts;
             let counted = cell_pressure * counts;
             let place_y = (x * -deformation.bend + deformation.twist) * x + middle_y;
-            total.force_x += fx;
-            total.force_y += fy;
+            force_x += fx;
+            force_y += fy;
             total.moment_x += place_y * counted;
             total.moment_z += x * fy - place_y * fx;
             total.highest = larger(cell_pressure, total.highest);
@@ -344,6 +351,8 @@ impl<'a, S: Simd> Pass<'a, S> {
             pattern.push(j - from, counts.simd_gt(0.0).to_bitmask(), stuck.to_bitmask());
         }
         let lane = stripe.lane;
+        four.force[0][lane] = sum(force_x);
+        four.force[1][lane] = sum(force_y);
         four.normal[lane] = sum(normal);
         four.pulling[lane] = sum(pulling);
         four.touching[lane] = sum(touching);
@@ -373,11 +382,12 @@ impl<'a, S: Simd> Pass<'a, S> {
         four.y[lane] = y;
         four.velocity_x[lane] = stripe.path.velocity_x[0];
         four.load[lane] = level * s0 + tilt * s1;
+        let (factor, logarithm) = (bristles.stripes.factors[number], bristles.stripes.logarithms[number]);
+        four.most[lane] = self.patch.friction.most((level + 0.5 * length * tilt.abs()) * factor);
         let closed = closed(self.patch.p, length);
         if closed == 0.0 {
             return;
         }
-        let (factor, logarithm) = (bristles.stripes.factors[number], bristles.stripes.logarithms[number]);
         let (all, bounds) = Bound::of(self.patch, length, logarithm, factor);
         let [rear, front] = bounds;
         four.closed[lane] = closed;
@@ -426,18 +436,36 @@ impl<'a, S: Simd> Pass<'a, S> {
         let middle = some.select(lever / some.select(lacks, one), zero);
         let x = smaller(larger(middle, load(simd, &four.rear, 0)), load(simd, &four.front, 0));
         let y = load(simd, &four.y, 0) + deformation.shift_y;
-        let place_y = (x * -deformation.bend + deformation.twist) * x + y;
-        let velocity_x = (x * path.velocity_x[2] + path.velocity_x[1]) * x + load(simd, &four.velocity_x, 0);
-        let velocity_y = (x * path.velocity_y[2] + path.velocity_y[1]) * x + path.velocity_y[0];
-        let free_y = velocity_y - (x * path.led[1] + path.led[0]);
-        total.force_x += force_x;
-        total.force_y += force_y;
-        total.moment_z += mu_y * lever - place_y * force_x;
-        total.moment_x += (load(simd, &four.load, 0) - load(simd, &four.normal, 0)) * y;
-        total.work -= force_x * velocity_x + force_y * free_y;
+        let normal = load(simd, &four.normal, 0);
+        total.moment_x += (load(simd, &four.load, 0) - normal) * y;
+        total.moment_z += mu_y * (lever - x * lacks);
+
+        // what is left is no more friction than the law has for all that is pressed on the road
+        let pressed =
+            closed * load(simd, &four.pressed, 0) + open * (normal + load(simd, &four.pulling, 0));
+        let most = load(simd, &four.most, 0) * pressed;
+        let all_x = load(simd, &four.force[0], 0) + load(simd, &four.shares.force[0], 0) + force_x;
+        let all_y = load(simd, &four.force[1], 0) + load(simd, &four.shares.force[1], 0) + force_y;
+        let size = (all_x * all_x + all_y * all_y).sqrt();
+        let is_more = size.simd_gt(most);
+        let too_much = is_more.select(most / is_more.select(size, one) - 1.0, zero);
+        let is_pressed = closed.simd_gt(0.0) & pressed.simd_gt(0.0);
+        let centre = is_pressed
+            .select(load(simd, &four.pressed_lever, 0) / is_pressed.select(pressed, one), zero);
+        total.force_x += all_x + all_x * too_much;
+        total.force_y += all_y + all_y * too_much;
+        for (x, fx, fy) in [(x, force_x, force_y), (centre, all_x * too_much, all_y * too_much)] {
+            let place_y = (x * -deformation.bend + deformation.twist) * x + y;
+            let velocity_x =
+                (x * path.velocity_x[2] + path.velocity_x[1]) * x + load(simd, &four.velocity_x, 0);
+            let velocity_y = (x * path.velocity_y[2] + path.velocity_y[1]) * x + path.velocity_y[0];
+            let free_y = velocity_y - (x * path.led[1] + path.led[0]);
+            total.moment_z += x * fy - place_y * fx;
+            total.work -= fx * velocity_x + fy * free_y;
+        }
 
         let is_summed = summed.simd_gt(0.0);
-        let grows = (slides.select(sliding + lacks, summed)) / is_summed.select(summed, one);
+        let grows = larger(slides.select(sliding + lacks, summed), zero) / is_summed.select(summed, one);
         let more = is_summed.select(closed * (grows - 1.0) + 1.0, one);
         total.power += load(simd, &four.power, 0) * more;
         total.slip += load(simd, &four.slip, 0) * more;
@@ -468,9 +496,13 @@ struct Four {
     all: [f64; LANES],
     pressed: [f64; LANES],
     pressed_lever: [f64; LANES],
+    /// The most friction of what is pressed, over its pressure \[N/Pa\].
+    most: [f64; LANES],
     /// The normal force over a bristle's area, and the sum over the bristles that it is without integrals.
     load: [f64; LANES],
     normal: [f64; LANES],
+    /// Sum of the bristles' forces, x and y \[N\].
+    force: [[f64; LANES]; 2],
     /// Sums over bristles: pressures that pull, shares of those in contact and of those that stick, pressures that slide.
     pulling: [f64; LANES],
     touching: [f64; LANES],

@@ -232,10 +232,10 @@ impl Stretches<'_> {
         let [x0, x1, x2] = [self.velocity_x, path.velocity_x[1], path.velocity_x[2]];
         let [y0, y1, y2] = path.velocity_y;
         let (velocity_x, velocity_y) = ((x2 * x + x1) * x + x0, (y2 * x + y1) * x + y0);
-        let [place_x, place_y] = deformation.place(x, self.y);
-        lacking.force[0] += fx;
-        lacking.force[1] += fy;
-        lacking.moment += place_x * fy - place_y * fx;
+        let [_, place_y] = deformation.place(x, self.y);
+        shares.force[0][self.lane] += fx;
+        shares.force[1][self.lane] += fy;
+        lacking.moment += x * fy - place_y * fx;
         lacking.work -= fx * velocity_x + fy * (velocity_y - (path.led[0] + path.led[1] * x));
         lacking.stored += (fx * outer[0] + fy * outer[1]) / (p.bristle_stiffness * p.bristle_stiffness);
         self.add_products(share * length, side * length, difference(outer, force), lacking);
