@@ -38,16 +38,12 @@ pub fn newton<const N: usize>(
     mut values: impl FnMut(&[f64; N]) -> [f64; N],
     mut derivatives: impl FnMut(&[Dual<N>; N]) -> [Dual<N>; N],
 ) -> Convergence {
-    let scaled = |r: [f64; N]| -> [f64; N] { std::array::from_fn(|i| r[i] / scale[i]) };
-    // `max` would hide a NaN; a residual that is not a number is infinitely bad.
-    let size = |r: &[f64; N]| {
-        r.iter().fold(0.0, |a: f64, b| if b.is_nan() { f64::INFINITY } else { a.max(b.abs()) })
-    };
-    let mut residual = scaled(values(x));
+    let mut values = |x: &[f64; N]| scaled(values(x), scale);
+    let mut residual = values(x);
     let mut renew = false;
     let mut steps = 0;
     loop {
-        let best = size(&residual);
+        let best = largest(&residual);
         if best <= tolerance || steps == max_steps {
             return Convergence { residual: best, steps, converged: best <= tolerance };
         }
@@ -59,8 +55,7 @@ pub fn newton<const N: usize>(
                 std::array::from_fn(|i| exact[i].gradient.map(|slope| slope / scale[i]))
             }
         };
-        let factors = DMatrix::from_fn(N, N, |i, j| matrix[i][j]).lu();
-        let direction = factors.solve(&DVector::from_column_slice(&residual));
+        let direction = solve(&matrix, &residual);
         // an old Jacobian is not worth a search along its direction
         let least = if renew { 1e-4 } else { 1.0 };
         let fractions = std::iter::successors(Some(1.0), |fraction| Some(fraction * 0.5));
@@ -68,15 +63,15 @@ pub fn newton<const N: usize>(
             fractions.take_while(|fraction| *fraction >= least).find_map(|fraction| {
                 let step: [f64; N] = std::array::from_fn(|i| -fraction * direction[i]);
                 let trial: [f64; N] = std::array::from_fn(|i| x[i] + step[i]);
-                let next = scaled(values(&trial));
-                (size(&next) < best).then_some((fraction, step, trial, next))
+                let next = values(&trial);
+                (largest(&next) < best).then_some((fraction, step, trial, next))
             })
         });
         steps += 1;
         *jacobian = Some(matrix);
         match better {
             Some((fraction, step, trial, next)) => {
-                renew = size(&next) > WELL * best;
+                renew = largest(&next) > WELL * best;
                 let surprise = std::array::from_fn(|i| next[i] - (1.0 - fraction) * residual[i]);
                 *jacobian = Some(updated(&matrix, &step, &surprise));
                 (*x, residual) = (trial, next);
@@ -85,6 +80,24 @@ pub fn newton<const N: usize>(
             None => renew = true,
         }
     }
+}
+
+/// Residuals in units of their scales.
+pub(super) fn scaled<const N: usize>(residual: [f64; N], scale: &[f64; N]) -> [f64; N] {
+    std::array::from_fn(|i| residual[i] / scale[i])
+}
+
+/// The largest residual.
+pub(super) fn largest(residual: &[f64]) -> f64 {
+    // `max` would hide a NaN; a residual that is not a number is infinitely bad.
+    residual.iter().fold(0.0, |a: f64, b| if b.is_nan() { f64::INFINITY } else { a.max(b.abs()) })
+}
+
+/// The solution of linear equations, `None` if they are singular.
+pub(super) fn solve<const N: usize>(matrix: &[[f64; N]; N], right: &[f64; N]) -> Option<[f64; N]> {
+    let factors = DMatrix::from_fn(N, N, |i, j| matrix[i][j]).lu();
+    let solution = factors.solve(&DVector::from_column_slice(right))?;
+    Some(std::array::from_fn(|i| solution[i]))
 }
 
 /// Broyden's update: the Jacobian that explains by how much the residual after `step` differs from what `matrix`

@@ -59,7 +59,10 @@ def test_archive_is_plain(shipped):
     with zipfile.ZipFile(shipped) as archive:
         assert archive.testzip() is None
         for entry in archive.infolist():
-            assert entry.extract_version <= 20 and entry.compress_type == zipfile.ZIP_DEFLATED
+            # binaries are stored, which loads faster
+            is_binary = entry.filename.startswith("binaries/")
+            assert entry.compress_type == (zipfile.ZIP_STORED if is_binary else zipfile.ZIP_DEFLATED)
+            assert entry.extract_version <= 20
             assert "\\" not in entry.filename and not entry.filename.startswith("/")
 
 
@@ -162,7 +165,7 @@ def test_between_grid_points_the_result_is_near_its_neighbours(slaves):
 
 
 def test_derivatives_of_outputs_are_those_of_the_last_internal_step(slaves):
-    slave = slaves(START)
+    slave = slaves(dict(START, step_size=1e-4))
     names = ["force_x", "force_z", "wheel_angle"]
     slave.set(slip=0.05, deflection=0.025)
     slave.steps(5)
@@ -335,7 +338,7 @@ def test_directional_derivatives_of_the_stationary_state(slaves, point):
     point = dict(START, friction_factor=1.0, **point)
     slave.set(**point)
     names = OUTPUTS + INSIDE + ["contact_power_loss"]
-    steps = dict(deflection=3e-6, path_speed=0.03, camber=1e-5, slip=5e-6, slip_angle=5e-6, friction_factor=5e-4)
+    steps = dict(deflection=3e-6, path_speed=0.03, camber=1e-5, slip=5e-6, slip_angle=5e-6, friction_factor=2e-4)
     for name, h in steps.items():
         exact = slave.directional(names, {name: 1.0})
 

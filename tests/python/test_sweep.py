@@ -159,7 +159,9 @@ def test_an_interrupted_study_goes_on_with_what_is_missing(study, tmp_path):
         echo "$*" >> "{log}"
         case "$*" in *"=30.0 bar/s"*) while [ ! -e "{go}" ]; do sleep 0.05; done ;; esac""")
     command = [sys.executable, SWEEP, study, "--latsch", program, "--workers", "2"]
-    running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    # a shell that starts tests in the background lets them ignore interrupts
+    running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
     journal = tmp_path / "study.parquet.journal"
     end = time.monotonic() + 120
     try:

@@ -441,8 +441,7 @@ impl<'a, S: Simd> Pass<'a, S> {
         total.moment_z += mu_y * (lever - x * lacks);
 
         // what is left is no more friction than the law has for all that is pressed on the road
-        let pressed =
-            closed * load(simd, &four.pressed, 0) + open * (normal + load(simd, &four.pulling, 0));
+        let pressed = closed * load(simd, &four.pressed, 0) + open * (normal + load(simd, &four.pulling, 0));
         let most = load(simd, &four.most, 0) * pressed;
         let all_x = load(simd, &four.force[0], 0) + load(simd, &four.shares.force[0], 0) + force_x;
         let all_y = load(simd, &four.force[1], 0) + load(simd, &four.shares.force[1], 0) + force_y;
@@ -450,8 +449,8 @@ impl<'a, S: Simd> Pass<'a, S> {
         let is_more = size.simd_gt(most);
         let too_much = is_more.select(most / is_more.select(size, one) - 1.0, zero);
         let is_pressed = closed.simd_gt(0.0) & pressed.simd_gt(0.0);
-        let centre = is_pressed
-            .select(load(simd, &four.pressed_lever, 0) / is_pressed.select(pressed, one), zero);
+        let centre =
+            is_pressed.select(load(simd, &four.pressed_lever, 0) / is_pressed.select(pressed, one), zero);
         total.force_x += all_x + all_x * too_much;
         total.force_y += all_y + all_y * too_much;
         for (x, fx, fy) in [(x, force_x, force_y), (centre, all_x * too_much, all_y * too_much)] {

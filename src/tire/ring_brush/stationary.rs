@@ -9,7 +9,7 @@ use super::{
     Bristles, Contact, Loads, Parameters, Prepared, State, belt_from_rim, patch_on_belt, stationary_coupling,
 };
 use crate::mechanics::{Motion, Wrench};
-use crate::solver::{Convergence, Dual, Real, newton};
+use crate::solver::{Convergence, Dual, Jump, Real, jump, newton};
 use crate::tire::{Flat, Vertical};
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -48,6 +48,9 @@ pub struct Stationary {
     pub intervals: usize,
     /// How the search ended.
     pub convergence: Convergence,
+    /// The forces jump here: the bristles of a stripe just come to rest, or just do not, and each would lead to the
+    /// other. This is the mean of both that is in balance, which has no derivatives.
+    pub jumps: bool,
     /// The Jacobian of the search near this state, which a search from here begins with.
     jacobian: Option<[[f64; N]; N]>,
 }
@@ -93,7 +96,12 @@ impl<T: Real> Unknowns<T> {
 ///
 /// Of `rim`, the horizontal velocity, the angles x and z and the rate y count; `friction` is a factor on
 /// both friction coefficients. The search starts at
-/// straight rolling without slip and, where one jump does not succeed, approaches the state in steps.
+/// straight rolling without slip and, where that does not succeed, approaches the state in steps.
+///
+/// A bristle that slides comes to rest below the limit of sliding and then stays up to that of sticking (4.33). A stripe
+/// whose bristles just touch the limit of sliding sticks over some length or not at all, and its force jumps by some
+/// thousandths of the load. Where balance lies within such a jump, the state is the mean of both sides
+/// ([`jumps`](Stationary::jumps)).
 ///
 /// # Errors
 /// No stationary state was found: the source does not promise one, and far from straight rolling
@@ -131,6 +139,10 @@ pub fn stationary_refined(
             if reached >= 1.0 {
                 return Ok(problem(*rim).describe(&x, jacobian, convergence));
             }
+        } else if goal >= 1.0
+            && let Some(state) = problem(*rim).between(&trial, jacobian, convergence)
+        {
+            return Ok(state);
         } else {
             stride *= 0.5;
             if stride < 1e-3 {
@@ -199,9 +211,28 @@ struct Problem<'a> {
 
 impl Problem<'_> {
     fn search(&self, x: &mut [f64; N], jacobian: &mut Option<[[f64; N]; N]>) -> Convergence {
-        let Self { tire, vertical, friction, intervals, .. } = *self;
-        let p = tire.parameters();
-        let load = match vertical {
+        let (scale, values, derivatives) = (self.scale(), |x: &_| self.residual(x), |x: &_| self.residual(x));
+        newton(x, &scale, 1e-11, 40, jacobian, values, derivatives)
+    }
+
+    /// The state at a jump near x, where the search got stuck.
+    fn between(
+        &self,
+        x: &[f64; N],
+        jacobian: Option<[[f64; N]; N]>,
+        convergence: Convergence,
+    ) -> Option<Stationary> {
+        let (scale, values, derivatives) = (self.scale(), |x: &_| self.residual(x), |x: &_| self.residual(x));
+        let Jump { sides, share, residual } = jump(x, &scale, TOLERANCE, values, derivatives)?;
+        let convergence = Convergence { residual, ..convergence };
+        let [a, b] = sides.map(|x| self.describe(&x, jacobian, convergence));
+        Some(a.mean(&b, share))
+    }
+
+    /// The sizes of residuals.
+    fn scale(&self) -> [f64; N] {
+        let p = self.tire.parameters();
+        let load = match self.vertical {
             Vertical::Load(load) => load.abs(),
             Vertical::Height(height) => p.vertical_stiffness * (p.radius - height).max(0.0),
         }
@@ -209,19 +240,19 @@ impl Problem<'_> {
         .max(1.0);
         let moment = load * p.radius;
         // the last row is a length or a force
-        let last = match vertical {
+        let last = match self.vertical {
             Vertical::Height(_) => p.radius,
             Vertical::Load(_) => load,
         };
-        let scale = [moment, moment, moment, load, load, moment, last];
-        let mut rim = self.rim;
+        [moment, moment, moment, load, load, moment, last]
+    }
+
+    fn residual<T: Real>(&self, x: &[T; N]) -> [T; N] {
+        let Self { tire, mut rim, vertical, friction, intervals } = *self;
         if let Vertical::Height(height) = vertical {
             rim.position.z = height;
         }
-        let dual = rim.constant();
-        let values = |x: &[f64; N]| residual(tire, &rim, vertical, friction, intervals, x);
-        let derivatives = |x: &[Dual<N>; N]| residual(tire, &dual, vertical, friction.into(), intervals, x);
-        newton(x, &scale, 1e-11, 40, jacobian, values, derivatives)
+        residual(tire, &rim.constant(), vertical, friction.into(), intervals, x)
     }
 
     fn describe(
@@ -246,6 +277,7 @@ impl Problem<'_> {
             friction,
             intervals,
             convergence,
+            jumps: false,
             jacobian,
         }
     }
@@ -353,7 +385,37 @@ impl Stationary {
         if convergence.residual <= TOLERANCE {
             return Ok(problem.describe(&x, jacobian, convergence));
         }
+        if let Some(state) = problem.between(&x, jacobian, convergence) {
+            return Ok(state);
+        }
         stationary_refined(tire, rim, vertical, friction, intervals)
+    }
+
+    /// The mean of two sides of a jump, the second of which counts by `share`.
+    fn mean(&self, other: &Self, share: f64) -> Self {
+        let mean = |of: fn(&Self) -> f64| of(self) + share * (of(other) - of(self));
+        let vector = |of: fn(&Self) -> Vector3<f64>| of(self).lerp(&of(other), share);
+        let wrench = |of: fn(&Self) -> &Wrench<f64>| {
+            let (a, b) = (of(self), of(other));
+            Wrench { force: a.force.lerp(&b.force, share), moment: a.moment.lerp(&b.moment, share) }
+        };
+        Self {
+            rim_height: mean(|s| s.rim_height),
+            belt_from_rim: vector(|s| s.belt_from_rim),
+            belt_camber: mean(|s| s.belt_camber),
+            belt_yaw: mean(|s| s.belt_yaw),
+            windup: mean(|s| s.windup),
+            loads: Loads {
+                force_x: mean(|s| s.loads.force_x),
+                force_y: mean(|s| s.loads.force_y),
+                moment_z: mean(|s| s.loads.moment_z),
+            },
+            patch: wrench(|s| &s.patch),
+            on_rim: wrench(|s| &s.on_rim),
+            power_loss: mean(|s| s.power_loss),
+            jumps: true,
+            ..self.clone()
+        }
     }
 
     /// The unknowns in the order of the search.
@@ -365,8 +427,11 @@ impl Stationary {
 
     /// The derivative of the state along a change of the rim's motion, height included, and of the
     /// friction factor, which `rim` and `friction` carry as the derivatives of their numbers: the implicit
-    /// function theorem on the equations of the search. `None` where their Jacobian is singular.
+    /// function theorem on the equations of the search. `None` where their Jacobian is singular or they jump.
     pub fn along(&self, tire: &Prepared, rim: &Motion<Dual<1>>, friction: Dual<1>) -> Option<Moved> {
+        if self.jumps {
+            return None;
+        }
         let held = Vertical::Height(self.rim_height);
         let x = self.unknowns();
         let fixed = Motion {

@@ -192,7 +192,7 @@ impl Tire for RingBrush {
         friction: Dual<1>,
     ) -> Result<Change> {
         let moved = rest.inside.along(&self.prepared, rim, friction).ok_or_else(|| {
-            Error::numeric("the stationary state has no derivative: its equations are singular here")
+            Error::numeric("the stationary state has no derivative: its equations are singular here, or jump")
         })?;
         let mut belt = moved.belt;
         belt.angles.y = rim.angles.y - moved.windup;
