@@ -519,3 +519,27 @@ fn mirror_and_heading_in_time() {
     let means = errors.map(|e| e / f64::from(steps) / 6.0);
     assert!(means.iter().all(|e| *e < 1e-9), "{means:?}");
 }
+/// Where a stripe just stops sticking at the entry, its force jumps. The states there lie between those before and
+/// behind, and lead from one to the other without a gap.
+#[test]
+fn stationary_states_lead_across_jumps() {
+    let tire = Prepared::new(&example(), &Road::default()).unwrap();
+    let states: Vec<_> = (0..100)
+        .map(|k| {
+            let alpha = 0.15768 + 5e-7 * f64::from(k);
+            let point = Point { load: 5000.0, speed: 20.0, slip: 0.0, alpha, camber: 0.02, steer: 0.0 };
+            stationary(&tire, &point.rim(&tire), Vertical::Load(point.load), 1.0).unwrap()
+        })
+        .collect();
+    let force = |k: usize| states[k].on_rim.force.y;
+    let inside: Vec<usize> = (0..states.len()).filter(|k| states[*k].jumps).collect();
+    let (first, last) = (inside[0], inside[inside.len() - 1]);
+    assert!(first > 0 && last < 99 && inside.len() == last - first + 1 && inside.len() > 10, "{inside:?}");
+    let jump = force(first - 1) - force(last + 1);
+    assert!(jump > 1.0, "{jump}");
+    for k in first - 1..=last {
+        let fall = force(k) - force(k + 1);
+        assert!(fall > 0.0 && fall < 2.0 * jump / inside.len() as f64, "{k}: {fall} of {jump}");
+        assert!(states[k].convergence.residual <= 1e-6);
+    }
+}
