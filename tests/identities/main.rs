@@ -531,15 +531,15 @@ fn stationary_states_lead_across_jumps() {
             stationary(&tire, &point.rim(&tire), Vertical::Load(point.load), 1.0).unwrap()
         })
         .collect();
-    let force = |k: usize| states[k].on_rim.force.y;
+    let force: Vec<f64> = states.iter().map(|s| s.on_rim.force.y).collect();
     let inside: Vec<usize> = (0..states.len()).filter(|k| states[*k].jumps).collect();
     let (first, last) = (inside[0], inside[inside.len() - 1]);
     assert!(first > 0 && last < 99 && inside.len() == last - first + 1 && inside.len() > 10, "{inside:?}");
-    let jump = force(first - 1) - force(last + 1);
+    let jump = force[first - 1] - force[last + 1];
     assert!(jump > 1.0, "{jump}");
-    for k in first - 1..=last {
-        let fall = force(k) - force(k + 1);
-        assert!(fall > 0.0 && fall < 2.0 * jump / inside.len() as f64, "{k}: {fall} of {jump}");
-        assert!(states[k].convergence.residual <= 1e-6);
+    for pair in force[first - 1..=last + 1].windows(2) {
+        let fall = pair[0] - pair[1];
+        assert!(fall > 0.0 && fall < 2.0 * jump / inside.len() as f64, "{fall} of {jump}");
     }
+    assert!(states.iter().all(|s| s.convergence.residual <= 1e-6));
 }
