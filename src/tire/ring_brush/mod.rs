@@ -46,6 +46,7 @@ mod step;
 mod stretches;
 mod stripes;
 mod tire;
+mod totals;
 
 pub use belt::patch_on_belt;
 pub use bristle::{Limits, Step, advance};

@@ -6,10 +6,11 @@
 //! where stretches of bristles that stick end, which they do there, too (see [`Patch`]).
 
 use super::bristles::Bristles;
-use super::ends::{Ends, Patch, Shares};
+use super::ends::{Ends, Patch};
 use super::patch::{Path, Pressure};
 use super::stretches::{Bound, Pattern, Stretches};
 use super::stripes::closed;
+use super::totals::{Four, Total, load};
 use super::{Contact, Deformation, Limits, Parameters, Prepared, Tops};
 use crate::solver::lanes::{LANES, exp2, larger, log2, smaller, sum};
 use crate::{Error, Result};
@@ -188,7 +189,7 @@ impl<'a, S: Simd> Pass<'a, S> {
                 self.hand_over(simd, &stripe, bristles, &pattern, &mut four, &mut ends);
             }
             ends.work(simd, self.patch, &mut four.shares);
-            self.finish(simd, &four, &mut total);
+            four.finish(simd, self.patch, &mut total);
         }
         let (area, rest) = (p.cell_area(), ends.lacking);
         let force_y = sum(total.force_y);
@@ -412,142 +413,6 @@ impl<'a, S: Simd> Pass<'a, S> {
         };
         stretches.hand_over(simd, pattern, ends, &mut four.shares);
     }
-
-    /// Adds what sums over the bristles of four stripes lack, now that it is known what sticks in them.
-    #[inline(always)]
-    fn finish(&self, simd: S, four: &Four, total: &mut Total<S>) {
-        let Patch { deformation, path, spacings, .. } = *self.patch;
-        let (zero, one) = (f64x4::splat(simd, 0.0), f64x4::splat(simd, 1.0));
-        let closed = load(simd, &four.closed, 0);
-        let open = -closed + 1.0;
-        let (sliding, summed) = (load(simd, &four.shares.sliding[0], 0), load(simd, &four.summed, 0));
-
-        // what the trapezoidal rule lacks of the pressure that slides, it lacks of the friction
-        let lacks = load(simd, &four.pressed, 0) - load(simd, &four.shares.held[0], 0) - sliding;
-        let lever = load(simd, &four.pressed_lever, 0)
-            - load(simd, &four.shares.held[1], 0)
-            - load(simd, &four.shares.sliding[1], 0);
-        let slides = sliding.simd_gt(0.0);
-        let per_pressure = slides.select(closed / slides.select(sliding, one), zero);
-        let mu_x = load(simd, &four.shares.friction[0], 0) * per_pressure;
-        let mu_y = load(simd, &four.shares.friction[1], 0) * per_pressure;
-        let (force_x, force_y) = (mu_x * lacks, mu_y * lacks);
-        let some = (lacks * lacks).simd_gt(0.0);
-        let middle = some.select(lever / some.select(lacks, one), zero);
-        let x = smaller(larger(middle, load(simd, &four.rear, 0)), load(simd, &four.front, 0));
-        let y = load(simd, &four.y, 0) + deformation.shift_y;
-        let normal = load(simd, &four.normal, 0);
-        total.moment_x += (load(simd, &four.load, 0) - normal) * y;
-        total.moment_z += mu_y * (lever - x * lacks);
-
-        // what is left is no more friction than the law has for all that is pressed on the road
-        let pressed = closed * load(simd, &four.pressed, 0) + open * (normal + load(simd, &four.pulling, 0));
-        let most = load(simd, &four.most, 0) * pressed;
-        let all_x = load(simd, &four.force[0], 0) + load(simd, &four.shares.force[0], 0) + force_x;
-        let all_y = load(simd, &four.force[1], 0) + load(simd, &four.shares.force[1], 0) + force_y;
-        let size = (all_x * all_x + all_y * all_y).sqrt();
-        let is_more = size.simd_gt(most);
-        let too_much = is_more.select(most / is_more.select(size, one) - 1.0, zero);
-        let is_pressed = closed.simd_gt(0.0) & pressed.simd_gt(0.0);
-        let centre =
-            is_pressed.select(load(simd, &four.pressed_lever, 0) / is_pressed.select(pressed, one), zero);
-        total.force_x += all_x + all_x * too_much;
-        total.force_y += all_y + all_y * too_much;
-        for (x, fx, fy) in [(x, force_x, force_y), (centre, all_x * too_much, all_y * too_much)] {
-            let place_y = (x * -deformation.bend + deformation.twist) * x + y;
-            let velocity_x =
-                (x * path.velocity_x[2] + path.velocity_x[1]) * x + load(simd, &four.velocity_x, 0);
-            let velocity_y = (x * path.velocity_y[2] + path.velocity_y[1]) * x + path.velocity_y[0];
-            let free_y = velocity_y - (x * path.led[1] + path.led[0]);
-            total.moment_z += x * fy - place_y * fx;
-            total.work -= fx * velocity_x + fy * free_y;
-        }
-
-        let is_summed = summed.simd_gt(0.0);
-        let grows = larger(slides.select(sliding + lacks, summed), zero) / is_summed.select(summed, one);
-        let more = is_summed.select(closed * (grows - 1.0) + 1.0, one);
-        total.power += load(simd, &four.power, 0) * more;
-        total.slip += load(simd, &four.slip, 0) * more;
-        total.negative += closed * (load(simd, &four.pressed, 0) - load(simd, &four.all, 0))
-            + open * load(simd, &four.pulling, 0);
-        let length = load(simd, &four.length, 0);
-        let sticks = smaller(larger(load(simd, &four.shares.sticking, 0), zero), length);
-        let touching = load(simd, &four.touching, 0);
-        total.touching += closed * length * spacings + open * touching;
-        total.sliding +=
-            closed * (length - sticks) * spacings + open * (touching - load(simd, &four.sticking, 0));
-    }
-}
-
-/// Four stripes: what is known of each.
-#[derive(Default)]
-struct Four {
-    /// Length \[m\], place across \[m\], velocity of the tops in x at x = 0 \[m/s\].
-    length: [f64; LANES],
-    y: [f64; LANES],
-    velocity_x: [f64; LANES],
-    /// How far integrals count.
-    closed: [f64; LANES],
-    /// Ends of what is pressed on the road \[m\].
-    rear: [f64; LANES],
-    front: [f64; LANES],
-    /// Integrals over the spacing: of the pressure, of what is pressed on the road of it, times x.
-    all: [f64; LANES],
-    pressed: [f64; LANES],
-    pressed_lever: [f64; LANES],
-    /// The most friction of what is pressed, over its pressure \[N/Pa\].
-    most: [f64; LANES],
-    /// The normal force over a bristle's area, and the sum over the bristles that it is without integrals.
-    load: [f64; LANES],
-    normal: [f64; LANES],
-    /// Sum of the bristles' forces, x and y \[N\].
-    force: [[f64; LANES]; 2],
-    /// Sums over bristles: pressures that pull, shares of those in contact and of those that stick, pressures that slide.
-    pulling: [f64; LANES],
-    touching: [f64; LANES],
-    sticking: [f64; LANES],
-    summed: [f64; LANES],
-    /// Power of friction, and slip speed times pressure.
-    power: [f64; LANES],
-    slip: [f64; LANES],
-    shares: Shares,
-}
-
-/// Sums that are not yet added up over the lanes.
-struct Total<S: Simd> {
-    force_x: f64x4<S>,
-    force_y: f64x4<S>,
-    moment_x: f64x4<S>,
-    moment_z: f64x4<S>,
-    touching: f64x4<S>,
-    sliding: f64x4<S>,
-    power: f64x4<S>,
-    slip: f64x4<S>,
-    negative: f64x4<S>,
-    highest: f64x4<S>,
-    work: f64x4<S>,
-    stored: f64x4<S>,
-}
-
-impl<S: Simd> Total<S> {
-    #[inline(always)]
-    fn new(simd: S) -> Self {
-        let zero = f64x4::splat(simd, 0.0);
-        Self {
-            force_x: zero,
-            force_y: zero,
-            moment_x: zero,
-            moment_z: zero,
-            touching: zero,
-            sliding: zero,
-            power: zero,
-            slip: zero,
-            negative: zero,
-            highest: zero,
-            work: zero,
-            stored: zero,
-        }
-    }
 }
 
 /// The bristles that are in contact with stripes up to this length.
@@ -561,12 +426,6 @@ fn window(p: &Parameters, bristles: &Bristles, longest: f64) -> [usize; 2] {
     let to = (number(0.5 * longest) + ROUNDING + 1.0).floor() as usize;
     let n = bristles.per_stripe;
     [from.min(n), to.clamp(from.min(n), n)]
-}
-
-/// Four numbers from `k` on.
-#[inline(always)]
-fn load<S: Simd>(simd: S, values: &[f64], k: usize) -> f64x4<S> {
-    f64x4::from_slice(simd, &values[k..k + LANES])
 }
 
 /// Places of four bristles from `j` on.

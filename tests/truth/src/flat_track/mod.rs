@@ -9,7 +9,7 @@
 mod offers;
 mod programme;
 
-pub use offers::{CASES, Concealed, draw_cases};
+pub use offers::{Concealed, draw_cases};
 pub(crate) use offers::{OFFERS, OUTSIDE};
 pub(crate) use programme::waves;
 

@@ -1,4 +1,4 @@
-//! What can be concealed on the flat track, and which cases of it a study has: few, because a diagnosis takes minutes.
+//! What can be concealed on the flat track, and which cases of it a study has.
 
 use crate::draw::{Offer, offer};
 use crate::hidden::Law;
@@ -16,9 +16,6 @@ pub enum Concealed {
     /// An effect that has no name.
     Outside(&'static str),
 }
-
-/// How many cases a study has.
-pub const CASES: usize = 6;
 
 const fn here(
     id: &'static str,
@@ -52,21 +49,27 @@ pub(crate) const OUTSIDE: [Offer; 2] = [
     here("outside-patch-friction", Law::PatchFriction, &[1], false, TIME),
 ];
 
-/// The cases of a study: three clear effects, two of them of the tire, a faint one of the tire, one case of wrong
-/// parameters and one outside of the catalogue.
+/// In how many rounds the cases of a study are drawn: for at least 40 of them.
+const ROUNDS: usize = 7;
+
+/// The cases of a study. A round has three clear effects, two of them of the tire, a faint one of the tire, one case of
+/// wrong parameters and one outside of the catalogue.
 #[must_use]
-pub fn draw_cases(random: &mut Random) -> [Concealed; CASES] {
-    let (mut tire, mut rig) = ([0, 1, 2, 3], [0, 1, 2]);
-    random.shuffle(&mut tire);
-    random.shuffle(&mut rig);
-    let mut all = [
-        Concealed::Clear(OFFERS[tire[0]].id),
-        Concealed::Clear(OFFERS[tire[1]].id),
-        Concealed::Clear(OFFERS[OF_TIRE + rig[0]].id),
-        Concealed::Faint(OFFERS[tire[2]].id),
-        Concealed::Parameters,
-        Concealed::Outside(random.pick(&OUTSIDE).id),
-    ];
+pub fn draw_cases(random: &mut Random) -> Vec<Concealed> {
+    let mut all = Vec::new();
+    for _ in 0..ROUNDS {
+        let (mut tire, mut rig) = ([0, 1, 2, 3], [0, 1, 2]);
+        random.shuffle(&mut tire);
+        random.shuffle(&mut rig);
+        all.extend([
+            Concealed::Clear(OFFERS[tire[0]].id),
+            Concealed::Clear(OFFERS[tire[1]].id),
+            Concealed::Clear(OFFERS[OF_TIRE + rig[0]].id),
+            Concealed::Faint(OFFERS[tire[2]].id),
+            Concealed::Parameters,
+            Concealed::Outside(random.pick(&OUTSIDE).id),
+        ]);
+    }
     random.shuffle(&mut all);
     all
 }
