@@ -93,6 +93,9 @@ class Slave:
         self.folder = fmpy.extract(str(fmu))
         self.references = {v.name: v.valueReference for v in description.modelVariables}
         self.outputs = [v.valueReference for v in description.modelVariables if v.causality == "output" and v.type == "Real"]
+        # how many steps of its own the model takes in a communication step
+        own = next(float(v.start) for v in description.modelVariables if v.name == "step_size")
+        self.own_step, self.own_steps = own, round(STEP / own)
         self.raw = fmpy.fmi2.FMU2Slave(
             guid=description.guid, unzipDirectory=self.folder, modelIdentifier=description.coSimulation.modelIdentifier, instanceName="x"
         )
@@ -311,14 +314,13 @@ def table(options, machine):
 
     # ---- tires
     ring, magic = (Slave(machine.fmu(f"{tire}-flat-track")) for tire in ("ring-brush", "magic-formula"))
-    ring_steps = 10
     what = "one tire step, 6 x 30 bristles with memory"
     base = ("bristles", "latsch")
-    row(what, "latsch ring-brush on the flat track, step of 0.1 ms, through FMI and FMPy's call, belt and rig included", base, base, 1e6, "us")
+    row(what, f"latsch ring-brush on the flat track, step of {ring.own_step * 1e3:g} ms, through FMI and FMPy's call, belt and rig included", base, base, 1e6, "us")
     row(what, f"a plain brush model in {version('numpy')}, no belt, no rig", ("bristles", "numpy"), base, 1e6, "us")
     what = "Magic Formula at combined slip"
     base = ("formula", "latsch")
-    row(what, "latsch magic-formula on the flat track, step of 0.1 ms: transient, moments and rig included", base, base, 1e6, "us")
+    row(what, f"latsch magic-formula on the flat track, step of {magic.own_step * 1e3:g} ms: transient, moments and rig included", base, base, 1e6, "us")
     row(what, f"{version('commonroad-vehicle-models')}, steady forces only, plain Python", ("formula", "commonroad"), base, 1e6, "us")
     row(what, f"{version('pacejka')}, steady forces, cut off at the friction circle", ("formula", "pacejka"), base, 1e6, "us")
 
@@ -399,9 +401,9 @@ def table(options, machine):
         for fmu in foreign:
             take((fmu.name, "latsch"), lambda: machine.simulate(fmu, {}, 1000))
             take((fmu.name, "FMPy"), lambda: with_fmpy(fmu, {}, 1000))
-        take(("bristles", "latsch"), lambda: ring.run(ROLLING, 300, read=False)[0] / 300 / ring_steps)
+        take(("bristles", "latsch"), lambda: ring.run(ROLLING, 300, read=False)[0] / 300 / ring.own_steps)
         take(("bristles", "numpy"), bristles)
-        take(("formula", "latsch"), lambda: magic.run(ROLLING, 300, read=False)[0] / 300 / ring_steps)
+        take(("formula", "latsch"), lambda: magic.run(ROLLING, 300, read=False)[0] / 300 / magic.own_steps)
         take(("formula", "commonroad"), commonroad)
         take(("formula", "pacejka"), pacejka)
         take(("fit", "latsch"), lambda: machine.simulate(corner, truth, fit_steps))
