@@ -23,7 +23,7 @@ const ORDER: &[(&str, &str)] = &[
     ("solver", ""),
     ("stats", ""),
     ("model", ""),
-    ("road", "model stats"),
+    ("road", "model solver stats"),
     ("mechanics", "model solver"),
     ("tire", "model solver road mechanics"),
     ("tir", "model tire"),

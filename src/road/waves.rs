@@ -2,6 +2,8 @@
 
 use super::random::generator;
 use crate::clone_in_place;
+use crate::solver::lanes::{LANES, LARGEST_ANGLE, level, sin_cos, sum};
+use fearless_simd::{Simd, dispatch, f64x4, prelude::*};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
@@ -190,24 +192,16 @@ impl Irregular {
     }
 
     /// Mean height over a window about `s` whose `gains` these are, its slope and curvature.
-    pub(super) fn mean<'a>(&self, s: f64, gains: impl IntoIterator<Item = &'a Lines>) -> [f64; 3] {
+    pub(super) fn mean<'a>(
+        &self,
+        s: f64,
+        gains: impl IntoIterator<Item = &'a Lines, IntoIter: Clone>,
+    ) -> [f64; 3] {
         let x = s - self.start;
         if self.octaves.is_empty() || x <= 0.0 {
             return [0.0; 3];
         }
-        // one sum for each line of an octave: independent sums are quick
-        let mut sums = [[0.0; PER_OCTAVE]; 3];
-        self.for_octaves(x, gains, |octave, gain, sin, cos| {
-            for i in 0..PER_OCTAVE {
-                let k = octave.wavenumber[i];
-                let (a, b) = (gain[i] * octave.cos_part[i], gain[i] * octave.sin_part[i]);
-                let value = a * cos[i] + b * sin[i];
-                sums[0][i] += value;
-                sums[1][i] += k * (b * cos[i] - a * sin[i]);
-                sums[2][i] -= k * k * value;
-            }
-        });
-        let [w, slope, curvature] = sums.map(|sum| sum.iter().sum::<f64>());
+        let [w, slope, curvature] = dispatch!(level(), simd => self.sums(simd, x, gains));
         let (fade, by_x, by_xx) = fade_in(x);
         [fade * w, fade * slope + by_x * w, fade * curvature + 2.0 * by_x * slope + by_xx * w]
     }
@@ -217,25 +211,31 @@ impl Irregular {
         self.mean(s, std::iter::repeat(&[1.0; PER_OCTAVE]))
     }
 
-    /// Calls `f` with every octave, its gains and the sines and cosines of its phases at `x`.
-    #[inline]
-    fn for_octaves<'a>(
+    /// Sums of all lines at x, and of their slopes and curvatures; four lines of an octave at once.
+    #[inline(always)]
+    fn sums<'a, S: Simd>(
         &self,
+        simd: S,
         x: f64,
-        gains: impl IntoIterator<Item = &'a Lines>,
-        mut f: impl FnMut(&Octave, &Lines, &Lines, &Lines),
-    ) {
-        let Some(first) = self.octaves.first() else { return };
-        let (mut sin, mut cos) = ([0.0; PER_OCTAVE], [0.0; PER_OCTAVE]);
-        for i in 0..PER_OCTAVE {
-            (sin[i], cos[i]) = libm::sincos(first.wavenumber[i] * x);
-        }
-        for (octave, gain) in self.octaves.iter().zip(gains) {
-            f(octave, gain, &sin, &cos);
-            for i in 0..PER_OCTAVE {
-                (sin[i], cos[i]) = (2.0 * sin[i] * cos[i], 1.0 - 2.0 * sin[i] * sin[i]);
+        gains: impl IntoIterator<Item = &'a Lines, IntoIter: Clone>,
+    ) -> [f64; 3] {
+        let (gains, zero) = (gains.into_iter(), f64x4::splat(simd, 0.0));
+        let Some(first) = self.octaves.first() else { return [0.0; 3] };
+        let (mut height, mut slope, mut curvature) = (zero, zero, zero);
+        for i in (0..PER_OCTAVE).step_by(LANES) {
+            let four = |lines: &Lines| f64x4::from_slice(simd, &lines[i..i + LANES]);
+            let (mut sin, mut cos) = sin_cos_of(simd, four(&first.wavenumber) * x);
+            for (octave, gain) in self.octaves.iter().zip(gains.clone()) {
+                let (k, gain) = (four(&octave.wavenumber), four(gain));
+                let (a, b) = (gain * four(&octave.cos_part), gain * four(&octave.sin_part));
+                let value = a * cos + b * sin;
+                height += value;
+                slope += k * (b * cos - a * sin);
+                curvature -= k * k * value;
+                (sin, cos) = (sin * cos * 2.0, -(sin * sin * 2.0) + 1.0);
             }
         }
+        [sum(height), sum(slope), sum(curvature)]
     }
 
     /// True if [`new`](Self::new) can have made it.
@@ -247,6 +247,17 @@ impl Irregular {
             && (self.octaves.is_empty() || self.octaves.len() == OCTAVES)
             && self.octaves.iter().all(finite)
     }
+}
+
+/// Sine and cosine of angles of any size.
+#[inline(always)]
+fn sin_cos_of<S: Simd>(simd: S, angle: f64x4<S>) -> (f64x4<S>, f64x4<S>) {
+    if angle.abs().simd_le(LARGEST_ANGLE).all_true() {
+        return sin_cos(simd, angle);
+    }
+    // a road of thousands of kilometres
+    let both = <[f64; LANES]>::from(angle).map(libm::sincos);
+    (f64x4::from_slice(simd, &both.map(|b| b.0)), f64x4::from_slice(simd, &both.map(|b| b.1)))
 }
 
 /// The fade-in and its first two derivatives.
