@@ -2,6 +2,7 @@
 
 mod csv;
 mod profile;
+mod shortest;
 mod smooth;
 
 pub(crate) use csv::{Defect, read_csv_with_defects};

@@ -1,6 +1,7 @@
 //! Road profiles from CSV files, and settings that name such files.
 
-use super::csv::{Axis, read_csv_over, shortest};
+use super::csv::{Axis, read_csv_over};
+use super::shortest::shortest;
 use crate::bounded::{self, MAX_TEXT};
 use crate::model::{Settings, Value};
 use crate::road::MAX_POINTS;
