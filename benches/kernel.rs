@@ -7,7 +7,7 @@ use latsch::model::{Model, Native, Settings, Slave};
 use latsch::rig::RingBrushFlatTrack;
 use latsch::solver::lanes::levels;
 use latsch::tire::ring_brush::{
-    Bristles, Contact, Deformation, Limits, Loads, Moments, Passage, Prepared, Pressure, Shape, Sums, Tops,
+    Bristles, Contact, Deformation, Friction, Loads, Moments, Passage, Prepared, Pressure, Shape, Sums, Tops,
     advance,
 };
 use std::hint::black_box;
@@ -85,6 +85,7 @@ impl OneByOne {
         let tilting = moment + deformation.shift_x * contact.normal_force;
         let pressure = Pressure::new(p, &moments, contact.normal_force, tilting, longest);
 
+        let law = Friction::new(p);
         let mut sums = Sums::default();
         let mut stored = 0.0;
         let square = |[x, y]: [f64; 2]| x * x + y * y;
@@ -106,7 +107,7 @@ impl OneByOne {
                     continue;
                 }
                 let normal = area * cell_pressure;
-                let limits = Limits::new(p, cell_pressure, friction * normal);
+                let limits = law.limits(cell_pressure, friction * normal);
                 let inside = 0.5 * length - x.abs();
                 let inside_before = 0.5 * old_length - (x + shift).abs();
                 let enters = inside > 0.0 && inside_before < 0.0 && !p.whole_step_entry;
@@ -177,8 +178,8 @@ impl Rolling {
         let rest = Loads::default();
         Self {
             contact,
-            tops: Tops::new(&p, &contact, spin_rate, &state.lagged, &rest),
-            deformation: Deformation::new(&p, &state.lagged),
+            tops: Tops::new(&p, &contact, spin_rate, &state.lag.lagged, &rest),
+            deformation: Deformation::new(&p, &state.lag.lagged),
             moment: state.patch.moment.y,
             spin: state.belt.angles.y,
             spin_rate,

@@ -4,8 +4,9 @@
 mod common;
 
 use common::{assert_close, get, set, started};
-use latsch::model::{Native, Slave};
-use latsch::rig::RingBrushTire;
+use latsch::Error;
+use latsch::model::{Model, Native, Settings, Slave};
+use latsch::rig::{RingBrushFlatTrack, RingBrushTire};
 use latsch::tire::Motion;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -137,4 +138,29 @@ fn a_pose_runs_on_with_its_velocity_between_communication_points() {
     let told = get(&mut tire, "rim_spin");
     assert_close("spin angle", told, 0.5 * 10.0 / 0.328, 1e-9);
     assert!(get(&mut tire, "global_force_x").abs() < 200.0, "it rolls freely");
+}
+
+/// The belt swings on its side wall behind a rim that is led; steps that are too long for it are refused.
+#[test]
+fn steps_too_long_for_the_belt_are_refused() {
+    fn start<M: Model>(stiffness: f64) -> Result<Native<M>, Error> {
+        let mut slave = Native::<M>::new(&Settings::default()).unwrap();
+        set(&mut slave, &[("sidewall_radial_stiffness", stiffness), ("sidewall_radial_damping", 0.0)]);
+        slave.start(0.0, None)?;
+        slave.finish_start()?;
+        Ok(slave)
+    }
+    // of the belt alone: K h^2 / m = 4
+    let mut rig = start::<RingBrushFlatTrack>(4.67e6).unwrap();
+    let limit = 4.0 * get(&mut rig, "belt_mass") / 5e-4_f64.powi(2);
+    for message in [
+        start::<RingBrushFlatTrack>(1.01 * limit).err().unwrap().to_string(),
+        start::<RingBrushTire>(1.01 * limit).err().unwrap().to_string(),
+    ] {
+        assert!(message.contains("too long for sidewall_radial_stiffness"), "{message}");
+        assert!(message.contains("belt_mass"), "{message}");
+    }
+    assert!(
+        start::<RingBrushFlatTrack>(0.99 * limit).is_ok() && start::<RingBrushTire>(0.99 * limit).is_ok()
+    );
 }

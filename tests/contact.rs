@@ -215,31 +215,35 @@ const POINTS: [(f64, f64, f64, f64); 15] = [
     (0.0, -0.1, -0.03, -5.0),
 ];
 
+/// Falling friction damps less than nothing: at a slip angle of 0.15 what the sums over bristles are off by grows, the less
+/// the finer they are.
 #[test]
 fn friction_that_falls_with_the_speed_has_stationary_starts_that_stay() {
-    for falloff in [0.01, 0.02, 0.05, 0.1] {
+    let finer = [
+        ("step_size", 1e-4),
+        ("bristles_per_stripe", 60.0),
+        ("bristle_length", 0.007),
+        ("bristle_stiffness", 2e4),
+        ("bristle_damping", 0.325),
+    ];
+    let grids = [(&[][..], 0.035), (&finer, 0.02)];
+    for (falloff, (grid, most)) in [0.01, 0.02, 0.05, 0.1].into_iter().flat_map(|f| grids.map(|g| (f, g))) {
         let mut missed = Vec::new();
         for (slip, slip_angle, camber, speed) in POINTS {
-            let mut rig = flat_track(&[
+            let own = [
                 ("slip", slip),
                 ("slip_angle", slip_angle),
                 ("camber", camber),
                 ("path_speed", speed),
                 ("friction_speed_falloff", falloff),
-                ("step_size", 1e-4),
-                // so fine that the bristles' sums are the continuum's: at a slip angle of 0.15 what they are off by
-                // grows, as falling friction damps less than nothing
-                ("bristles_per_stripe", 60.0),
-                ("bristle_length", 0.007),
-                ("bristle_stiffness", 2e4),
-                ("bristle_damping", 0.325),
-            ]);
+            ];
+            let mut rig = flat_track(&[&own, grid].concat());
             if get(&mut rig, "stationary_start") != 1.0 {
                 missed.push((slip, slip_angle, camber, speed));
                 continue;
             }
-            // at 0.1 s/m the falling friction makes the belt swing on its side wall; of the others one will do
-            if falloff != 0.05 {
+            // at 0.1 s/m the falling friction makes the belt swing on its side wall
+            if falloff > 0.05 {
                 continue;
             }
             let start = ["force_x", "force_y"].map(|name| get(&mut rig, name));
@@ -247,7 +251,7 @@ fn friction_that_falls_with_the_speed_has_stationary_starts_that_stay() {
             let scale = start[0].hypot(start[1]).max(100.0);
             for axis in 0..2 {
                 let moved = (late[axis] - start[axis]).abs() / scale;
-                assert!(moved < 0.02, "{falloff} {slip} {slip_angle}: {start:?} becomes {late:?}");
+                assert!(moved < most, "{falloff} {slip} {slip_angle}: {start:?} becomes {late:?}");
             }
         }
         assert!(missed.is_empty(), "falloff {falloff}: {missed:?}");

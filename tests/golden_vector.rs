@@ -7,7 +7,7 @@ mod common;
 use common::{example, example_tire};
 use latsch::tire::Motion;
 use latsch::tire::ring_brush::{
-    Contact, Limits, Loads, Moments, Pressure, PressureState, Shape, Tops, coupling, moment_y,
+    Contact, Friction, Loads, Moments, Pressure, PressureState, Shape, Tops, coupling, moment_y,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -249,7 +249,7 @@ fn tops_and_friction() {
         (50.1962305205218, "1.4548499514", "1.0548499514"),
     ];
     for (normal, sticking, sliding) in coefficients {
-        let limits = Limits::new(&p, normal / p.cell_area(), normal);
+        let limits = Friction::new(&p).limits(normal / p.cell_area(), normal);
         same("mu_static", limits.sticking / normal, sticking);
         same("mu_sliding", limits.sliding / normal, sliding);
     }

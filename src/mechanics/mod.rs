@@ -20,5 +20,5 @@ pub(crate) use motion::{cross, rotation_x, rotation_y, rotation_z};
 pub use point_mass::PointMass;
 pub use rigid::RigidBody;
 pub use spin::Spin;
-pub use stability::{ABOUT, ALONG, Link, Named, check_step_size};
+pub use stability::{ABOUT, ALONG, Link, Named, check_step_size, check_steps_of_led_rim};
 pub use verlet::{Drift, drift, kick};

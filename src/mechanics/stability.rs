@@ -74,6 +74,20 @@ pub fn check_step_size(step: f64, hub: Named, links: &[Link], units: &[&str; 3])
     )))
 }
 
+/// Checks that the masses at the other ends of links in the plane of a wheel, along its axis and about it can be stepped by
+/// `step` seconds while the rim is led.
+///
+/// # Errors
+/// As [`check_step_size`].
+pub fn check_steps_of_led_rim(step: f64, links: [Link; 3]) -> Result<()> {
+    for (link, units) in links.into_iter().zip([&ALONG, &ALONG, &ABOUT]) {
+        if link.mass.1.is_finite() {
+            check_step_size(step, link.mass, &[Link { mass: ("the rim", f64::INFINITY), ..link }], units)?;
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,7 @@
 //! A tire by itself: `ring-brush-tire`. Pose and velocity of the rim in, force and moment on the rim out; the road
 //! is a plane that the master gives.
 
+use crate::mechanics::check_steps_of_led_rim;
 use crate::model::{Access, Model, Purpose, Role, Table, input, join, output, parameter};
 use crate::road::{Point, Road, Window};
 use crate::tire::{Ground, Motion, Mounted, Plane, Tire};
@@ -84,12 +85,14 @@ impl<T: Tire> Model for Bare<T> {
 
     fn initialize(&mut self) -> Result<()> {
         self.tire.tire.mount(&Road::default())?;
+        check_steps_of_led_rim(self.step_size, self.tire.tire.links())?;
         self.last = (self.place(), self.plane);
         let rim = self.above_ground();
         self.tire.start(&rim, &self.ground(0.0))
     }
 
     fn tune(&mut self) -> Result<()> {
+        check_steps_of_led_rim(self.step_size, self.tire.tire.links())?;
         self.tire.tire.tune()
     }
 

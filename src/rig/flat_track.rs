@@ -6,6 +6,7 @@
 //! ISO 8855; the source's slip angle (DIN 70000) has the opposite sign and is converted here, once.
 
 use super::{Actuation, Actuator, Command, Rolling};
+use crate::mechanics::check_steps_of_led_rim;
 use crate::model::{Model, Purpose, Role, Table, input, join, local, output, parameter};
 use crate::road;
 use crate::solver::{Dual, Real};
@@ -101,6 +102,7 @@ impl<T: Tire> Model for FlatTrack<T> {
 
     fn initialize(&mut self) -> Result<()> {
         self.tire.mount()?;
+        check_steps_of_led_rim(self.step_size, self.tire.tire().links())?;
         let commands = &self.commands;
         self.actuators = Drive {
             steer: Actuator::at_rest(&commands.steer),
@@ -150,6 +152,7 @@ impl<T: Tire> Model for FlatTrack<T> {
     }
 
     fn tune(&mut self) -> Result<()> {
+        check_steps_of_led_rim(self.step_size, self.tire.tire().links())?;
         self.tire.tune()
     }
 

@@ -106,6 +106,12 @@ fn polynomial_of_eleven<S: Simd>(c: &[f64; 11], x: f64x4<S>) -> f64x4<S> {
     (high * x4 + middle) * x4 + low
 }
 
+/// Four of the values, from `k` on.
+#[inline(always)]
+pub fn lanes<S: Simd>(simd: S, values: &[f64], k: usize) -> f64x4<S> {
+    f64x4::from_slice(simd, &values[k..k + LANES])
+}
+
 /// The larger one; `b` where one is not a number.
 #[inline(always)]
 pub fn larger<S: Simd>(a: f64x4<S>, b: f64x4<S>) -> f64x4<S> {

@@ -7,7 +7,7 @@ const PRESSURE: f64 = 1e5;
 
 fn run(velocity: [f64; 2], dt: f64, steps: usize) -> Vec<([f64; 2], [f64; 2], bool)> {
     let p = example();
-    let limits = Limits::new(&p, PRESSURE, NORMAL);
+    let limits = Friction::new(&p).limits(PRESSURE, NORMAL);
     let (mut deflection, mut stick) = ([0.0; 2], false);
     (0..steps)
         .map(|_| {
@@ -55,7 +55,7 @@ fn force_is_against_the_motion_in_both_modes() {
 #[test]
 fn hysteresis() {
     let p = example();
-    let limits = Limits::new(&p, PRESSURE, NORMAL);
+    let limits = Friction::new(&p).limits(PRESSURE, NORMAL);
     assert!((limits.sticking - 1450.0).abs() < 1e-9 && (limits.sliding - 1050.0).abs() < 1e-9);
     for trial in [1050.1, 1200.0, 1449.9] {
         let deflection = [trial / 4e4, 0.0];
@@ -104,7 +104,7 @@ fn entry() {
 #[test]
 fn free_bristle_relaxes() {
     let p = example();
-    let limits = Limits::new(&p, 0.0, 0.0);
+    let limits = Friction::new(&p).limits(0.0, 0.0);
     let step = advance(&p, [1e-3, -2e-3], [0.0; 2], true, &limits, 16.25e-6);
     assert!(!step.stick && small(&step.force) < 1e-12);
     assert_close("half", step.deflection[0], 0.5e-3, 1e-12);

@@ -14,8 +14,8 @@ use latsch::model::Slave;
 use latsch::road::Road;
 use latsch::tire::Vertical;
 use latsch::tire::ring_brush::{
-    Bristles, Contact, Limits, Loads, Parameters, Prepared, PressureState, State, Tops, advance, coupling,
-    patch_on_belt, stationary, stationary_coupling,
+    Bristles, Contact, Friction, Lag, Limits, Loads, Parameters, Prepared, PressureState, State, Tops,
+    advance, coupling, patch_on_belt, stationary, stationary_coupling,
 };
 use latsch::tire::{Flat, Motion};
 use nalgebra::{Matrix3, Vector3};
@@ -118,7 +118,7 @@ prop_compose! {
 fn evaluate(tire: &Prepared, belt: &Motion<f64>, lagged: &Loads<f64>) -> State {
     let mut state = State {
         belt: *belt,
-        lagged: *lagged,
+        lag: Lag::at_rest(lagged),
         bristles: Bristles::new(tire.parameters()),
         ..State::default()
     };
@@ -363,7 +363,7 @@ proptest! {
         let dt = 10f64.powf(exponent);
         let velocity = if still == 0 { velocity.map(|v| v * 1e-6) } else { velocity };
         let normal = if normal < 10.0 { 0.0 } else { normal };
-        let limits = Limits::new(&p, pressure, normal);
+        let limits = Friction::new(&p).limits(pressure, normal);
         let share = pressure / p.friction_pressure;
         prop_assert!((limits.sticking - (1.5 - 0.1 * share) * normal).abs() <= 1e-12 * normal);
         prop_assert!((limits.sliding - (1.1 - 0.1 * share) * normal).abs() <= 1e-12 * normal);

@@ -95,7 +95,7 @@ proptest! {
                     prop_assert_eq!(pressure, 0.0);
                     continue;
                 }
-                let limits = Limits::new(p, pressure, 0.9 * pressure * p.cell_area());
+                let limits = Friction::new(p).limits(pressure, 0.9 * pressure * p.cell_area());
                 let velocity = tops.velocity(after.place(p, j), *y);
                 let old = [before.deflection_x[k], before.deflection_y[k]];
                 let Step { deflection, stick, force, .. } =

@@ -1,34 +1,9 @@
 //! One bristle: a spring-damper between its top, which moves with the patch, and its bottom, which
 //! sticks to the road or slides on it (4.30)-(4.33).
 
-use super::Parameters;
+use super::friction::at_speed;
+use super::{Limits, Parameters};
 use crate::solver::Real;
-
-/// Friction limits of a bristle \[N\]: the coefficients at its pressure times its normal force.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits<T> {
-    /// Up to here it sticks.
-    pub sticking: T,
-    /// With this it slides.
-    pub sliding: T,
-}
-
-impl<T: Real> Limits<T> {
-    /// The limits at a pressure \[Pa\] and normal force \[N\]. Linear in the pressure and extrapolated
-    /// beyond the reference pressure (4.32); neither limit is negative.
-    #[inline]
-    pub fn new(p: &Parameters, pressure: T, normal_force: T) -> Self {
-        let zero = T::zero();
-        if normal_force.value() <= 0.0 {
-            return Self { sticking: zero, sliding: zero };
-        }
-        let share = pressure * (p.friction_pressure_scale / p.friction_pressure);
-        let limit = |[at_zero, at_reference]: [f64; 2]| {
-            (share * (at_reference - at_zero) + at_zero).or_at_least(0.0) * normal_force
-        };
-        Self { sticking: limit(p.friction_static), sliding: limit(p.friction_sliding) }
-    }
-}
 
 /// What a bristle did in a time step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,7 +40,7 @@ pub fn advance<T: Real>(
     let (c, d) = (p.bristle_stiffness, p.bristle_damping);
     let trial: [T; 2] = std::array::from_fn(|k| (deflection[k] - dt * velocity[k]) * c - velocity[k] * d);
     let size = norm(trial);
-    let sliding = p.friction_at_speed(limits.sliding, velocity);
+    let sliding = at_speed(p, limits.sliding, velocity);
     let bound = if stick { limits.sticking } else { sliding };
     let relaxed = dt * c + d;
     let stick = bound.value() > 0.0 && size <= bound;

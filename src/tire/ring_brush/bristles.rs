@@ -156,6 +156,16 @@ impl Bristles {
         }
     }
 
+    /// A stripe leaves the road: its bristles relax within microseconds.
+    pub(super) fn lift(&mut self, stripe: usize) {
+        let stride = self.stride();
+        let [from, to] = self.window.map(|j| stripe * stride + j);
+        let Self { deflection_x, deflection_y, stick, pressure, share, force_x, force_y, .. } = self;
+        for rows in [deflection_x, deflection_y, stick, pressure, share, force_x, force_y] {
+            rows[from..to].fill(0.0);
+        }
+    }
+
     /// Takes over a window in which all that touch are, and relaxes what is no longer in it.
     pub(super) fn look_at(&mut self, window: [usize; 2]) {
         let old = std::mem::replace(&mut self.window, window);

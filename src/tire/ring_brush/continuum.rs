@@ -13,6 +13,7 @@
 //!   derivatives contain how they move.
 
 use super::bristle::norm;
+use super::friction::{Friction, at_speed};
 use super::patch::{Moments, Pressure, Shape};
 use super::{Contact, Deformation, Limits, Loads, Parameters, Prepared, Tops, moment_y};
 use crate::mechanics::Wrench;
@@ -85,6 +86,7 @@ pub(super) fn continuum<T: Real>(
     let tilting = moment_y + deformation.shift_x * contact.normal_force;
     let pressure = Pressure::new(p, &sums, contact.normal_force, tilting, longest);
 
+    let law = Friction::new(p);
     let places = places(intervals);
     let shapes: Vec<T> = places.iter().map(|place| shape.along(T::from(*place), T::one())).collect();
     // the belt does not turn about the vertical: all stripes have one velocity, linear in x
@@ -99,6 +101,7 @@ pub(super) fn continuum<T: Real>(
             velocity,
             shape: &shape,
             pressure: &pressure,
+            law: &law,
             friction,
             length,
             factor: factor * p.cell_area(),
@@ -169,6 +172,8 @@ struct Stripe<'a, T: Real> {
     velocity: [T; 3],
     shape: &'a Shape<T>,
     pressure: &'a Pressure<T>,
+    /// Friction, and the road's factor on it.
+    law: &'a Friction,
     friction: T,
     length: T,
     /// Of the stripe's pressure, times a bristle's area.
@@ -226,7 +231,7 @@ impl<T: Real> Stripe<'_, T> {
 
     fn limits(&self, x: T, shape: T) -> Limits<T> {
         let load = self.pressure.at(x, shape) * self.factor;
-        Limits::new(self.p, load / self.p.cell_area(), load * self.friction)
+        self.law.limits(load / self.p.cell_area(), load * self.friction)
     }
 
     fn limits_at(&self, x: T) -> Limits<T> {
@@ -268,7 +273,7 @@ impl<T: Real> Stripe<'_, T> {
 
     /// Friction \[N\] of a bristle that slides at x, with these limits.
     fn friction(&self, x: T, limits: &Limits<T>) -> T {
-        self.p.friction_at_speed(limits.sliding, self.velocity(x))
+        at_speed(self.p, limits.sliding, self.velocity(x))
     }
 
     /// The bristle that broke away and snapped back until its spring balances the friction.
@@ -288,7 +293,12 @@ impl<T: Real> Stripe<'_, T> {
         let speed = along[0] * velocity[0] + along[1] * velocity[1];
         let across: [T; 2] = std::array::from_fn(|c| velocity[c] - along[c] * speed);
         let after = friction - speed * self.p.bristle_damping;
-        let turn = (size / after).ln() * self.p.bristle_damping / after;
+        // a top that outruns the friction drags the bristle on: it does not snap back
+        let turn = if after.value() > 0.0 {
+            (size / after).ln() * self.p.bristle_damping / after
+        } else {
+            T::zero()
+        };
         let turned: [T; 2] = std::array::from_fn(|c| along[c] + across[c] * turn);
         let cut = friction / norm(turned);
         let force = turned.map(|f| f * cut);

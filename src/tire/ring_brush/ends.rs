@@ -1,12 +1,14 @@
 //! Ends of stretches of bristles that stick, and what sums over bristles lack for them: four at once.
 
-use super::passage::{Friction, Passage};
+use super::friction::Friction;
+use super::passage::Passage;
 use super::patch::{Path, Pressure, Shape};
 use super::{Deformation, Parameters};
 use crate::solver::lanes::{LANES, exp2, larger, log2, smaller, sum};
 use fearless_simd::{Simd, f64x4, prelude::*};
 
-/// Up to this relative change of a place its power is followed by a parabola.
+/// Where a place changes by so little, over itself and times the exponent, its power is followed by a parabola: what that
+/// lacks, a sixth of the cube of this, is below 2e-4 of the highest pressure.
 const NEAR: f64 = 0.1;
 
 /// A way that leads away from a node, over which the force of a bristle that sticks grows, while its limit is
@@ -78,7 +80,9 @@ way! {
 pub(super) struct Patch<'a> {
     pub p: &'a Parameters,
     pub deformation: &'a Deformation<f64>,
-    pub friction: &'a Friction,
+    pub friction: Friction,
+    /// Area of a bristle times the road's factor on its friction \[m²\].
+    pub grip_area: f64,
     pub pressure: &'a Pressure<f64>,
     /// Velocity of the tops; of that in x, the part without x is the stripe's own.
     pub path: Path<f64>,
@@ -89,23 +93,29 @@ pub(super) struct Patch<'a> {
 }
 
 impl<'a> Patch<'a> {
-    pub fn new(
-        passage: &Passage<'a>,
-        p: &'a Parameters,
-        friction: &'a Friction,
-        pressure: &'a Pressure<f64>,
-    ) -> Self {
+    pub fn new(passage: &Passage<'a>, p: &'a Parameters, pressure: &'a Pressure<f64>) -> Self {
         let (exponent, _) = Shape::new(p, passage.contact.penetration).exponents();
         Self {
             p,
             deformation: passage.deformation,
-            friction,
+            friction: Friction::new(p),
+            grip_area: p.cell_area() * passage.friction,
             pressure,
             path: passage.tops.at_stripe(0.0),
             exponent,
             over: [1.0, 2.0, 3.0].map(|n| 1.0 / (exponent + n)),
             spacings: 1.0 / p.bristle_length,
         }
+    }
+
+    /// Up to here a bristle with this pressure sticks \[N\].
+    pub fn sticking(&self, pressure: f64) -> f64 {
+        self.friction.limits(pressure, pressure * self.grip_area).sticking
+    }
+
+    /// The most that the limit of a bristle is over its pressure, up to this pressure \[Pa\].
+    pub fn most(&self, highest: f64) -> f64 {
+        self.grip_area * self.friction.most(highest)
     }
 }
 
@@ -208,12 +218,6 @@ fn parabola<S: Simd>(x: f64x4<S>, c0: f64x4<S>, c1: f64, c2: f64) -> f64x4<S> {
     (x * c2 + c1) * x + c0
 }
 
-/// The friction limit at a pressure (4.32).
-#[inline(always)]
-fn limit<S: Simd>(simd: S, [at_zero, slope]: [f64; 2], area: f64, pressed: f64x4<S>) -> f64x4<S> {
-    larger(pressed * slope + at_zero, f64x4::splat(simd, 0.0)) * pressed * area
-}
-
 impl<S: Simd> Way<f64x4<S>> {
     /// Force of a bristle that sticks at t.
     #[inline(always)]
@@ -263,7 +267,7 @@ impl<S: Simd> Way<f64x4<S>> {
 /// Works on four ends: returns what they change in their stripes.
 #[inline(always)]
 fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut Lacking) -> Shares {
-    let Patch { p, deformation, friction, pressure, path, exponent, over, .. } = *patch;
+    let Patch { p, deformation, ref friction, grip_area, pressure, path, exponent, over, .. } = *patch;
     let (zero, one) = (f64x4::splat(simd, 0.0), f64x4::splat(simd, 1.0));
     let tiny = f64x4::splat(simd, f64::MIN_POSITIVE);
     let w = way.spacings;
@@ -285,13 +289,14 @@ fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut L
     let near = way.place(patch, t);
     let power = way.power(simd, patch, near);
     let pressed = way.pressed(simd, patch, near, power);
-    let gap = limit(simd, friction.sticking, friction.area, pressed) - norm(way.force(t));
+    let limits = friction.limits_of_four(simd, pressed, pressed * grip_area);
+    let gap = limits.sticking - norm(way.force(t));
     let slope = way.rise + way.bend * t * 2.0 - (there - load) * per_spacing;
     let goes = slope.simd_lt(0.0) & t.simd_lt(w);
     let t = goes.select(way.within(simd, t - gap / smaller(slope, -tiny)), t);
     let x = way.place(patch, t);
     let by = x / near - 1.0;
-    let is_near = by.abs().simd_lt(NEAR);
+    let is_near = (by * exponent).abs().simd_lt(NEAR);
     let followed = power * ((by * (0.5 * (exponent - 1.0)) + 1.0) * by * exponent + 1.0);
     let power =
         if is_near.all_true() { followed } else { is_near.select(followed, way.power(simd, patch, x)) };
@@ -299,16 +304,11 @@ fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut L
 
     // what is there
     let pressed = way.pressed(simd, patch, x, power);
-    let (sticking, mut sliding) = (
-        limit(simd, friction.sticking, friction.area, pressed),
-        limit(simd, friction.sliding, friction.area, pressed),
-    );
-    if friction.falloff != 0.0 {
-        sliding /= norm(way.velocity(simd, patch, x)) * friction.falloff + 1.0;
-    }
+    let limits = friction.limits_of_four(simd, pressed, pressed * grip_area);
+    let sliding = friction.at_speed_of_four(limits.sliding, way.velocity(simd, patch, x));
     let force = way.force(t);
     let per_size = one / larger(norm(force), tiny);
-    let held = times(force, smaller(sticking * per_size, one));
+    let held = times(force, smaller(limits.sticking * per_size, one));
     let slid = times(times(force, per_size), sliding);
 
     // nodes: the first, the bristle that slides, both sides of where sticking ends

@@ -1,7 +1,5 @@
 //! The numbers of a ring-and-brush tire.
 
-use super::bristle::norm;
-use crate::solver::Real;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 
@@ -96,17 +94,6 @@ impl Parameters {
     /// Bending compliance of the patch \[1/(N.m)\] (4.28).
     pub fn bend_compliance(&self) -> f64 {
         self.patch_compliance_y / (self.radius * self.radius)
-    }
-
-    /// Sliding friction \[N\] of a bristle whose top moves with `velocity` \[m/s\] over the road, of which
-    /// `slow` is the value at no speed: slow / (1 + falloff v). Not in the source, whose sliding friction
-    /// does not depend on the speed (a falloff of 0).
-    #[inline]
-    pub fn friction_at_speed<T: Real>(&self, slow: T, velocity: [T; 2]) -> T {
-        if self.friction_speed_falloff == 0.0 {
-            return slow;
-        }
-        slow / (norm(velocity) * self.friction_speed_falloff + 1.0)
     }
 
     /// Checks what the ranges of the single parameters cannot say.

@@ -3,16 +3,16 @@
 //!
 //! A bristle stands for the cell around it. So that sums over bristles do not ripple while these pass one by one, they
 //! are integrals over the stripe by the trapezoidal rule: up to the stripe's ends, which lie between bristles, and up to
-//! where stretches of bristles that stick end, which they do there, too (see [`Patch`]).
+//! where stretches of bristles that stick end, which they do there, too (see `stretches.rs`).
 
 use super::bristles::Bristles;
 use super::ends::{Ends, Patch};
 use super::patch::{Path, Pressure};
 use super::stretches::{Bound, Pattern, Stretches};
 use super::stripes::closed;
-use super::totals::{Four, Total, load};
+use super::totals::{Four, Total};
 use super::{Contact, Deformation, Limits, Parameters, Prepared, Tops};
-use crate::solver::lanes::{LANES, exp2, larger, log2, smaller, sum};
+use crate::solver::lanes::{LANES, exp2, lanes, larger, log2, smaller, sum};
 use crate::{Error, Result};
 use fearless_simd::{Level, Simd, dispatch, f64x4, prelude::*};
 
@@ -62,44 +62,6 @@ pub struct Sums {
     pub work: f64,
 }
 
-/// Friction of bristles over their pressure (4.32).
-pub(super) struct Friction {
-    /// Coefficient of sticking at no pressure, and how it grows with it \[1/Pa\].
-    pub sticking: [f64; 2],
-    /// The same of sliding.
-    pub sliding: [f64; 2],
-    /// Area of a bristle times the road's factor \[m²\].
-    pub area: f64,
-    /// Fall of the sliding friction with the speed \[s/m\].
-    pub falloff: f64,
-}
-
-impl Friction {
-    fn new(p: &Parameters, factor: f64) -> Self {
-        let per_pressure = p.friction_pressure_scale / p.friction_pressure;
-        let line = |[at_zero, at_reference]: [f64; 2]| [at_zero, per_pressure * (at_reference - at_zero)];
-        Self {
-            sticking: line(p.friction_static),
-            sliding: line(p.friction_sliding),
-            area: p.cell_area() * factor,
-            falloff: p.friction_speed_falloff,
-        }
-    }
-
-    /// The most that the limit of a bristle is over its pressure, up to this pressure \[Pa\].
-    fn most(&self, highest: f64) -> f64 {
-        let [at_zero, slope] = self.sticking;
-        self.area * (at_zero + slope.max(0.0) * highest)
-    }
-
-    /// The limits of a bristle with this pressure \[Pa\], that of sliding at no speed; see [`Limits::new`].
-    pub fn limits(&self, pressure: f64) -> Limits<f64> {
-        let held = pressure.max(0.0) * self.area;
-        let limit = |[at_zero, slope]: [f64; 2]| (at_zero + slope * pressure).max(0.0) * held;
-        Limits { sticking: limit(self.sticking), sliding: limit(self.sliding) }
-    }
-}
-
 impl Prepared {
     /// Moves the bristles through the patch, spreads the normal force over them and sums up what they do, with the
     /// instructions of `level`, which change no bit of the result.
@@ -128,8 +90,7 @@ impl Prepared {
         let shapes = self.sum_shapes(contact.penetration, bristles);
         let moment = passage.moment + passage.deformation.shift_x * contact.normal_force;
         let pressure = Pressure::new(p, &shapes, contact.normal_force, moment, longest);
-        let law = Friction::new(p, passage.friction);
-        let patch = Patch::new(passage, p, &law, &pressure);
+        let patch = Patch::new(passage, p, &pressure);
         let sums = dispatch!(level, simd => Pass::new(simd, self, &patch, passage).all(simd, bristles));
         Ok((sums, pressure))
     }
@@ -179,7 +140,10 @@ impl<'a, S: Simd> Pass<'a, S> {
             let mut four = Four::default();
             for (lane, number) in numbers.by_ref().take(LANES).enumerate() {
                 let (length, old_length) = (bristles.stripes.lengths[number], bristles.old_lengths[number]);
-                if length <= 0.0 && old_length <= 0.0 {
+                if length <= 0.0 {
+                    if old_length > 0.0 {
+                        bristles.lift(number);
+                    }
                     continue;
                 }
                 let y = self.tire.stripe_places()[number];
@@ -220,12 +184,11 @@ impl<'a, S: Simd> Pass<'a, S> {
         four: &mut Four,
         total: &mut Total<S>,
     ) {
-        let Patch { p, pressure, friction: law, exponent, spacings, .. } = *self.patch;
+        let Patch { p, pressure, ref friction, grip_area, exponent, spacings, .. } = *self.patch;
         let Passage { shift, dt, .. } = *self.passage;
         let splat = |x: f64| f64x4::splat(simd, x);
         let (zero, one, tiny) = (splat(0.0), splat(1.0), splat(f64::MIN_POSITIVE));
         let (c, d) = (p.bristle_stiffness, p.bristle_damping);
-        let Friction { sticking: [static_0, static_slope], sliding: [sliding_0, sliding_slope], .. } = *law;
         let (half, old_half) = (0.5 * stripe.length, 0.5 * bristles.old_lengths[stripe.number]);
         let factor = bristles.stripes.factors[stripe.number];
         let logarithm = bristles.stripes.logarithms[stripe.number];
@@ -237,8 +200,8 @@ impl<'a, S: Simd> Pass<'a, S> {
             let x = places(simd, p, bristles, j);
             let inside = -x.abs() + half;
             // the pressure, and how much of it counts
-            let shape = exp2(simd, (load(simd, &bristles.logarithms, j) - logarithm) * exponent);
-            let shape = larger(-shape + 1.0, zero) * factor;
+            let exponents = smaller((lanes(simd, &bristles.logarithms, j) - logarithm) * exponent, zero);
+            let shape = (-exp2(simd, exponents) + 1.0) * factor;
             let touches = inside.simd_ge(0.0) & shape.simd_gt(0.0);
             let cell_pressure = touches.select(shape, zero) * (x * pressure.tilt + pressure.level);
             let mut counts = touches.select(one, zero);
@@ -247,10 +210,9 @@ impl<'a, S: Simd> Pass<'a, S> {
                 counts = counts * (smaller(inside * spacings, one) + farther) * 0.5;
             }
 
-            // friction limits: linear in the pressure (4.32), neither is negative; 0 out of contact
-            let held = larger(cell_pressure, zero) * law.area;
-            let sticking_limit = larger(cell_pressure * static_slope + static_0, zero) * held;
-            let mut sliding_limit = larger(cell_pressure * sliding_slope + sliding_0, zero) * held;
+            // 0 out of contact
+            let Limits { sticking: sticking_limit, sliding: sliding_limit } =
+                friction.limits_of_four(simd, cell_pressure, cell_pressure * grip_area);
 
             // a bristle that came into contact within the step is loaded for the rest of it only
             let inside_before = -(x + shift).abs() + old_half;
@@ -267,16 +229,13 @@ impl<'a, S: Simd> Pass<'a, S> {
 
             // radial return
             let (old_x, old_y) =
-                (load(simd, &bristles.deflection_x, k), load(simd, &bristles.deflection_y, k));
+                (lanes(simd, &bristles.deflection_x, k), lanes(simd, &bristles.deflection_y, k));
             let resistance = time * c + d;
             let trial_x = old_x * c - velocity_x * resistance;
             let trial_y = old_y * c - velocity_y * resistance;
             let trial = (trial_x * trial_x + trial_y * trial_y).sqrt();
-            if law.falloff != 0.0 {
-                let speed = (velocity_x * velocity_x + velocity_y * velocity_y).sqrt();
-                sliding_limit /= speed * law.falloff + 1.0;
-            }
-            let stuck = load(simd, &bristles.stick, k).simd_gt(0.0);
+            let sliding_limit = friction.at_speed_of_four(sliding_limit, [velocity_x, velocity_y]);
+            let stuck = lanes(simd, &bristles.stick, k).simd_gt(0.0);
             let bound = stuck.select(sticking_limit, sliding_limit);
             let sticks = bound.simd_gt(0.0) & trial.simd_le(bound);
             let cut = sticks.select(one, sliding_limit / larger(trial, tiny));
@@ -325,12 +284,12 @@ impl<'a, S: Simd> Pass<'a, S> {
         for j in (from..to).step_by(LANES) {
             let k = stripe.number * bristles.stride() + j;
             let x = places(simd, p, bristles, j);
-            let (counts, sticks) = (load(simd, &bristles.share, k), load(simd, &bristles.stick, k));
-            let cell_pressure = load(simd, &bristles.pressure, k);
+            let (counts, sticks) = (lanes(simd, &bristles.share, k), lanes(simd, &bristles.stick, k));
+            let cell_pressure = lanes(simd, &bristles.pressure, k);
             let (new_x, new_y) =
-                (load(simd, &bristles.deflection_x, k), load(simd, &bristles.deflection_y, k));
-            let fx = load(simd, &bristles.force_x, k) * counts;
-            let fy = load(simd, &bristles.force_y, k) * counts;
+                (lanes(simd, &bristles.deflection_x, k), lanes(simd, &bristles.deflection_y, k));
+            let fx = lanes(simd, &bristles.force_x, k) * counts;
+            let fy = lanes(simd, &bristles.force_y, k) * counts;
             let counted = cell_pressure * counts;
             let place_y = (x * -deformation.bend + deformation.twist) * x + middle_y;
             force_x += fx;
@@ -384,7 +343,7 @@ impl<'a, S: Simd> Pass<'a, S> {
         four.velocity_x[lane] = stripe.path.velocity_x[0];
         four.load[lane] = level * s0 + tilt * s1;
         let (factor, logarithm) = (bristles.stripes.factors[number], bristles.stripes.logarithms[number]);
-        four.most[lane] = self.patch.friction.most((level + 0.5 * length * tilt.abs()) * factor);
+        four.most[lane] = self.patch.most((level + 0.5 * length * tilt.abs()) * factor);
         let closed = closed(self.patch.p, length);
         if closed == 0.0 {
             return;

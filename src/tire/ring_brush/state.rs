@@ -1,6 +1,6 @@
 //! All that changes in a tire during a run.
 
-use super::{Bristles, Loads, PressureState};
+use super::{Bristles, Lag, Loads, PressureState};
 use crate::clone_in_place;
 use crate::mechanics::{Motion, Wrench};
 use nalgebra::Vector3;
@@ -13,12 +13,8 @@ pub struct State {
     pub belt: Motion<f64>,
     /// Accelerations of the belt's centre and Cardan angles \[m/s², rad/s²\].
     pub acceleration: [Vector3<f64>; 2],
-    /// Lagged loads of the patch (4.27).
-    pub lagged: Loads<f64>,
-    /// Their rates.
-    pub lag_rates: Loads<f64>,
-    /// How the rates changed over the last step, per second.
-    pub lag_accelerations: Loads<f64>,
+    /// The lag of the patch's deformation.
+    pub lag: Lag,
     /// Loads of the patch at the end of the last step.
     pub loads: Loads<f64>,
     /// The bristles.
@@ -57,7 +53,7 @@ pub struct PatchReport {
     /// Power of the friction of bristles that slide \[W\].
     pub friction_power: f64,
     /// Power lost in the contact \[W\]: sliding, the bristles' dampers, their snapping back at break-away
-    /// and their leaving the contact bent. Bristles do that one by one, so it is a mean over the last
+    /// and their leaving the contact bent. Energy leaves bristles as they pass, so it is a mean over the last
     /// [`LOSS_TIME`](super::LOSS_TIME).
     pub power_loss: f64,
 }
@@ -65,9 +61,7 @@ pub struct PatchReport {
 clone_in_place!(State {
     belt,
     acceleration,
-    lagged,
-    lag_rates,
-    lag_accelerations,
+    lag,
     loads,
     bristles,
     on_rim,

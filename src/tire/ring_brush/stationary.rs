@@ -6,7 +6,8 @@
 
 use super::continuum::{Patch, Visit, continuum};
 use super::{
-    Bristles, Contact, Loads, Parameters, Prepared, State, belt_from_rim, patch_on_belt, stationary_coupling,
+    Bristles, Contact, Lag, Loads, Parameters, Prepared, State, belt_from_rim, patch_on_belt,
+    stationary_coupling,
 };
 use crate::mechanics::{Motion, Wrench};
 use crate::solver::{Convergence, Dual, Jump, Real, jump, newton};
@@ -20,6 +21,12 @@ const INTERVALS: usize = 48;
 const NODES: usize = 200;
 /// Residual over the wheel load (and tire radius) at which a state counts as stationary.
 const TOLERANCE: f64 = 1e-6;
+/// A search goes on to here, where rounding of the sums begins, as long as its steps lead closer,
+const CONVERGED: f64 = 1e-11;
+/// and no longer than this: a regular one takes 3 to 8, one beside a kink is halved again and again.
+const MAX_STEPS: usize = 40;
+/// Shorter parts of the way from straight rolling are not tried: where the forces do not follow them, they jump.
+const SHORTEST: f64 = 1e-3;
 
 /// A stationary state.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,7 +122,8 @@ pub fn stationary(
     stationary_refined(tire, rim, vertical, friction, INTERVALS)
 }
 
-/// [`stationary`] with a number of intervals along each stripe; the error falls with its square.
+/// [`stationary`] with a number of intervals along each stripe; the error falls with its third power, up to what kinks
+/// leave.
 ///
 /// # Errors
 /// As [`stationary`].
@@ -130,34 +138,39 @@ pub fn stationary_refined(
     let mut x = straight_rolling(p, rim.angles.z, vertical);
     let (mut reached, mut stride) = (0.0, 1.0_f64);
     let problem = |rim| Problem { tire, rim, vertical, friction, intervals };
+    // where the search for the state itself got stuck
+    let mut stuck = None;
     loop {
         let goal = (reached + stride).min(1.0);
         let (mut trial, mut jacobian) = (x, None);
-        let convergence = problem(between(p, rim, goal)).search(&mut trial, &mut jacobian);
+        let convergence = problem(on_the_way(p, rim, goal)).search(&mut trial, &mut jacobian);
         if convergence.residual <= TOLERANCE {
             (x, reached, stride) = (trial, goal, 2.0 * stride);
             if reached >= 1.0 {
                 return Ok(problem(*rim).describe(&x, jacobian, convergence));
             }
-        } else if goal >= 1.0
-            && let Some(state) = problem(*rim).between(&trial, jacobian, convergence)
-        {
-            return Ok(state);
-        } else {
-            stride *= 0.5;
-            if stride < 1e-3 {
-                return Err(Error::numeric(format!(
+            continue;
+        }
+        if goal >= 1.0 {
+            stuck = Some((trial, jacobian, convergence));
+        }
+        stride *= 0.5;
+        if stride < SHORTEST {
+            // a jump is a state only where no way leads to one without
+            let jump = |(x, jacobian, convergence)| problem(*rim).at_jump(&x, jacobian, convergence);
+            return stuck.and_then(jump).ok_or_else(|| {
+                Error::numeric(format!(
                     "no stationary state was found: {:.0} % of the way from straight rolling the forces stay {:.1e} of the wheel load away from balance",
                     100.0 * goal,
                     convergence.residual
-                )));
-            }
+                ))
+            });
         }
     }
 }
 
 /// The rim's motion at a share of the way from straight free rolling.
-fn between(p: &Parameters, rim: &Motion<f64>, share: f64) -> Motion<f64> {
+fn on_the_way(p: &Parameters, rim: &Motion<f64>, share: f64) -> Motion<f64> {
     let mut target = *rim;
     target.angles.x *= share;
     let (vx, vy) = (rim.velocity.x, rim.velocity.y);
@@ -212,11 +225,11 @@ struct Problem<'a> {
 impl Problem<'_> {
     fn search(&self, x: &mut [f64; N], jacobian: &mut Option<[[f64; N]; N]>) -> Convergence {
         let (scale, values, derivatives) = (self.scale(), |x: &_| self.residual(x), |x: &_| self.residual(x));
-        newton(x, &scale, 1e-11, 40, jacobian, values, derivatives)
+        newton(x, &scale, CONVERGED, MAX_STEPS, jacobian, values, derivatives)
     }
 
     /// The state at a jump near x, where the search got stuck.
-    fn between(
+    fn at_jump(
         &self,
         x: &[f64; N],
         jacobian: Option<[[f64; N]; N]>,
@@ -367,7 +380,7 @@ pub struct Moved {
 
 impl Stationary {
     /// [`stationary`] with a search that begins at this state, of a tire and a motion that differ little from
-    /// those wanted: several times as fast. Where it does not succeed, the search begins anew.
+    /// those wanted: in fewer steps. Where it does not succeed, the search begins anew.
     ///
     /// # Errors
     /// As [`stationary`].
@@ -384,9 +397,6 @@ impl Stationary {
         let convergence = problem.search(&mut x, &mut jacobian);
         if convergence.residual <= TOLERANCE {
             return Ok(problem.describe(&x, jacobian, convergence));
-        }
-        if let Some(state) = problem.between(&x, jacobian, convergence) {
-            return Ok(state);
         }
         stationary_refined(tire, rim, vertical, friction, intervals)
     }
@@ -456,7 +466,7 @@ impl Stationary {
     }
 
     /// The tire's state in time: the belt in balance, each bristle with the deflection that belongs
-    /// to its place. The bristles' sums differ from the continuum's by the ripple of their spacing.
+    /// to its place. The bristles' sums differ from the continuum's by what the rule of their integrals leaves.
     ///
     /// # Errors
     /// A state outside the model's validity.
@@ -494,15 +504,15 @@ impl Stationary {
             }
         });
 
-        let mut state = State { belt, bristles, lagged: self.loads, loads: self.loads, ..State::default() };
+        let mut state =
+            State { belt, bristles, lag: Lag::at_rest(&self.loads), loads: self.loads, ..State::default() };
         let mut rim = *rim;
         rim.position = Vector3::new(0.0, 0.0, self.rim_height);
         tire.step(&mut state, &rim, &rim, &Flat { friction: self.friction }, 0.0)?;
         state.patch.power_loss = self.power_loss;
-        // in balance by construction; the ripple of the bristles is no reason to start with a jerk
+        // in balance by construction; what the sums of bristles are off by is no reason to start with a jerk
         state.acceleration = [Vector3::zeros(); 2];
-        state.lag_rates = Loads::default();
-        state.lag_accelerations = Loads::default();
+        state.lag = Lag::at_rest(&self.loads);
         Ok(state)
     }
 }

@@ -5,7 +5,7 @@ use super::passage::Passage;
 use super::patch::PressureState;
 use super::sidewall::{Coupling, coupling};
 use super::stripes::MAX_STRIPES;
-use super::{Contact, Deformation, Loads, Parameters, State, Tops, moment_y, patch_on_belt};
+use super::{Contact, Deformation, Lag, Loads, Parameters, State, Tops, moment_y, patch_on_belt};
 use crate::mechanics::{Motion, Wrench, drift, kick};
 use crate::road::{Road, Window};
 use crate::solver::lanes::{LANES, level};
@@ -16,8 +16,8 @@ use serde::{Deserialize, Serialize};
 
 /// Beyond this camber of the belt \[rad\] the Cardan angles come too near to their singularity.
 const MAX_CAMBER: f64 = 1.3;
-/// Time constant \[s\] of the mean that [`PatchReport::power_loss`](super::PatchReport) is. Bristles follow
-/// each other in a spacing, 1.4 ms at 10 m/s; what heats up takes seconds.
+/// Time constant \[s\] of the mean that [`PatchReport::power_loss`](super::PatchReport) is: about as long as a bristle is in
+/// the contact at 10 m/s, which it leaves with what it has stored; what heats up takes seconds.
 pub const LOSS_TIME: f64 = 0.01;
 
 /// A tire with checked parameters and what follows from them.
@@ -76,13 +76,8 @@ impl Prepared {
     /// Parameters that contradict each other, or the road.
     pub fn new(parameters: &Parameters, road: &Road) -> Result<Self> {
         parameters.check()?;
+        check_size(parameters)?;
         let stripes = 0..parameters.stripes as usize;
-        if stripes.end > MAX_STRIPES || parameters.bristles_per_stripe > MAX_PER_STRIPE as i32 {
-            return Err(Error::variable(format!(
-                "stripes = {} and bristles_per_stripe = {}: at most {MAX_STRIPES} and {MAX_PER_STRIPE} are possible",
-                stripes.end, parameters.bristles_per_stripe
-            )));
-        }
         let places: Vec<f64> = stripes.clone().map(|i| parameters.stripe_position(i)).collect();
         let radii: Vec<f64> = stripes.map(|i| parameters.stripe_radius(i)).collect();
         Ok(Self {
@@ -111,6 +106,7 @@ impl Prepared {
     /// There is not.
     pub fn check(&self, state: &State, road: &Road) -> Result<()> {
         self.window.check(road)?;
+        check_size(&self.parameters)?;
         let stripes = usize::try_from(self.parameters.stripes).unwrap_or(usize::MAX);
         let is_whole = self.places.len() == stripes
             && self.radii.len() == stripes
@@ -194,12 +190,12 @@ impl Prepared {
         let contact = Contact::new(p, &on_plane);
         let old_spin = ground.plane(&start, &self.window, 0.0).relative(&start).angles.y;
         let on_middle_plane = ground.plane(&middle, &self.window, 0.5).relative(&middle);
-        let lag_rates = ahead(&state.lag_rates, &state.lag_accelerations, half);
-        let lagged_middle = ahead(&state.lagged, &lag_rates, half);
-        let lagged_end = ahead(&state.lagged, &lag_rates, dt);
+        let decay = Lag::decay(p, &self.places, state.bristles.lengths(), dt);
+        let lag_rates = state.lag.means(&decay, dt);
+        let lagged_middle = state.lag.ahead(&lag_rates, half);
+        let lagged_end = state.lag.ahead(&lag_rates, dt);
         let middle_contact = Contact::new(p, &on_middle_plane);
         let tops = Tops::new(p, &middle_contact, on_middle_plane.rates.y, &lagged_middle, &lag_rates);
-        let old_loads = state.loads;
         let passage = Passage {
             contact: &contact,
             tops: &tops,
@@ -212,23 +208,7 @@ impl Prepared {
         };
         self.advance_patch(state, &passage)?;
 
-        // lag of the patch's deformation (4.27), by the trapezoidal rule
-        let lags = [p.patch_lag_x, p.patch_lag_y, p.patch_lag_twist];
-        let relax = |lagged: f64, old: f64, new: f64, lag: f64| {
-            let lagged = (lagged * (lag - half) + half * (old + new)) / (lag + half);
-            (lagged, (new - lagged) / lag)
-        };
-        let (lagged, loads) = (state.lagged, state.loads);
-        let (force_x, rate_x) = relax(lagged.force_x, old_loads.force_x, loads.force_x, lags[0]);
-        let (force_y, rate_y) = relax(lagged.force_y, old_loads.force_y, loads.force_y, lags[1]);
-        let (moment_z, rate_z) = relax(lagged.moment_z, old_loads.moment_z, loads.moment_z, lags[2]);
-        state.lagged = Loads { force_x, force_y, moment_z };
-        let old_rates = state.lag_rates;
-        state.lag_rates = Loads { force_x: rate_x, force_y: rate_y, moment_z: rate_z };
-        if dt > 0.0 {
-            let change = ahead(&state.lag_rates, &old_rates, -1.0);
-            state.lag_accelerations = ahead(&Loads::default(), &change, 1.0 / dt);
-        }
+        state.lag.follow(p, &state.loads, &lag_rates, &decay, dt);
 
         // side wall and belt: the second half of the kick
         let patch: Wrench<f64> = patch_on_belt(&contact, &state.patch.force, &state.patch.moment);
@@ -291,12 +271,16 @@ impl Prepared {
     }
 }
 
-fn ahead(loads: &Loads<f64>, rates: &Loads<f64>, dt: f64) -> Loads<f64> {
-    Loads {
-        force_x: loads.force_x + dt * rates.force_x,
-        force_y: loads.force_y + dt * rates.force_y,
-        moment_z: loads.moment_z + dt * rates.moment_z,
+/// No tire has more stripes or bristles than there is room for.
+fn check_size(p: &Parameters) -> Result<()> {
+    let fits = |number: i32, most: usize| usize::try_from(number).is_ok_and(|n| n <= most);
+    if fits(p.stripes, MAX_STRIPES) && fits(p.bristles_per_stripe, MAX_PER_STRIPE) {
+        return Ok(());
     }
+    Err(Error::variable(format!(
+        "stripes = {} and bristles_per_stripe = {}: at most {MAX_STRIPES} and {MAX_PER_STRIPE} are possible",
+        p.stripes, p.bristles_per_stripe
+    )))
 }
 
 fn check_belt(belt: &Motion<f64>) -> Result<()> {
@@ -307,4 +291,35 @@ fn check_belt(belt: &Motion<f64>) -> Result<()> {
     Err(Error::numeric(format!(
         "the belt has fallen over: its camber of {camber:.3} rad is outside the model's validity of {MAX_CAMBER} rad"
     )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tire::ring_brush::Bristles;
+
+    /// A saved state can say anything, also what agrees with itself.
+    #[test]
+    fn more_bristles_than_there_is_room_for_are_refused() {
+        for (stripes, bristles, fits) in
+            [(1, 2000, true), (1, 2001, false), (1, 100_000, false), (-1, 30, false)]
+        {
+            let parameters = Parameters { stripes, bristles_per_stripe: bristles, ..Parameters::default() };
+            let count = stripes.max(0) as usize;
+            let mut bristles = Bristles::default();
+            if stripes > 0 {
+                bristles = Bristles::new(&parameters);
+            }
+            let lanes = StripeLanes::new(&parameters, &vec![0.0; count], &vec![0.3; count]);
+            let tire = Prepared {
+                parameters,
+                places: vec![0.0; count],
+                radii: vec![0.3; count],
+                lanes,
+                ..Prepared::default()
+            };
+            let state = State { bristles, ..State::default() };
+            assert_eq!(tire.check(&state, &Road::default()).is_ok(), fits, "{stripes}");
+        }
+    }
 }

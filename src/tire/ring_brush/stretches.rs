@@ -17,7 +17,9 @@ use super::ends::{Ends, Lacking, Patch, Shares, Way};
 use super::patch::Pressure;
 use fearless_simd::Simd;
 
-/// From this speed \[m/s\] on a wheel rolls: bristles come by within the time in which slips change.
+/// From this speed \[m/s\] on a wheel rolls: a bristle is through the contact within about a second, and what is ahead of
+/// another one comes to it. Below, the rule for what sticks at the exit fades into that of a wheel that stands. Ten times
+/// less or more changes mean forces of the example tire between 3 mm/s and 3 m/s by less than 1.5 %.
 const ROLLS: f64 = 0.1;
 const BITS: usize = u64::BITS as usize;
 const WORDS: usize = MAX_PER_STRIPE.div_ceil(BITS);
@@ -389,7 +391,7 @@ impl Stretches<'_> {
 
     /// Up to here a bristle sticks.
     fn limit(&self, k: usize) -> f64 {
-        self.patch.friction.limits(self.bristles.pressure[k]).sticking
+        self.patch.sticking(self.bristles.pressure[k])
     }
 }
 
