@@ -153,6 +153,10 @@ impl Begun {
         });
         let fits = near.into_iter().chain(there.flatten());
         let fitted = fits.min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))?;
+        // what screening promised tells whether derivatives of the model without the effect have led to the end
+        let is_kept = fitted.fit.cost < (1.0 - KEPT_PROMISE * screened.gain) * current.fit.cost;
+        let fitted =
+            if is_kept { fitted } else { study.fit_roughly(&fitted.model, TRY_OUT, None).unwrap_or(fitted) };
         Some(Self { screened: screened.clone(), fitted })
     }
 

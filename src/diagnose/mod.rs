@@ -21,6 +21,7 @@ mod roles;
 mod runs;
 mod screen;
 mod search;
+mod span;
 mod study;
 mod subject;
 mod tables;

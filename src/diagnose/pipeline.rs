@@ -20,6 +20,7 @@ use crate::model::Settings;
 use crate::recording::Recording;
 use crate::simulate::motions_are_followed;
 use crate::stats::sign_flip;
+use nalgebra::DMatrix;
 use std::path::PathBuf;
 
 /// Iterations of the fits before the channels have their weights, and of those after, which end by
@@ -108,9 +109,9 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     study.lag = RECORDER_LAG * shortest_interval(&study.fit_runs);
 
     progress("fitting the model's own parameters", 0.05);
-    study.choose_free(&subject.free)?;
+    let derivatives = study.choose_free(&subject.free)?;
     let nominal = study.nominal();
-    let mut base = refit(&mut study, &nominal)?;
+    let mut base = refit(&mut study, &nominal, Some(&derivatives))?;
     let mut base_rest = study.rest(&base.model, &study.check_runs)?;
 
     let against = |study: &Study<'_>, model: &Model| recorded.faults_against(study, &subject, model);
@@ -126,7 +127,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         (study.fit_runs, study.check_runs) = (with(shared, Use::Fit), with(shared, Use::Check));
         study.weights = first_weights(&study.fit_runs);
         // what was fitted to other runs is no place to begin
-        base = refit(&mut study, &nominal)?;
+        base = refit(&mut study, &nominal, None)?;
         base_rest = study.rest(&base.model, &study.check_runs)?;
     }
     let check_runs = study.check_runs.clone();
@@ -218,9 +219,10 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     Ok(Outcome { diagnosis, parameters, attachments, intervals, check, subject })
 }
 
-/// Fits the model's own parameters, and weighs the channels by what is left of them.
-fn refit(study: &mut Study<'_>, from: &Model) -> Result<Fitted> {
-    let mut base = study.fit_roughly(from, FIRST)?;
+/// Fits the model's own parameters, and weighs the channels by what is left of them. Derivatives where it begins may be
+/// known.
+fn refit(study: &mut Study<'_>, from: &Model, known: Option<&DMatrix<f64>>) -> Result<Fitted> {
+    let mut base = study.fit_roughly(from, FIRST, known)?;
     for iterations in [FIRST, FINAL] {
         let rest = study.fit_rest(&base)?;
         let from = study.weigh_by(&base, &rest);

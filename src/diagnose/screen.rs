@@ -2,6 +2,7 @@
 //! what the model's own parameters can.
 
 use super::placement::Placement;
+use super::span::spanned;
 use super::study::Model;
 use crate::Result;
 use crate::effect::{Attachment, Port, empirical};
@@ -292,21 +293,124 @@ impl<'a> Screen<'a> {
         for (k, column) in replayed.iter().zip(done) {
             columns[*k] = column;
         }
-        let with = |k: &usize| {
-            let mut setup = self.setup.clone();
-            setup.attachments.extend(attach(&jobs[*k]));
-            Arc::new(setup)
+        // the first answer to a change at a place is in proportion: sums of changes are answered by the sums
+        let courses: Vec<Option<DVector<f64>>> = of_setup
+            .iter()
+            .map(|k| self.course(interface, &attach(&jobs[*k]), runs.clone(), step_of(&jobs[*k])))
+            .collect();
+        let mut sums: Vec<Option<Vec<(usize, f64)>>> = vec![None; jobs.len()];
+        let mut places: Vec<(&[usize], Port)> = Vec::new();
+        let place = |k: &usize| {
+            let placement = &placements[jobs[*k].0.placement];
+            (&placement.targets[..], placement.port)
         };
-        let setups: Vec<Arc<Setup>> = of_setup.iter().map(with).collect();
+        for k in &of_setup {
+            if !places.contains(&place(k)) {
+                places.push(place(k));
+            }
+        }
+        for own in places {
+            let at_place = of_setup.iter().zip(&courses).filter(|(k, _)| place(k) == own);
+            let (numbers, courses): (Vec<usize>, Vec<DVector<f64>>) =
+                at_place.filter_map(|(k, course)| Some((*k, course.clone()?))).unzip();
+            for (k, sum) in numbers.iter().zip(spanned(&courses)) {
+                sums[*k] =
+                    sum.map(|terms| terms.into_iter().map(|(t, factor)| (numbers[t], factor)).collect());
+            }
+        }
+        let with = |k: usize| {
+            let mut setup = self.setup.clone();
+            setup.attachments.extend(attach(&jobs[k]));
+            (setup, step_of(&jobs[k]))
+        };
+        let simulate = |numbers: Vec<usize>, columns: &mut Vec<Option<Column>>| {
+            let answers = self.simulated(numbers.iter().map(|k| with(*k)), runs.clone());
+            for (k, column) in numbers.into_iter().zip(answers) {
+                columns[k] = column;
+            }
+        };
+        let (dependent, own): (Vec<usize>, Vec<usize>) = of_setup.iter().partition(|k| sums[**k].is_some());
+        simulate(own, &mut columns);
+        // what the terms are not known of is simulated, too
+        let mut unknown = Vec::new();
+        for k in dependent {
+            let terms = sums[k].iter().flatten().map(|(t, factor)| Some((columns[*t].as_ref()?, *factor)));
+            match terms.collect::<Option<Vec<_>>>() {
+                Some(terms) => columns[k] = Some(self.sum(&terms, runs.clone())),
+                None => unknown.push(k),
+            }
+        }
+        simulate(unknown, &mut columns);
+        columns
+    }
+
+    /// What an effect changes at its targets along the runs, per unit of an amplitude, as the traces tell: effects that are
+    /// off hardly change what drives them. `None` where a course is not known.
+    fn course(
+        &self,
+        interface: &Interface,
+        attachments: &[Attachment],
+        runs: Range<usize>,
+        step: f64,
+    ) -> Option<DVector<f64>> {
+        let mut all = Vec::new();
+        for (run, traces) in self.runs[runs.clone()].iter().zip(&self.traces[runs]) {
+            let behind =
+                |effect: &Attachment, course: &[f64]| replay(effect, course, &run.drive, &self.watch, traces);
+            for attachment in attachments {
+                let traced = self.watch.iter().position(|v| *v == attachment.target);
+                let held = || self.setup.values.iter().find(|(v, _)| *v == attachment.target);
+                let mut target = match traced {
+                    Some(column) => traces[column].clone(),
+                    None => vec![held()?.1; run.drive.points],
+                };
+                // outputs are traced behind the effects that are there already
+                if attachment.port(interface) != Port::Output {
+                    for known in self.setup.attachments.iter().filter(|a| a.target == attachment.target) {
+                        target = behind(known, &target)?;
+                    }
+                }
+                let changed = behind(attachment, &target)?;
+                all.extend(changed.iter().zip(&target).map(|(a, b)| (a - b) / step));
+            }
+        }
+        let course = thin(&all, all.len().div_ceil(MAX_ROWS).max(1));
+        course.iter().all(|v| v.is_finite()).then_some(course)
+    }
+
+    /// A sum of columns.
+    fn sum(&self, terms: &[(&Column, f64)], runs: Range<usize>) -> Column {
+        let of = |run: usize| {
+            let mut sum: Option<DVector<f64>> = None;
+            for (column, factor) in terms {
+                match &mut sum {
+                    Some(sum) => sum.axpy(*factor, &column[run], 1.0),
+                    None => sum = Some(&column[run] * *factor),
+                }
+            }
+            // of what changes nothing
+            sum.unwrap_or_else(|| &self.residual[runs.start + run] * 0.0)
+        };
+        (0..runs.len()).map(of).collect()
+    }
+
+    /// Change of the weighted outputs of some runs per step, of each setup with its step.
+    fn simulated(
+        &self,
+        setups: impl Iterator<Item = (Setup, f64)>,
+        runs: Range<usize>,
+    ) -> Vec<Option<Column>> {
         let own = &self.runs[runs.clone()];
         let drives: Vec<Arc<Drive>> = own.iter().map(|r| Arc::clone(&r.drive)).collect();
         let measured: Arc<[usize]> =
             self.runs.first().map_or(Arc::from([]), |r| r.channels.iter().map(|c| c.variable).collect());
+        let (setups, steps): (Vec<Arc<Setup>>, Vec<f64>) =
+            setups.map(|(setup, step)| (Arc::new(setup), step)).unzip();
+        let mut columns = Vec::new();
         // not all at once: traces take memory
-        for (chunk, places) in setups.chunks(32).zip(of_setup.chunks(32)) {
+        for (chunk, steps) in setups.chunks(32).zip(steps.chunks(32)) {
             let answers = self.bench.run(chunk, &drives, &measured);
-            for (answers, place) in answers.chunks(own.len().max(1)).zip(places) {
-                let step = step_of(&jobs[*place]);
+            for (answers, step) in answers.chunks(own.len().max(1)).zip(steps) {
                 let change = |((run, traces), base): ((&&Run, &Result<Traces>), &Traces)| {
                     let traces = traces.as_ref().ok()?;
                     let mut change = Vec::new();
@@ -314,10 +418,9 @@ impl<'a> Screen<'a> {
                         let column = self.watch.iter().position(|v| *v == channel.variable)?;
                         change.extend(difference(run, channel, trace, &base[column], *weight));
                     }
-                    Some(thin(&change, self.stride) / step)
+                    Some(thin(&change, self.stride) / *step)
                 };
-                columns[*place] =
-                    own.iter().zip(answers).zip(&self.traces[runs.clone()]).map(change).collect();
+                columns.push(own.iter().zip(answers).zip(&self.traces[runs.clone()]).map(change).collect());
             }
         }
         columns

@@ -9,7 +9,7 @@ use crate::fit::{
 };
 use crate::stats::{about_line, about_mean, median, redundancy};
 use crate::{Error, Result};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use std::sync::Mutex;
 
 /// What is known beforehand about a parameter: its standard deviation as a share of the nominal value.
@@ -205,12 +205,18 @@ impl Study<'_> {
         self.fit_with(model, None, Options { iterations, ..Options::default() })
     }
 
-    /// Fits with derivatives that are computed once, and updated as long as they lead anywhere.
+    /// Fits with derivatives that are computed once, as far as they are not known, and updated as long as they lead
+    /// anywhere.
     ///
     /// # Errors
     /// A model that cannot be run.
-    pub fn fit_roughly(&self, model: &Model, iterations: usize) -> Result<Fitted> {
-        self.fit_with(model, None, Options { iterations, update: true, ..Options::default() })
+    pub fn fit_roughly(
+        &self,
+        model: &Model,
+        iterations: usize,
+        known: Option<&DMatrix<f64>>,
+    ) -> Result<Fitted> {
+        self.fit_with(model, None, Options { iterations, known, update: true, ..Options::default() })
     }
 
     /// Goes on with a fit whose problem has hardly changed since, with its derivatives. It does not end before new ones
@@ -224,14 +230,14 @@ impl Study<'_> {
         self.fit_with(&from.model, Some(from), options)
     }
 
-    /// As [`Study::fit`], from a place near where another fit has ended, with its derivatives: they may be those of a
-    /// model that lacks the last effect.
+    /// As [`Study::fit_roughly`], from a place near where another fit has ended, with its derivatives: they may be those of
+    /// a model that lacks the last effect.
     ///
     /// # Errors
     /// A model that cannot be run.
     pub fn fit_near(&self, model: &Model, iterations: usize, near: &Fitted) -> Result<Fitted> {
         let known = Some(&near.fit.jacobian);
-        self.fit_with(model, Some(near), Options { iterations, known, ..Options::default() })
+        self.fit_with(model, Some(near), Options { iterations, known, update: true, ..Options::default() })
     }
 
     fn fit_with(&self, model: &Model, near: Option<&Fitted>, options: Options<'_>) -> Result<Fitted> {
@@ -336,11 +342,12 @@ impl Study<'_> {
     }
 
     /// The parameters that matter: those with the most effect on the outputs, the most important first. If they are
-    /// too many, those of which others do the same stay.
+    /// too many, those of which others do the same stay. Returns the derivatives of the residuals by those that were chosen,
+    /// from differences as large as tell whether they matter.
     ///
     /// # Errors
     /// The model cannot be run with its nominal values.
-    pub fn choose_free(&mut self, candidates: &[FreeParameter]) -> Result<()> {
+    pub fn choose_free(&mut self, candidates: &[FreeParameter]) -> Result<DMatrix<f64>> {
         self.free = candidates.to_vec();
         let model = self.nominal();
         let problem = self.problem(&model, self.fit_runs.clone());
@@ -368,8 +375,13 @@ impl Study<'_> {
         }
         effects.sort_by(|a, b| b.1.norm_squared().total_cmp(&a.1.norm_squared()));
         let chosen = most_by_themselves(effects.iter().map(|e| e.1.clone()).collect(), MAX_FREE);
-        self.free = chosen.into_iter().map(|k| candidates[effects[k].0].clone()).collect();
-        Ok(())
+        self.free = chosen.iter().map(|k| candidates[effects[*k].0].clone()).collect();
+        let derivatives: Vec<DVector<f64>> = chosen.iter().map(|k| &effects[*k].1 * (size / PRIOR)).collect();
+        Ok(if derivatives.is_empty() {
+            DMatrix::zeros(base.len(), 0)
+        } else {
+            DMatrix::from_columns(&derivatives)
+        })
     }
 
     /// The error of a run that fails.

@@ -51,7 +51,8 @@ pub struct Options<'a> {
     pub known: Option<&'a DMatrix<f64>>,
     /// Derivatives that were computed once are updated, too, until they lead nowhere.
     pub update: bool,
-    /// Where known or updated derivatives lead hardly any farther the fit does not end before computed ones do neither.
+    /// Where known or updated derivatives lead hardly any farther, or nowhere, the fit does not end before ones that were
+    /// computed nearby do neither.
     pub to_the_end: bool,
 }
 
@@ -122,6 +123,10 @@ impl Fit {
 /// too.
 const LEAST_DAMPING: f64 = 1e-9;
 
+/// Derivatives that were computed where the sum of squares was larger by no more than this share, and updated since, count as
+/// computed: the fit has hardly moved.
+const NEARBY: f64 = 0.01;
+
 fn square(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum()
 }
@@ -149,6 +154,8 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
     }
     let mut damping = 1e-3;
     let (mut end, mut last_exact, mut iterations) = (End::Iterations, exact, 0);
+    // the sum of squares where all derivatives were computed last
+    let mut computed = f64::INFINITY;
     for iteration in 0..options.iterations {
         (last_exact, iterations) = (exact, iteration + 1);
         let from = if exact { 0 } else { updated };
@@ -160,6 +167,9 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
             break;
         }
         let cost = square(&residuals);
+        if exact {
+            computed = cost;
+        }
         let variance = (cost / residuals.len().max(1) as f64).max(f64::MIN_POSITIVE) * options.redundancy;
         let prior = |x: &[f64]| -> f64 {
             unknowns.iter().zip(x).map(|(u, x)| ((x - u.mean) / u.prior).powi(2)).sum()
@@ -195,6 +205,10 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
                 break;
             }
             // what was known leads nowhere
+            if !options.to_the_end {
+                end = End::Step;
+                break;
+            }
             exact = true;
             continue;
         };
@@ -208,7 +222,7 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         residuals = r;
         damping = tried;
         if total - reached < options.tolerance * total {
-            if was_exact || !options.to_the_end {
+            if was_exact || !options.to_the_end || cost > (1.0 - NEARBY) * computed {
                 end = End::Decrease;
                 break;
             }

@@ -1,0 +1,94 @@
+//! Which courses are sums of others: what answers in proportion answers them with the same sums.
+
+use nalgebra::DVector;
+
+/// A course is a sum of others if it misses less than this share of itself: a change that is predicted ranks effects, it is
+/// no fit.
+const MISSED: f64 = 0.02;
+/// And if its terms are not so many times larger than it: what they cancel of each other, answers that are not quite in
+/// proportion do not.
+const CANCELLED: f64 = 5.0;
+
+/// Of each course: the numbers of others and factors with which it is their sum; `None` if it is none. Those others are no
+/// sums themselves.
+pub(super) fn spanned(courses: &[DVector<f64>]) -> Vec<Option<Vec<(usize, f64)>>> {
+    let sizes: Vec<f64> = courses.iter().map(DVector::norm).collect();
+    // what the ones that were taken do not make of each, and with which factors they make the rest
+    let mut rests: Vec<DVector<f64>> = courses.to_vec();
+    let mut factors: Vec<Vec<f64>> = vec![Vec::new(); courses.len()];
+    let mut taken: Vec<usize> = Vec::new();
+    let missed = |rests: &[DVector<f64>], k: usize| {
+        if sizes[k] > 0.0 { rests[k].norm() / sizes[k] } else { 0.0 }
+    };
+    loop {
+        let open = (0..courses.len()).filter(|k| !taken.contains(k));
+        let worst =
+            open.map(|k| (k, missed(&rests, k))).max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
+        let Some((next, _)) = worst.filter(|(_, missed)| *missed > MISSED) else { break };
+        // the next one's rest is it less what those before make of it
+        let (rest, own) = (rests[next].clone(), factors[next].clone());
+        let length = rest.norm_squared();
+        for k in 0..courses.len() {
+            let share = rest.dot(&rests[k]) / length;
+            rests[k].axpy(-share, &rest, 1.0);
+            for (factor, less) in factors[k].iter_mut().zip(&own) {
+                *factor -= share * less;
+            }
+            factors[k].push(share);
+        }
+        taken.push(next);
+    }
+    let sum = |k: usize| {
+        if taken.contains(&k) {
+            return None;
+        }
+        let terms: Vec<(usize, f64)> = taken.iter().copied().zip(factors[k].iter().copied()).collect();
+        let size: f64 = terms.iter().map(|(t, factor)| factor.abs() * sizes[*t]).sum();
+        (size <= CANCELLED * sizes[k]).then_some(terms)
+    };
+    (0..courses.len()).map(sum).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn course(of: impl Fn(f64) -> f64) -> DVector<f64> {
+        DVector::from_fn(500, |k, _| of(0.01 * k as f64))
+    }
+
+    #[test]
+    fn courses_that_are_sums_are_found_and_are_them() {
+        let courses = [
+            course(f64::sin),
+            course(|_| 1.0),
+            course(|t| 2.0 + 3.0 * t.sin()),
+            course(|t| t * t),
+            course(|t| 0.5 - t * t),
+            course(|_| 0.0),
+            // hardly another, but for what is between the two
+            course(|t| 1.0 + 1e-3 * (50.0 * t).sin()),
+            course(|t| (50.0 * t).sin()),
+        ];
+        let sums = spanned(&courses);
+        let own = sums.iter().filter(|s| s.is_none()).count();
+        assert_eq!(own, 4, "{sums:?}");
+        for (course, sum) in courses.iter().zip(&sums) {
+            let Some(terms) = sum else { continue };
+            assert!(terms.iter().all(|(t, _)| sums[*t].is_none()));
+            let made: DVector<f64> =
+                terms.iter().fold(DVector::zeros(500), |made, (t, factor)| made + *factor * &courses[*t]);
+            assert!((course - made).norm() <= MISSED * course.norm());
+        }
+    }
+
+    #[test]
+    fn what_others_make_only_by_cancelling_is_a_course_of_its_own() {
+        // two that differ little, and their difference, which is known with their errors only
+        let (a, b) = (course(|_| 1.0), course(|t| 1.0 + 0.03 * t.cos()));
+        let c = course(|t| 0.03 * t.cos());
+        let sums = spanned(&[a, b, c]);
+        assert!(sums[0].is_none() && sums[2].is_none(), "{sums:?}");
+        assert!(spanned(&[]).is_empty());
+    }
+}
