@@ -278,9 +278,11 @@ impl Reader {
         if !self.real.is_empty()
             && let Err(error) = slave.get_all(&self.real, &mut self.together)
         {
-            // one by one it shows which it was
-            self.variables.iter().try_for_each(|variable| slave.get(*variable).map(drop))?;
-            return Err(error);
+            // one by one it shows which it was, unless nothing can be read any more
+            let failed: Vec<Error> =
+                self.variables.iter().filter_map(|variable| slave.get(*variable).err()).collect();
+            let is_one = failed.len() < self.variables.len();
+            return Err(failed.into_iter().next().filter(|_| is_one).unwrap_or(error));
         }
         for (place, value) in self.places.iter().zip(&self.together) {
             values[*place] = *value;

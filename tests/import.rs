@@ -290,6 +290,16 @@ fn a_simulation_never_goes_back() {
 }
 
 #[test]
+fn a_simulation_says_why_values_cannot_be_read_any_more() {
+    let mut fmu = load();
+    mood(&mut fmu, "mute");
+    let experiment = latsch::simulate::Experiment { stop: Some(1.0), step: Some(0.1), ..Default::default() };
+    let outcome = latsch::simulate::simulate(&mut fmu, &experiment, |_, _| {});
+    let error = outcome.map(|outcome| outcome.stopped.unwrap()).unwrap_or_else(|error| error);
+    contains(&error, &["fmi2Fatal", "nothing more to tell"]);
+}
+
+#[test]
 fn messages_have_their_arguments_and_names() {
     let mut fmu = started();
     set(&mut fmu, "u", 3.0).unwrap();

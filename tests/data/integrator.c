@@ -1,7 +1,8 @@
 /* A small, strict FMI 2.0 co-simulation unit for the tests of the importer: y' = k u.
  *
  * It refuses what the standard forbids, so that a master that calls in the wrong order fails.
- * The text parameter `mood` makes steps misbehave: "discard", "error", "fatal".
+ * The text parameter `mood` makes steps misbehave: "discard", "error", "fatal"; "mute" is fatal when several
+ * values are read.
  * -DWITHOUT_STEP leaves out fmi2DoStep. -DPOLITE returns errors where a wrong call ends the process
  * otherwise.
  *
@@ -213,6 +214,7 @@ Status fmi2GetReal(void *c, const unsigned *vr, size_t n, double *value) {
     if (!c) return ERROR;
     Unit *m = alive(c);
     if (readable(m)) return ERROR;
+    if (n > 1 && !strcmp(m->data.mood, "mute")) return say(m, FATAL, "nothing more to tell");
     for (size_t i = 0; i < n; i++) {
         switch (vr[i]) {
         case U: value[i] = m->data.u; break;

@@ -167,7 +167,7 @@ impl ImportedFmu {
     /// slave is of no use afterwards but to be reset.
     ///
     /// # Errors
-    /// A status that is not fmi2OK, without its reason.
+    /// The first step that does not succeed.
     #[cfg(feature = "host")]
     #[doc(hidden)]
     pub fn bare_steps(&mut self, time: f64, length: f64, count: usize) -> Result<()> {
