@@ -10,7 +10,7 @@ import zipfile
 import numpy as np
 import pytest
 
-from conftest import INPUTS, MODEL, MODELS, PROGRAM, latsch, read_results
+from conftest import INPUTS, MODEL, MODELS, PROGRAM, latsch, read_results, rewrite
 
 
 @pytest.mark.quick
@@ -305,16 +305,6 @@ def test_wrong_tire_files(tmp_path, text, words):
     for word in words:
         assert word in done.stderr, done.stderr
     assert not (tmp_path / "x.fmu").exists()
-
-
-def rewrite(source, target, change):
-    """Copies an FMU, entry by entry, through `change(name, data)`; None leaves it out."""
-    with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
-        for name in old.namelist():
-            data = change(name, old.read(name))
-            if data is not None:
-                new.writestr(name, data)
-    return target
 
 
 def test_fmus_from_outside_are_not_trusted(fmu, tmp_path):
