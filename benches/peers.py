@@ -13,6 +13,7 @@ package brings.
 
 import argparse
 import contextlib
+import functools
 import importlib.metadata
 import math
 import os
@@ -38,7 +39,7 @@ MODELS = ["ring-brush-flat-track", "magic-formula-flat-track", "ring-brush-corne
 ROLLING = {"deflection": 0.02, "path_speed": 27.8, "slip": 0.03, "slip_angle": 0.03}
 BRAKE = {"driver_pressure": 9e6}
 SSD = pathlib.Path(__file__).resolve().parent.parent / "examples" / "abs-stop" / "SystemStructure.ssd"
-# what the tests of masters watch
+# of the outputs that a user of this system watches
 BRAKING = ["corner.vehicle_speed", "corner.wheel_speed", "corner.slip", "corner.force_x", "corner.force_z", "brake.pressure",
            "brake.brake_torque", "abs.inlet_valve_1"]
 
@@ -78,8 +79,8 @@ class Machine:
 
     def simulate(self, fmu, values, steps):
         settings = [word for name, value in values.items() for word in ("--set", f"{name}={value!r}")]
-        start = [] if not steps else ["--start", 0, "--stop", steps * STEP, "--step", STEP]
-        self.call("simulate", fmu, *start, *settings, "--output", self.folder / "out.csv")
+        times = ["--start", 0, "--stop", steps * STEP, "--step", STEP]
+        self.call("simulate", fmu, *times, *settings, "--output", self.folder / "out.csv")
 
     def cosimulate(self, steps):
         self.call("cosimulate", self.folder / SSD.name, "--stop", steps * STEP, "--output", self.folder / "out.csv")
@@ -123,6 +124,13 @@ class Slave:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
+@functools.cache
+def references(fmu):
+    """Once for each FMU: masters that are not FMPy do not need FMPy's reading."""
+    return {v.name: v.valueReference for v in fmpy.read_model_description(str(fmu)).modelVariables}
+
+
+@functools.cache
 def watched(fmu):
     description = fmpy.read_model_description(str(fmu))
     return {v.name: v.valueReference for v in description.modelVariables if v.causality == "output" and v.type == "Real"}
@@ -137,13 +145,12 @@ def with_libcosim(fmu, values, steps):
     from libcosimpy.CosimObserver import CosimObserver
     from libcosimpy.CosimSlave import CosimLocalSlave
 
-    references = {v.name: v.valueReference for v in fmpy.read_model_description(str(fmu)).modelVariables}
     execution = CosimExecution.from_step_size(round(STEP * 1e9))
     index = execution.add_local_slave(CosimLocalSlave(str(fmu), "x"))
     observer = CosimObserver.create_last_value()
     assert execution.add_observer(observer)
     for name, value in values.items():
-        assert execution.real_initial_value(index, references[name], value)
+        assert execution.real_initial_value(index, references(fmu)[name], value)
     outputs = list(watched(fmu).values())
     rows = []
     for _ in range(steps):
@@ -266,6 +273,8 @@ def main():
     parser.add_argument("--reference-fmus", type=pathlib.Path, metavar="DIR")
     parser.add_argument("--wall", action="store_true", help="elapsed time, for a machine without other work")
     options = parser.parse_args()
+    if options.turns < 1:
+        parser.error("--turns: a number from 1 on")
     global WALL
     WALL = options.wall
     with tempfile.TemporaryDirectory() as folder:
@@ -389,12 +398,14 @@ def table(options, machine):
             tire.calculate_forces(4000.0, 0.03, 0.03, alpha_unit="rad")
         return (clock() - begin) / 500
 
+    for model, _, _ in runs:
+        references(machine.fmu(model)), watched(machine.fmu(model))
     for _ in range(options.turns):
         for model, values, steps in runs:
             fmu = machine.fmu(model)
             take((model, "latsch"), lambda: machine.simulate(fmu, values, steps))
             for peer, work, _ in masters:
-                take((model, peer), lambda: work(fmu, values, steps) and None)
+                take((model, peer), lambda: work(fmu, values, steps))
         take(("system", "latsch"), lambda: machine.cosimulate(system_steps))
         take(("system", "libcosim"), lambda: system_with_libcosim(machine.folder, system_steps))
         take(("system", "Ecos"), lambda: system_with_ecos(machine.folder, system_steps))
@@ -430,7 +441,7 @@ def table(options, machine):
         print(f"| {shown} | {peer} | {spread(values, scale, unit)} | {spread(ratios, 1)} | {faster} |")
     if not foreign:
         print("| Reference-FMUs | | not measured: no package brings them; --reference-fmus names a folder of them | | |")
-    print("| Project Chrono's tires | | not measured: conda and own builds only; `pychrono` on PyPI is something else, `projectchrono` a name without content | | |")
+    print("| Project Chrono's tires | | not measured: no package of Python's brings them | | |")
 
 
 if __name__ == "__main__":

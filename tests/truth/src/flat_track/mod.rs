@@ -52,8 +52,7 @@ pub(crate) const PARAMETERS: [Row; 6] = [
     ("stripe_length_factor", "1", 0.75),
 ];
 
-/// Least noise over the spread of a channel. The usual step of the model errs by half of this: bristles meet the road in
-/// the middle of a step, which comes out otherwise with any other step, however short.
+/// Least noise over the spread of a channel. The usual step of the model errs by less than half of this.
 pub(crate) const LEAST_NOISE: f64 = 0.015;
 
 /// Own step of the tire in recordings \[s\]; the model's usual one is longer.

@@ -3,6 +3,8 @@ use crate::hidden::{Hidden, Law};
 use crate::programme::{self, EVERYTHING, Sampling};
 use crate::random::Random;
 use crate::simulate::STEP;
+use latsch::tire::Tire;
+use latsch::tire::ring_brush::RingBrush;
 
 fn world(hidden: Vec<Hidden>) -> World {
     World { base: Base::FlatTrack, parameters: Base::FlatTrack.defaults(), hidden, filter: 1e-9 }
@@ -67,16 +69,18 @@ fn shipped(run: &Run, step: f64) -> Vec<Vec<f64>> {
 
 #[test]
 fn with_nothing_hidden_it_is_the_shipped_model() {
-    // with errors e h, of either sign, in proportion to the step h: those of 0.08 and 0.1 ms differ by 1.8 e h at most,
-    // those of 0.1 and 0.2 ms by e h at least
+    let usual_step = RingBrush::STEP;
+    // with errors in proportion to the step h, of either sign: those of 0.08 ms and h differ by 1.16 e h at most where h is
+    // 0.5 ms, those of h / 2 and h by e h / 2 at least
+    let most = 2.0 * (1.0 + FINE / usual_step);
     for index in [4, 5] {
         let run = drawn(index, 2.0);
         let truth = world(vec![]).run(&run, 0, STEP);
-        let (usual, coarse) = (shipped(&run, 1e-4), shipped(&run, 2e-4));
+        let (usual, half) = (shipped(&run, usual_step), shipped(&run, 0.5 * usual_step));
         for (c, row) in OUTPUTS.iter().enumerate() {
-            let (off, error) = (rms(&truth.outputs[c], &usual[c]), rms(&coarse[c], &usual[c]));
+            let (off, error) = (rms(&truth.outputs[c], &usual[c]), rms(&half[c], &usual[c]));
             assert!(
-                off <= 1.8 * error + 1e-9 * row.2,
+                off <= most * error + 1e-9 * row.2,
                 "{} of run {index}: {off}, convergence {error}",
                 row.0
             );
