@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Lagged loads. They shift and twist the patch, which loads the bristles that stick, which load the patch: a loop that
 /// is the faster the shorter the lag and the softer the carcass. So that no step is too long for it, a step is exact for
-/// how fast it would settle if all bristles stuck ([`Lag::decay`]); what else changes the rates is what did in the step
+/// how fast it would settle if all bristles stuck (`decay`); what else changes the rates is what did in the step
 /// before.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Lag {
