@@ -3,7 +3,7 @@
 use crate::model::unit::Unit;
 use crate::model::{Causality, Interface, Kind, Slave, Value, VariableInfo};
 use crate::recording::{Channel, Recording, interpolate};
-use crate::{Error, Result};
+use crate::{Error, ErrorKind, Result};
 
 /// More values than this (4 GB) are not recorded.
 const MAX_VALUES: f64 = 5e8;
@@ -278,11 +278,11 @@ impl Reader {
         if !self.real.is_empty()
             && let Err(error) = slave.get_all(&self.real, &mut self.together)
         {
-            // one by one it shows which it was, unless nothing can be read any more
+            // one by one it shows which it was; an FMU that is dead says that of each, and not why
             let failed: Vec<Error> =
                 self.variables.iter().filter_map(|variable| slave.get(*variable).err()).collect();
-            let is_one = failed.len() < self.variables.len();
-            return Err(failed.into_iter().next().filter(|_| is_one).unwrap_or(error));
+            let is_dead = error.kind() == ErrorKind::Fmu && failed.len() == self.variables.len();
+            return Err(failed.into_iter().next().filter(|_| !is_dead).unwrap_or(error));
         }
         for (place, value) in self.places.iter().zip(&self.together) {
             values[*place] = *value;
