@@ -3,8 +3,6 @@ use crate::hidden::{Hidden, Law};
 use crate::programme::{self, EVERYTHING, Sampling};
 use crate::random::Random;
 use crate::simulate::STEP;
-use latsch::tire::Tire;
-use latsch::tire::ring_brush::RingBrush;
 
 fn world(hidden: Vec<Hidden>) -> World {
     World { base: Base::FlatTrack, parameters: Base::FlatTrack.defaults(), hidden, filter: 1e-9 }
@@ -69,7 +67,10 @@ fn shipped(run: &Run, step: f64) -> Vec<Vec<f64>> {
 
 #[test]
 fn with_nothing_hidden_it_is_the_shipped_model() {
-    let usual_step = RingBrush::STEP;
+    let mut slave = Native::<RingBrushFlatTrack>::new(&Settings::default()).unwrap();
+    slave.start(0.0, None).unwrap();
+    slave.finish_start().unwrap();
+    let usual_step = slave.get(slave.find("step_size").unwrap()).unwrap();
     // with errors in proportion to the step h, of either sign: those of 0.08 ms and h differ by 1.16 e h at most where h is
     // 0.5 ms, those of h / 2 and h by e h / 2 at least
     let most = 2.0 * (1.0 + FINE / usual_step);
