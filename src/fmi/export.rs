@@ -10,102 +10,18 @@ use super::entry::Entry;
 use super::float::HostSettings;
 use super::instance::{Instance, Saved};
 use super::log::Log;
+use super::panics;
+use super::pointers::{array, array_mut, text};
 use super::state::Function;
 use crate::{Error, Result};
-use std::cell::Cell;
 use std::ffi::{CStr, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::null_mut;
-use std::sync::Once;
 
 /// fmi2GetTypesPlatform.
 pub const TYPES_PLATFORM: &CStr = c"default";
 /// fmi2GetVersion.
 pub const FMI_VERSION: &CStr = c"2.0";
-
-/// As much as is kept of what a panic says.
-const PANIC_LENGTH: usize = 500;
-
-thread_local! {
-    /// What the last panic of this thread said, and how long that is. Plain bytes: a value with a destructor
-    /// would keep the library loaded in a host that unloads it.
-    static LAST_PANIC: Cell<([u8; PANIC_LENGTH], usize)> = const { Cell::new(([0; PANIC_LENGTH], 0)) };
-}
-
-/// Makes the panic hook silent: the host's standard error is not ours. Panics become messages; only the hook
-/// knows where one happened.
-fn silence_panics() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
-        std::panic::set_hook(Box::new(|info| {
-            let payload = info.payload();
-            let text = payload
-                .downcast_ref::<&str>()
-                .copied()
-                .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
-                .unwrap_or("no text");
-            let place = info.location().map(|l| format!("{}:{}: ", l.file(), l.line())).unwrap_or_default();
-            let said = format!("{place}{text}");
-            let mut bytes = [0; PANIC_LENGTH];
-            let length = said.len().min(PANIC_LENGTH);
-            bytes[..length].copy_from_slice(&said.as_bytes()[..length]);
-            LAST_PANIC.set((bytes, length));
-        }));
-    });
-}
-
-/// What to tell the master of the panic that was just caught in this thread.
-fn about_panic() -> String {
-    let (bytes, length) = LAST_PANIC.replace(([0; PANIC_LENGTH], 0));
-    let said = match length {
-        0 => "a place unknown".into(),
-        _ => String::from_utf8_lossy(&bytes[..length]),
-    };
-    format!("the model's code panicked at {said}. This is a fault in it: please report it to its author")
-}
-
-/// The text at a pointer that may be null.
-///
-/// # Safety
-/// `text` is null or points to a zero-terminated text that lives for `'a`.
-unsafe fn text<'a>(text: Text, what: &str) -> Result<Option<&'a str>> {
-    if text.is_null() {
-        return Ok(None);
-    }
-    // SAFETY: not null, and the caller promises the rest.
-    let text = unsafe { CStr::from_ptr(text) };
-    text.to_str().map(Some).map_err(|_| Error::call(format!("{what} is not UTF-8")))
-}
-
-/// The items of an array of the master.
-///
-/// # Safety
-/// `items` is null or points to `count` items that live for `'a`.
-unsafe fn array<'a, T>(items: *const T, count: usize, what: &str) -> Result<&'a [T]> {
-    if count == 0 {
-        return Ok(&[]);
-    }
-    if items.is_null() {
-        return Err(Error::call(format!("{count} {what} at a null pointer")));
-    }
-    // SAFETY: not null, and the caller promises the rest.
-    Ok(unsafe { std::slice::from_raw_parts(items, count) })
-}
-
-/// The items of an array of the master to write to.
-///
-/// # Safety
-/// `items` is null or points to `count` items that live for `'a` and that nobody else uses.
-unsafe fn array_mut<'a, T>(items: *mut T, count: usize, what: &str) -> Result<&'a mut [T]> {
-    if count == 0 {
-        return Ok(&mut []);
-    }
-    if items.is_null() {
-        return Err(Error::call(format!("{count} {what} at a null pointer")));
-    }
-    // SAFETY: not null, and the caller promises the rest.
-    Ok(unsafe { std::slice::from_raw_parts_mut(items, count) })
-}
 
 /// What `function` does with an instance: state machine, messages, panics.
 ///
@@ -121,10 +37,10 @@ unsafe fn call(
     instance.enter();
     let status = match catch_unwind(AssertUnwindSafe(|| instance.call(function, body))) {
         Ok(status) => status,
-        Err(_) => {
-            catch_unwind(AssertUnwindSafe(|| instance.fatal(&format!("fmi2{function:?}: {}", about_panic()))))
-                .unwrap_or(Status::Fatal)
-        }
+        Err(_) => catch_unwind(AssertUnwindSafe(|| {
+            instance.fatal(&format!("fmi2{function:?}: {}", panics::about()))
+        }))
+        .unwrap_or(Status::Fatal),
     };
     instance.leave();
     status
@@ -145,7 +61,7 @@ pub unsafe fn instantiate(
     _visible: Boolean,
     debug: Boolean,
 ) -> Component {
-    silence_panics();
+    panics::silence();
     // Without callbacks there is nobody to tell.
     // SAFETY: null or valid by the caller's promise; copied.
     let Some(&callbacks) = (unsafe { functions.as_ref() }) else { return null_mut() };
@@ -174,7 +90,7 @@ pub unsafe fn instantiate(
     let error = match made {
         Ok(Ok(instance)) => return Box::into_raw(Box::new(instance)).cast(),
         Ok(Err(error)) => error,
-        Err(_) => Error::fmu(about_panic()),
+        Err(_) => Error::fmu(panics::about()),
     };
     // SAFETY: null or valid by the caller's promise.
     let name = if name.is_null() { c"" } else { unsafe { CStr::from_ptr(name) } };
@@ -192,7 +108,7 @@ pub unsafe fn free_instance(component: Component) {
         let instance = unsafe { Box::from_raw(component.cast::<Instance>()) };
         let (slave, log) = instance.take_apart();
         if catch_unwind(AssertUnwindSafe(|| drop(slave))).is_err() {
-            log.error(Status::Fatal, &format!("fmi2FreeInstance: {}", about_panic()));
+            log.error(Status::Fatal, &format!("fmi2FreeInstance: {}", panics::about()));
         }
     }
 }
@@ -643,7 +559,7 @@ pub unsafe fn no_status<T>(c: Component, function: Function, value: *mut T) -> S
 /// # Safety
 /// `sink` can be called with `context` and bytes that live during the call.
 pub unsafe fn describe_models(models: &[Entry], sink: Sink, context: *mut c_void) {
-    silence_panics();
+    panics::silence();
     let bytes = catch_unwind(|| {
         let tables: Vec<_> = models.iter().map(|m| ((m.table)(), m.documentation.concat())).collect();
         postcard::to_stdvec(&(crate::VERSION, tables)).unwrap_or_default()

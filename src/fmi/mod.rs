@@ -25,6 +25,8 @@ pub mod import;
 mod instance;
 mod log;
 mod make;
+mod panics;
+mod pointers;
 mod resources;
 #[cfg(all(unix, feature = "host"))]
 pub(crate) mod signal;

@@ -5,12 +5,12 @@ use crate::fmi::c::{
     Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, ComponentEnvironment, FALSE, FmuState, TRUE,
     Text, ValueReference,
 };
+use crate::fmi::check::{float_mode, memory};
 use crate::fmi::import::library::Handle;
 use crate::fmi::import::log::{self, Environment, Heard, text};
-use std::collections::HashSet;
 use std::ffi::{CString, c_int, c_void};
 use std::ptr;
-use std::sync::atomic::{AtomicBool, AtomicU8, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// fmi2Error.
@@ -181,7 +181,7 @@ unsafe extern "C" fn stale_listen(e: ComponentEnvironment, n: Text, s: c_int, c:
 unsafe extern "C" fn stale_calloc(count: usize, size: usize) -> *mut c_void {
     STALE.store(true, Ordering::Relaxed);
     // SAFETY: as `libc::calloc`, which takes any numbers.
-    unsafe { counted_calloc(count, size) }
+    unsafe { memory::calloc(count, size) }
 }
 
 /// # Safety
@@ -189,86 +189,7 @@ unsafe extern "C" fn stale_calloc(count: usize, size: usize) -> *mut c_void {
 unsafe extern "C" fn stale_free(memory: *mut c_void) {
     STALE.store(true, Ordering::Relaxed);
     // SAFETY: demanded of the caller.
-    unsafe { counted_free(memory) }
-}
-
-/// What came of the memory functions that were given to an FMU.
-pub(super) mod memory {
-    use super::{AtomicUsize, HashSet, Mutex, Ordering, PoisonError};
-
-    /// Calls of allocateMemory.
-    pub(super) static ALLOCATED: AtomicUsize = AtomicUsize::new(0);
-    /// Calls of freeMemory with what allocateMemory did not return.
-    pub(super) static FOREIGN: AtomicUsize = AtomicUsize::new(0);
-    /// What allocateMemory returned and was not freed.
-    pub(super) static LIVING: Mutex<Option<HashSet<usize>>> = Mutex::new(None);
-
-    /// How often allocateMemory was called, how often freeMemory with anything else than its results, and
-    /// how many of its results were not freed.
-    pub(in crate::fmi::check) fn account() -> (usize, usize, usize) {
-        let living = LIVING.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map_or(0, HashSet::len);
-        (ALLOCATED.load(Ordering::Relaxed), FOREIGN.load(Ordering::Relaxed), living)
-    }
-}
-
-unsafe extern "C" fn counted_calloc(count: usize, size: usize) -> *mut c_void {
-    // SAFETY: calloc takes any numbers.
-    let memory = unsafe { libc::calloc(count, size) };
-    memory::ALLOCATED.fetch_add(1, Ordering::Relaxed);
-    if !memory.is_null() {
-        let mut living = memory::LIVING.lock().unwrap_or_else(PoisonError::into_inner);
-        living.get_or_insert_default().insert(memory as usize);
-    }
-    memory
-}
-
-/// # Safety
-/// As `free`.
-unsafe extern "C" fn counted_free(memory: *mut c_void) {
-    if memory.is_null() {
-        return;
-    }
-    let mut living = memory::LIVING.lock().unwrap_or_else(PoisonError::into_inner);
-    if !living.get_or_insert_default().remove(&(memory as usize)) {
-        memory::FOREIGN.fetch_add(1, Ordering::Relaxed);
-    }
-    drop(living);
-    // SAFETY: demanded of the caller: most FMUs that free what they did not get here got it from malloc.
-    unsafe { libc::free(memory) }
-}
-
-/// The parts of the floating-point control registers that say how to compute.
-fn float_mode() -> u32 {
-    #[cfg(target_arch = "x86_64")]
-    {
-        let (mut sse, mut x87) = (0u32, 0u16);
-        // SAFETY: both instructions store a register at the place they are given, which is large enough.
-        unsafe {
-            std::arch::asm!("stmxcsr [{}]", in(reg) &mut sse, options(nostack, preserves_flags));
-            std::arch::asm!("fnstcw word ptr [{}]", in(reg) &mut x87, options(nostack, preserves_flags));
-        }
-        // The low bits of mxcsr tell what happened, not how to compute.
-        (sse & 0xffc0) | u32::from(x87) << 16
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    {
-        0
-    }
-}
-
-/// Puts back what a call has changed.
-fn restore_float_mode(mode: u32) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        let (sse, x87) = (mode & 0xffc0, (mode >> 16) as u16);
-        // SAFETY: the values were read from the same registers.
-        unsafe {
-            std::arch::asm!("ldmxcsr [{}]", in(reg) &sse, options(nostack, preserves_flags));
-            std::arch::asm!("fldcw word ptr [{}]", in(reg) &x87, options(nostack, preserves_flags));
-        }
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = mode;
+    unsafe { memory::free(memory) }
 }
 
 /// What came of a call, for those who judge calls.
@@ -335,14 +256,14 @@ impl<'a> Maker<'a> {
             .map(|t| CString::new(t.replace('\0', "?")).unwrap_or_default().into_bytes_with_nul());
         let callbacks = Box::into_raw(Box::new(CallbackFunctions {
             logger: log::logger(),
-            allocate_memory: memory.then_some(counted_calloc),
-            free_memory: memory.then_some(counted_free),
+            allocate_memory: memory.then_some(memory::calloc),
+            free_memory: memory.then_some(memory::free),
             step_finished: None,
             component_environment: environment.pointer(),
         }));
         let Some(instantiate) = self.functions.instantiate else { return Err(Vec::new()) };
         self.note.write("fmi2Instantiate");
-        let mode = float_mode();
+        let mode = float_mode::now();
         let calling = environment.calling();
         let [c_name, c_guid, c_resources] = texts.each_ref().map(|t| t.as_ptr().cast());
         let c_resources = if resources.is_some() { c_resources } else { ptr::null() };
@@ -350,8 +271,8 @@ impl<'a> Maker<'a> {
         let component =
             unsafe { instantiate(c_name, CO_SIMULATION, c_guid, c_resources, callbacks, FALSE, TRUE) };
         drop(calling);
-        let same_float_mode = float_mode() == mode;
-        restore_float_mode(mode);
+        let same_float_mode = float_mode::now() == mode;
+        float_mode::restore(mode);
         for text in &mut texts {
             let end = text.len() - 1;
             text[..end].fill(b'~');
@@ -399,12 +320,12 @@ impl Unit<'_> {
             return FATAL;
         }
         self.maker.note.write(name);
-        let mode = float_mode();
+        let mode = float_mode::now();
         let calling = self.environment.as_ref().map(Environment::calling);
         let status = run(function, self.component);
         drop(calling);
-        let same_float_mode = float_mode() == mode;
-        restore_float_mode(mode);
+        let same_float_mode = float_mode::now() == mode;
+        float_mode::restore(mode);
         let messages = self.listener.take();
         self.dead = status == FATAL;
         if let Some(message) = messages.iter().find(|m| m.status == 0) {

@@ -120,7 +120,7 @@ pub(super) fn leak(lab: &Lab<'_>) {
     }
     let [Some(a), Some(b), Some(c)] = marks[..] else { return };
     // What came from the master's functions and was not given back is found by `memory`.
-    let (_, _, living) = unit::memory::account();
+    let (_, _, living) = memory::account();
     if b > a + LEAK && c > b + LEAK && living == 0 {
         let per_cycle = (c - a) / cycles.max(1);
         lab.reporter.error(

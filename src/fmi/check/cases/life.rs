@@ -247,7 +247,7 @@ fn run_and_free(lab: &Lab<'_>, memory: bool) -> bool {
 pub(super) fn memory_functions(lab: &Lab<'_>) {
     let attribute = Some("canNotUseMemoryManagementFunctions".to_owned());
     run_and_free(lab, true);
-    let (allocated, foreign, living) = unit::memory::account();
+    let (allocated, foreign, living) = memory::account();
     if own_memory(lab.description) && allocated > 0 {
         lab.reporter.found(Found {
             rule: "S5".into(),
@@ -273,7 +273,7 @@ pub(super) fn memory_functions(lab: &Lab<'_>) {
 pub(super) fn no_memory_functions(lab: &Lab<'_>) {
     if many(lab.description) {
         run_and_free(lab, true);
-        if unit::memory::account().0 > 0 {
+        if memory::account().0 > 0 {
             // That these functions are called is found by `memory`; without them it can only crash.
             return;
         }

@@ -13,6 +13,7 @@ use self::states::*;
 use self::time::*;
 use crate::fmi::check::finding::Level;
 use crate::fmi::check::lab::*;
+use crate::fmi::check::memory;
 use crate::fmi::check::reporter::Found;
 use crate::fmi::check::unit::{self, ERROR, Unit};
 use crate::fmi::import::Description;
