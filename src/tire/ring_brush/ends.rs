@@ -63,8 +63,10 @@ way! {
     bound_x,
     bound_pressure,
     bound_lever,
-    /// The stretch begins at the end of the stripe.
+    /// The stretch begins at the end of the stripe: 1.
     begins,
+    /// So does the way: the node at `from` is in no sum: 1.
+    enters,
     /// Place of the stripe across \[m\].
     y,
     /// Velocity of its tops in x at x = 0.
@@ -292,7 +294,7 @@ fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut L
     let limits = friction.limits_of_four(simd, pressed, pressed * grip_area);
     let gap = limits.sticking - norm(way.force(t));
     let slope = way.rise + way.bend * t * 2.0 - (there - load) * per_spacing;
-    let goes = slope.simd_lt(0.0) & t.simd_lt(w);
+    let goes = slope.simd_lt(0.0);
     let t = goes.select(way.within(simd, t - gap / smaller(slope, -tiny)), t);
     let x = way.place(patch, t);
     let by = x / near - 1.0;
@@ -316,7 +318,7 @@ fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut L
     let (before, behind) = (half * t, half * (w - t));
     let no_longer = before * way.next;
     let nodes = [
-        (way.from, -behind, [way.force_x, way.force_y]),
+        (way.from, way.enters * half * w - behind, [way.force_x, way.force_y]),
         (way.next_x, -no_longer, [way.next_force_x, way.next_force_y]),
         (x, before, held),
         (x, behind, slid),
@@ -351,7 +353,7 @@ fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut L
     let up_to = scale * (first * pressure.level + second * pressure.tilt);
     let lever = scale * (second * pressure.level + third * pressure.tilt);
     // nothing sticks beyond where anything is pressed
-    let is_pressed = (way.side * (x - way.bound_x)).simd_le(0.0);
+    let is_pressed = (way.side * (x - way.bound_x)).simd_le(0.0) | way.begins.simd_gt(0.0);
     let up_to = is_pressed.select(up_to, way.bound_pressure);
     let lever = is_pressed.select(lever, way.bound_lever);
     let end = is_pressed.select(x, way.bound_x);

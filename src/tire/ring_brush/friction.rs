@@ -52,6 +52,11 @@ impl Friction {
         Limits { sticking: sticking * normal_force, sliding: sliding * normal_force }
     }
 
+    /// The coefficients where nothing presses: the limits over the normal force.
+    pub(super) fn at_no_pressure(&self) -> Limits<f64> {
+        self.limits(0.0, 1.0)
+    }
+
     /// [`limits`](Self::limits) of four bristles.
     #[inline(always)]
     pub(super) fn limits_of_four<S: Simd>(

@@ -35,6 +35,7 @@ mod bristles;
 mod contact;
 mod continuum;
 mod ends;
+mod entry;
 mod friction;
 mod lag;
 mod parameters;

@@ -7,6 +7,7 @@
 
 use super::bristles::Bristles;
 use super::ends::{Ends, Patch};
+use super::entry::Entry;
 use super::patch::{Path, Pressure};
 use super::stretches::{Bound, Pattern, Stretches};
 use super::stripes::closed;
@@ -193,6 +194,13 @@ impl<'a, S: Simd> Pass<'a, S> {
         let factor = bristles.stripes.factors[stripe.number];
         let logarithm = bristles.stripes.logarithms[stripe.number];
         let Path { velocity_x: vx, velocity_y: vy, led } = stripe.path;
+        let feed = self.passage.tops.feed();
+        let (mut rests, mut inward) = (splat(f64::INFINITY), 0.0);
+        if feed != 0.0 && !p.whole_step_entry {
+            let bound = Bound { x: half.copysign(-feed), power: 1.0, ..Bound::default() };
+            let entry = Entry::new(self.patch, &stripe.path, feed, &bound, factor);
+            (rests, inward) = (splat(entry.rests * p.bristle_length), entry.side);
+        }
         let (mut power, mut slip) = (zero, zero);
         let [from, to] = bristles.window;
         for j in (from..to).step_by(LANES) {
@@ -235,7 +243,10 @@ impl<'a, S: Simd> Pass<'a, S> {
             let trial_y = old_y * c - velocity_y * resistance;
             let trial = (trial_x * trial_x + trial_y * trial_y).sqrt();
             let sliding_limit = friction.at_speed_of_four(sliding_limit, [velocity_x, velocity_y]);
-            let stuck = lanes(simd, &bristles.stick, k).simd_gt(0.0);
+            // what passes the place where bristles come to rest does, however far it gets in the step
+            let came_to_rest =
+                inside.simd_ge(rests) & inside_before.simd_lt(rests) & (x * inward).simd_lt(0.0);
+            let stuck = lanes(simd, &bristles.stick, k).simd_gt(0.0) | came_to_rest;
             let bound = stuck.select(sticking_limit, sliding_limit);
             let sticks = bound.simd_gt(0.0) & trial.simd_le(bound);
             let cut = sticks.select(one, sliding_limit / larger(trial, tiny));

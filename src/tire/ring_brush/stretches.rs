@@ -14,7 +14,8 @@
 use super::bristle::norm;
 use super::bristles::{Bristles, MAX_PER_STRIPE};
 use super::ends::{Ends, Lacking, Patch, Shares, Way};
-use super::patch::Pressure;
+use super::entry::Entry;
+use super::patch::{Path, Pressure};
 use fearless_simd::Simd;
 
 /// From this speed \[m/s\] on a wheel rolls: a bristle is through the contact within about a second, and what is ahead of
@@ -114,6 +115,8 @@ pub(super) struct Stretches<'a> {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Bound {
     pub x: f64,
+    /// (2 |x| / length)^g there.
+    pub power: f64,
     /// Integrals of the pressure from the middle, over the spacing, times 1 and x.
     pub pressure: [f64; 2],
 }
@@ -128,7 +131,7 @@ impl Bound {
             let second = x * x * (0.5 - power * over[1]);
             let third = x * x * x * (1.0 / 3.0 - power * over[2]);
             let pressure = [scale * (level * first + tilt * second), scale * (level * second + tilt * third)];
-            Self { x, pressure }
+            Self { x, power, pressure }
         };
         let half = 0.5 * length;
         let all = [at(-half, 1.0), at(half, 1.0)];
@@ -286,48 +289,49 @@ impl Stretches<'_> {
         way.next_pressure = self.bristles.pressure[next].max(0.0);
     }
 
-    /// The way from the end where bristles come in to the first bristle, which slides. Near the end bristles stick, if the
-    /// limit rises faster than the load.
+    /// The way on which bristles that came to rest behind the entry stick, to the outermost or second one, which slides.
     fn entry(&self, first: usize) -> Option<Way<f64>> {
-        let Patch { p, path, spacings, .. } = *self.patch;
-        let (side, [exit, entry]) = match self.bounds {
-            [rear, front] if self.is_forward() => (-1.0, [rear, front]),
-            [rear, front] => (1.0, [front, rear]),
-        };
-        let x = self.place(first);
-        let length = side * (x - entry.x) * spacings;
-        let [_, x1, x2] = path.velocity_x;
-        let [y0, y1, y2] = path.velocity_y;
-        let load = -p.bristle_stiffness * p.bristle_length / self.feed.abs();
-        let growth_x = load * ((x2 * x + x1) * x + self.velocity_x);
-        let growth_y = load * ((y2 * x + y1) * x + y0);
-        let (farther, there) = match self.neighbour(first, side) {
-            Some(second) => (length + 1.0, self.limit(second)),
-            None => (side * (exit.x - entry.x) * spacings, 0.0),
-        };
-        let chord = self.limit(first) / length;
-        let bend = (there / farther - chord) / (farther - length);
-        let rise = chord - bend * length;
-        let load = norm([growth_x, growth_y]);
-        let meets = (rise - load) / -bend;
-        let is_between = length > 0.0 && bend < 0.0 && load < rise && meets < length;
-        if !is_between {
+        let bound = &self.bounds[usize::from(self.is_forward())];
+        let entry = self.entry_at(bound);
+        let side = entry.side;
+        let length = side * (self.place(first) - entry.x) * self.patch.spacings;
+        if length <= 0.0 || entry.rests == f64::INFINITY {
             return None;
         }
+        // an outermost bristle that has yet to come to rest is on the way already
+        let (from, passed, [force_x, force_y], enters, next) = if length < entry.rests {
+            let next = self.neighbour(first, side).filter(|next| self.bristles.stick[*next] == 0.0)?;
+            (self.place(first), length, self.force(first), 0.0, next)
+        } else {
+            (entry.x, 0.0, entry.force, 1.0, first)
+        };
+        let there = side * (self.place(next) - entry.x) * self.patch.spacings;
+        let (meets, bend) = entry.breaks_away(there, self.limit(next));
+        let [growth_x, growth_y] = entry.growth;
         let mut way = Way {
-            from: entry.x,
-            spacings: length,
+            from,
+            spacings: there - passed,
+            force_x,
+            force_y,
             growth_x,
             growth_y,
-            rise,
+            rise: entry.rise + 2.0 * bend * passed,
             bend,
+            meets: (meets - passed).max(0.0),
             breaks: self.rolls(),
             begins: 1.0,
-            ..self.own(side, &entry)
+            enters,
+            ..self.own(side, bound)
         };
-        way.meets = meets;
-        self.slides_at_the_end(first, &mut way);
+        self.slides_at_the_end(next, &mut way);
         Some(way)
+    }
+
+    fn entry_at(&self, bound: &Bound) -> Entry {
+        let Patch { path, .. } = *self.patch;
+        let [_, x1, x2] = path.velocity_x;
+        let path = Path { velocity_x: [self.velocity_x, x1, x2], ..path };
+        Entry::new(self.patch, &path, self.feed, bound, self.factor)
     }
 
     /// What products of place, velocity and force, each of which is linear between bristles, have less than the
@@ -348,13 +352,13 @@ impl Stretches<'_> {
             return [0.0; 2];
         }
         let side = if self.is_forward() { 1.0 } else { -1.0 };
-        let force = self.force(held);
         match self.neighbour(held, side) {
-            Some(before) => difference(force, self.force(before)),
-            // it was not loaded where it came in
+            Some(before) => difference(self.force(held), self.force(before)),
+            // it was not deflected where it came in
             None => {
                 let spacings = (0.5 * self.length - side * self.place(held)) * self.patch.spacings;
-                force.map(|f| f / spacings.max(f64::MIN_POSITIVE))
+                let per_spacing = self.patch.p.bristle_stiffness / spacings.max(f64::MIN_POSITIVE);
+                [self.bristles.deflection_x[held], self.bristles.deflection_y[held]].map(|u| u * per_spacing)
             }
         }
     }
