@@ -152,7 +152,7 @@ fn steps_too_long_for_the_belt_are_refused() {
     }
     // of the belt alone: K h^2 / m = 4
     let mut rig = start::<RingBrushFlatTrack>(4.67e6).unwrap();
-    let limit = 4.0 * get(&mut rig, "belt_mass") / 5e-4_f64.powi(2);
+    let limit = 4.0 * get(&mut rig, "belt_mass") / get(&mut rig, "step_size").powi(2);
     for message in [
         start::<RingBrushFlatTrack>(1.01 * limit).err().unwrap().to_string(),
         start::<RingBrushTire>(1.01 * limit).err().unwrap().to_string(),

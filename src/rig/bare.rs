@@ -75,7 +75,7 @@ impl<T: Tire> Model for Bare<T> {
             output("global_moment_y", "N.m", Access::computed(|m: &Self| m.tire.tire.on_rim().moment.y), "Moment of the tire on the rim about the wheel centre, frame 0").nominal(100.0).role(Role::LongitudinalForce),
             output("global_moment_z", "N.m", Access::computed(|m: &Self| m.tire.tire.on_rim().moment.z), "Moment of the tire on the rim about the wheel centre, frame 0").nominal(100.0).role(Role::AligningMoment),
             output("spin_moment", "N.m", Access::computed(|m: &Self| m.tire.spin_moment()), "Moment of the tire on the rim about the wheel's own axis").nominal(100.0),
-            parameter("step_size", "s", real!(step_size), T::STEP, "Step of the model's own time grid").range(1e-7, 5e-4).purpose(Purpose::Numerics).role(Role::Step),
+            parameter("step_size", "s", real!(step_size), T::STEP, "Step of the model's own time grid").range(1e-7, 1e-3).purpose(Purpose::Numerics).role(Role::Step),
         ])
     }
 

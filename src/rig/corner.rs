@@ -121,7 +121,7 @@ impl<T: Tire> Model for Corner<T> {
             parameter("fore_aft_stiffness", "N/m", real!(vehicle.fore_aft.stiffness), 750e3, "Stiffness of the wheel's guidance along x").range(1e3, 1e9).tunable().role(Role::Stiffness),
             parameter("fore_aft_damping", "N.s/m", real!(vehicle.fore_aft.damping), 900.0, "Damping of the wheel's guidance along x").range(0.0, 1e6).tunable(),
             parameter("initial_speed", "m/s", real!(initial_speed), 27.8, "Speed at the start; the wheel rolls freely").range(-100.0, 100.0).purpose(Purpose::Start),
-            parameter("step_size", "s", real!(step_size), T::STEP, "Step of the model's own time grid").range(1e-7, 5e-4).purpose(Purpose::Numerics).role(Role::Step),
+            parameter("step_size", "s", real!(step_size), T::STEP, "Step of the model's own time grid").range(1e-7, 1e-3).purpose(Purpose::Numerics).role(Role::Step),
             parameter("bump_stop_gap", "m", real!(vehicle.bump_stop.gap), 0.08, "Way of the wheel up in the vehicle from the static position until it meets the bump stop").range(0.0, 1.0).purpose(Purpose::Data),
             parameter("bump_stop_stiffness", "N/m2", real!(vehicle.bump_stop.stiffness), 0.0, "Force of the bump stop over the square of the way into it; 0: there is none").range(0.0, 1e10).role(Role::Stiffness).tunable(),
         ])

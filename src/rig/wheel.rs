@@ -94,7 +94,7 @@ impl<T: Tire> Model for Wheel<T> {
         .and([
             parameter("initial_speed", "m/s", real!(initial_speed), 20.0, "Speed in the wheel's heading at the start; the wheel rolls freely").range(-100.0, 100.0).purpose(Purpose::Start),
             parameter("initial_load", "N", real!(initial_load), 4100.0, "Vertical force of the tire on the rim at the start, from which the height follows").range(0.0, 1e5).purpose(Purpose::Start),
-            parameter("step_size", "s", real!(step_size), T::STEP, "Step of the model's own time grid").range(1e-7, 5e-4).purpose(Purpose::Numerics).role(Role::Step),
+            parameter("step_size", "s", real!(step_size), T::STEP, "Step of the model's own time grid").range(1e-7, 1e-3).purpose(Purpose::Numerics).role(Role::Step),
         ])
         .part("", lens!(actuation), Actuation::rows())
     }

@@ -350,16 +350,16 @@ proptest! {
         prop_assert!(small(&(change - about_centre)) < 1e-5 * (1.0 + about_centre.norm() + 1e2), "{:?} {:?}", change, about_centre);
     }
 
-    /// The radial return solves the backward Euler step of (4.30)-(4.33) exactly: stick without
-    /// motion of the bottom below the static limit, or slide against the force with the kinetic one.
-    /// So friction never gives energy.
+    /// As printed the radial return solves the backward Euler step of (4.30)-(4.33) exactly: stick without
+    /// motion of the bottom below the static limit, or slide against the force with the kinetic one. A bottom
+    /// that turns within the step slides against the force, too. So friction never gives energy.
     #[test]
     fn bristle_step_is_exact(
         deflection in [-5e-3..5e-3f64, -5e-3..5e-3f64], velocity in [-3.0..3.0f64, -3.0..3.0f64],
         stick in any::<bool>(), normal in 0.0..200.0f64, pressure in 0.0..6e5f64, exponent in -8.0..1.0f64,
-        still in 0..4,
+        still in 0..4, printed in any::<bool>(),
     ) {
-        let p = example();
+        let p = Parameters { whole_step_entry: printed, ..example() };
         let dt = 10f64.powf(exponent);
         let velocity = if still == 0 { velocity.map(|v| v * 1e-6) } else { velocity };
         let normal = if normal < 10.0 { 0.0 } else { normal };
@@ -381,7 +381,9 @@ proptest! {
             prop_assert!((law - step.force[k]).abs() < 1e-12 * gross, "{} {}", law, step.force[k]);
         }
         let speed = bottom[0].hypot(bottom[1]);
-        prop_assert!((speed - step.slip_speed).abs() <= noise, "{} {}", speed, step.slip_speed);
+        if printed || step.stick {
+            prop_assert!((speed - step.slip_speed).abs() <= noise, "{} {}", speed, step.slip_speed);
+        }
         if normal == 0.0 {
             prop_assert!(!step.stick && size <= 1e-12 * (c * 5e-3 + (d + c * dt) * 5.0));
         } else if step.stick {
@@ -390,7 +392,8 @@ proptest! {
         } else {
             prop_assert!((size - limits.sliding).abs() < 1e-12 * limits.sliding);
             let power = -(step.force[0] * bottom[0] + step.force[1] * bottom[1]);
-            prop_assert!(power >= -size * noise && (power - size * speed).abs() <= size * noise);
+            prop_assert!(power >= -size * noise, "{} W", power);
+            prop_assert!(!printed || (power - size * speed).abs() <= size * noise);
         }
     }
 }

@@ -2,6 +2,7 @@
 //! sticks to the road or slides on it (4.30)-(4.33).
 
 use super::friction::at_speed;
+use super::turning::turned;
 use super::{Limits, Parameters};
 use crate::solver::Real;
 
@@ -18,11 +19,13 @@ pub struct Step<T> {
     pub slip_speed: T,
 }
 
-/// Advances a bristle by `dt` with the implicit radial return.
+/// Advances a bristle by `dt`.
 ///
 /// `deflection` is the one before, `velocity` that of the top, `stick` the memory. The trial force
 /// is that of a bottom that stays where it is; if it is too large the bottom slides, with the force
-/// cut back along the same direction: the exact solution of the backward Euler step, for any `dt`.
+/// cut back to the friction. As printed, with `whole_step_entry`, it keeps its direction: the exact
+/// solution of the backward Euler step, for any `dt`, of first order in it. Else it turns as a bristle
+/// that slides does, from where it breaks away on.
 /// Where the friction falls with the sliding speed, that is the speed of the *top*: the bottom's own
 /// differs from it only while a bristle snaps back, within its time constant d/c of 16 us, and would
 /// make a bristle unstable whose friction falls faster than its damper rises.
@@ -41,14 +44,27 @@ pub fn advance<T: Real>(
     let trial: [T; 2] = std::array::from_fn(|k| (deflection[k] - dt * velocity[k]) * c - velocity[k] * d);
     let size = norm(trial);
     let sliding = at_speed(p, limits.sliding, velocity);
-    let bound = if stick { limits.sticking } else { sliding };
+    let stuck = stick;
+    let bound = if stuck { limits.sticking } else { sliding };
     let relaxed = dt * c + d;
     let stick = bound.value() > 0.0 && size <= bound;
     let (force, slip_speed) = if stick {
         (trial, T::zero())
     } else if size.value() > 0.0 {
-        let cut = sliding / size;
-        (trial.map(|w| w * cut), (size - sliding) / relaxed)
+        let dragged = velocity.map(|v| v * (dt * c));
+        let from: [T; 2] = std::array::from_fn(|k| trial[k] + dragged[k]);
+        let direction = if p.whole_step_entry {
+            None
+        } else if stuck {
+            let until = (bound - norm(from)) / (size - norm(from)).or_at_least(f64::MIN_POSITIVE);
+            let left = (T::one() - until.or_at_least(0.0)).or_at_least(0.0);
+            let breaks: [T; 2] = std::array::from_fn(|k| trial[k] + dragged[k] * left);
+            turned(breaks, dragged.map(|w| w * left), sliding)
+        } else {
+            turned(from, dragged, (norm(from) + sliding) * 0.5)
+        };
+        let direction = direction.unwrap_or_else(|| trial.map(|w| w / size));
+        (direction.map(|e| e * sliding), (size - sliding) / relaxed)
     } else {
         (trial, T::zero())
     };

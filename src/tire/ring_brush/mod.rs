@@ -50,6 +50,7 @@ mod stretches;
 mod stripes;
 mod tire;
 mod totals;
+mod turning;
 
 pub use belt::patch_on_belt;
 pub use bristle::{Step, advance};

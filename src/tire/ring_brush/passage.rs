@@ -12,6 +12,7 @@ use super::patch::{Path, Pressure};
 use super::stretches::{Bound, Pattern, Stretches};
 use super::stripes::closed;
 use super::totals::{Four, Total};
+use super::turning::turned_of_four;
 use super::{Contact, Deformation, Limits, Parameters, Prepared, Tops};
 use crate::solver::lanes::{LANES, exp2, lanes, larger, log2, smaller, sum};
 use crate::{Error, Result};
@@ -251,7 +252,28 @@ impl<'a, S: Simd> Pass<'a, S> {
             let sticks = bound.simd_gt(0.0) & trial.simd_le(bound);
             let cut = sticks.select(one, sliding_limit / larger(trial, tiny));
             let slip_speed = sticks.select(zero, (trial - sliding_limit) * per_relaxed);
-            let (force_x, force_y) = (trial_x * cut, trial_y * cut);
+            let (mut force_x, mut force_y) = (trial_x * cut, trial_y * cut);
+            if !p.whole_step_entry {
+                let spring = time * c;
+                let (mut drag_x, mut drag_y) = (velocity_x * spring, velocity_y * spring);
+                let (mut from_x, mut from_y) = (trial_x + drag_x, trial_y + drag_y);
+                let held = (from_x * from_x + from_y * from_y).sqrt();
+                let mut mean = (held + sliding_limit) * 0.5;
+                let breaks = stuck & !sticks;
+                if breaks.any_true() {
+                    // it turns from where it broke away on
+                    let until = (bound - held) / larger(trial - held, tiny);
+                    let until = breaks.select(smaller(larger(until, zero), one), zero);
+                    (from_x, from_y) = (from_x - drag_x * until, from_y - drag_y * until);
+                    (drag_x, drag_y) = (drag_x * (-until + 1.0), drag_y * (-until + 1.0));
+                    mean = breaks.select(sliding_limit, mean);
+                }
+                let cut = [force_x, force_y];
+                let turned =
+                    turned_of_four(simd, [from_x, from_y], [drag_x, drag_y], mean, sliding_limit, cut);
+                force_x = sticks.select(force_x, turned[0]);
+                force_y = sticks.select(force_y, turned[1]);
+            }
             let (relaxes, gives) = (per_relaxed * d, per_relaxed * time);
             let (new_x, new_y) = (force_x * gives + old_x * relaxes, force_y * gives + old_y * relaxes);
 
@@ -264,7 +286,7 @@ impl<'a, S: Simd> Pass<'a, S> {
             counts.store_slice(&mut bristles.share[k..k + LANES]);
 
             let free_y = velocity_y - (middle * led[1] + led[0]);
-            total.work -= (force_x * velocity_x + force_y * free_y) * (loaded * counts);
+            total.work -= (force_x * velocity_x + force_y * free_y) * counts;
             let slipping = slip_speed * counts;
             power += sliding_limit * slipping;
             slip += larger(cell_pressure, zero) * slipping;
