@@ -10,6 +10,7 @@ pub mod hygiene;
 mod left;
 pub mod loads;
 pub mod locate;
+mod own_step;
 mod parts;
 mod pipeline;
 mod placement;

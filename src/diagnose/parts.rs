@@ -149,6 +149,7 @@ impl<'a> Opened<'a> {
             bench: &self.bench,
             fit_runs: fit_runs.iter().collect(),
             check_runs: check_runs.iter().collect(),
+            values: Vec::new(),
             free: study.free.iter().filter(|p| own(p.variable)).cloned().collect(),
             weights: measured.iter().map(|c| study.weights[*c]).collect(),
             ..*study

@@ -3,6 +3,7 @@
 use super::decision::LEVEL;
 use super::excerpt::finer;
 use super::left::NOISE_MARGIN;
+use super::own_step::LongerStep;
 use super::parts::errors_of_parts;
 use super::placement::Placement;
 use super::reading::{Recorded, fault, shortest_interval, with};
@@ -88,7 +89,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let roles = Roles::of(&subject.interface, &request.map.roles())?;
     let (recorded, mut faults) = Recorded::read(request, &subject, &roles)?;
     let switched = subject.follow_recorded_motions(&recorded.inputs())?;
-    let notes: Vec<String> =
+    let mut notes: Vec<String> =
         switched.iter().map(|v| motions_are_followed(&subject.interface.variables[*v].name)).collect();
     let threads = if request.threads > 0 {
         request.threads
@@ -100,11 +101,16 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         bench: &bench,
         fit_runs: recorded.with(Use::Fit),
         check_runs: recorded.with(Use::Check),
+        values: Vec::new(),
         free: Vec::new(),
         lag: 0.0,
         weights: Vec::new(),
         redundancy: 1.0,
     };
+    if let Some(longer) = LongerStep::of(&bench, &subject, &study.fit_runs) {
+        notes.push(longer.words(&subject));
+        study.values.push((longer.variable, longer.step));
+    }
     study.weights = first_weights(&study.fit_runs);
     study.lag = RECORDER_LAG * shortest_interval(&study.fit_runs);
 

@@ -35,6 +35,8 @@ pub struct Study<'a> {
     pub fit_runs: Vec<&'a Run>,
     /// Runs to check.
     pub check_runs: Vec<&'a Run>,
+    /// Parameters that stay, beside those that the bench sets.
+    pub values: Vec<(usize, f64)>,
     /// Parameters that are fitted.
     pub free: Vec<FreeParameter>,
     /// Largest lag of all channels \[s\] that filters of a recorder may make, and no physics.
@@ -137,7 +139,7 @@ impl Study<'_> {
             bench: self.bench,
             runs,
             knobs,
-            values: Vec::new(),
+            values: self.values.clone(),
             attachments: model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect(),
             weights: self.weights.clone(),
             kept: Mutex::default(),

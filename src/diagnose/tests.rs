@@ -157,6 +157,7 @@ fn friction_at_the_reference_pressure_is_fitted() {
         weights: super::study::first_weights(&all),
         fit_runs: all.clone(),
         check_runs: all,
+        values: Vec::new(),
         free: Vec::new(),
         lag: 0.0,
         redundancy: 1.0,

@@ -73,6 +73,7 @@ fn study<'a>(bench: &'a Bench, runs: &'a [Run]) -> Study<'a> {
         bench,
         fit_runs: all.clone(),
         check_runs: all,
+        values: Vec::new(),
         free: Vec::new(),
         lag: 0.0,
         weights: vec![1.0],

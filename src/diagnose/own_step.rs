@@ -1,0 +1,161 @@
+//! The step of the model's own time grid: as long as the recordings cannot tell. Every simulation of a diagnosis then takes
+//! as much less time.
+
+use super::subject::Subject;
+use crate::fit::{Bench, Knob, OutputError, Run, Traces};
+use crate::model::{Role, Value};
+use crate::stats::{median, noise, root_mean_square};
+use std::sync::Mutex;
+
+/// What a longer step may change of a channel in any run, as a share of the channel's noise: its square is then a
+/// four-hundredth more.
+const SHARE: f64 = 0.05;
+
+/// A step that is longer than the model's.
+pub(super) struct LongerStep {
+    /// The parameter.
+    pub variable: usize,
+    /// Its value in the model, and the longer one \[s\].
+    pub own: f64,
+    pub step: f64,
+    /// The most that this changes of a channel in a run, as a share of the noise.
+    pub change: f64,
+}
+
+impl LongerStep {
+    /// The longest of twice, four times, ... the model's step that recordings cannot tell from it, up to the most that
+    /// the model accepts. `None` if that is its own, if the user has set it, or if the model does not say which parameter it
+    /// is.
+    pub fn of(bench: &Bench, subject: &Subject, runs: &[&Run]) -> Option<Self> {
+        let variables = &subject.interface.variables;
+        let is_step = |v: &usize| variables[*v].meaning.is_some_and(|m| m.role == Some(Role::Step));
+        let mut steps = (0..variables.len()).filter(is_step);
+        let (Some(variable), None) = (steps.next(), steps.next()) else { return None };
+        if subject.fixed.iter().any(|(v, _)| *v == variable) {
+            return None;
+        }
+        let (Some(Value::Real(own)), Some(most)) = (&variables[variable].start, variables[variable].max)
+        else {
+            return None;
+        };
+        // the longest first; one of the same decimals as the limit is not beyond it
+        let doubled = std::iter::successors(Some(2.0 * own), |step| Some(2.0 * step));
+        let mut longer: Vec<f64> = doubled.take_while(|step| *step <= most * (1.0 + 1e-9)).collect();
+        longer.reverse();
+        if longer.is_empty() {
+            return None;
+        }
+        let problem = OutputError {
+            bench,
+            runs: runs.to_vec(),
+            knobs: vec![Knob::Parameter(variable, 1.0)],
+            values: Vec::new(),
+            attachments: Vec::new(),
+            weights: Vec::new(),
+            kept: Mutex::default(),
+        };
+        let simulate = |step: f64| problem.simulate(&[vec![step]]).pop().flatten();
+        let (noises, reference) = (noises(runs), simulate(*own)?);
+        longer.into_iter().find_map(|step| {
+            let change = most_changed(&simulate(step)?, &reference, &noises);
+            (change <= SHARE).then_some(Self { variable, own: *own, step, change })
+        })
+    }
+
+    /// What is said of it.
+    pub fn words(&self, subject: &Subject) -> String {
+        let Self { variable, own, step, change } = self;
+        format!(
+            "Simulated with {} = {step} s, not {own} s: on the fit runs that changes no channel by more than {:.1} % of its noise.",
+            subject.interface.variables[*variable].name,
+            100.0 * change
+        )
+    }
+}
+
+/// The most that a channel of a run differs from the reference, as a share of the channel's noise.
+fn most_changed(simulated: &[Traces], reference: &[Traces], noises: &[f64]) -> f64 {
+    let runs = simulated.iter().zip(reference);
+    let channels = runs.flat_map(|(a, b)| a.iter().zip(b).zip(noises));
+    let changes = channels.map(|((a, b), noise)| {
+        let change = root_mean_square(a.iter().zip(b).map(|(a, b)| a - b));
+        if change == 0.0 { 0.0 } else { change / noise }
+    });
+    // what is no number is no small change
+    changes.fold(0.0, |most: f64, change| if change.is_nan() { f64::INFINITY } else { most.max(change) })
+}
+
+/// The noise of each channel: that of the run in the middle.
+fn noises(runs: &[&Run]) -> Vec<f64> {
+    let count = runs.iter().map(|r| r.channels.len()).max().unwrap_or(0);
+    let of = |c: usize| {
+        let measured =
+            runs.iter().filter_map(|r| Some((r, r.channels.get(c).filter(|c| !c.values.is_empty())?)));
+        let each: Vec<f64> = measured.map(|(r, channel)| noise(&r.time, &channel.values)).collect();
+        if each.is_empty() { 0.0 } else { median(&each) }
+    };
+    (0..count).map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::{Channel, Drive};
+    use crate::model::Settings;
+    use crate::stats::SplitMix64;
+    use std::sync::Arc;
+
+    /// A swing of the slip angle on the ring-and-brush tire, with this noise on the lateral force \[N\].
+    fn run(subject: &Subject, bench: &Bench, noise: f64) -> Run {
+        let find = |name: &str| subject.interface.index(name).unwrap();
+        let points = 401;
+        let swing = (0..points).map(|k| 0.05 * (0.05 * k as f64).sin()).collect();
+        let mut inputs = vec![
+            (find("deflection"), vec![0.02; points]),
+            (find("path_speed"), vec![20.0; points]),
+            (find("slip_angle"), swing),
+        ];
+        inputs.sort_by_key(|i| i.0);
+        let mut run = Run {
+            name: String::new(),
+            time: (0..points).map(|k| 2e-3 * k as f64).collect(),
+            drive: Arc::new(Drive { start: 0.0, step: 2e-3, inputs, points }),
+            channels: Vec::new(),
+        };
+        let watch: Arc<[usize]> = Arc::from([find("force_y")]);
+        let mut traces =
+            bench.run(&[Arc::default()], &[Arc::clone(&run.drive)], &watch).pop().unwrap().unwrap();
+        let mut random = SplitMix64::new(3);
+        let values = traces.remove(0).into_iter().map(|f| f + noise * random.normal()).collect();
+        run.channels = vec![Channel { variable: find("force_y"), values, counts: false }];
+        run
+    }
+
+    #[test]
+    fn a_step_is_longer_where_noise_hides_it_and_nobody_has_set_it() {
+        let mut subject = Subject::load("ring-brush-flat-track", &Settings::default()).unwrap();
+        let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
+        let (noisy, clean) = (run(&subject, &bench, 30.0), run(&subject, &bench, 0.01));
+        let longer = LongerStep::of(&bench, &subject, &[&noisy]).unwrap();
+        assert_eq!((longer.own, longer.step), (5e-4, 1e-3));
+        // it makes a difference
+        assert!(longer.change > 1e-4 && longer.change < SHARE, "{}", longer.change);
+        let words = longer.words(&subject);
+        assert!(words.contains("step_size = 0.001 s, not 0.0005 s"), "{words}");
+        assert!(LongerStep::of(&bench, &subject, &[&clean]).is_none());
+        // one run in three that is clean is told by the noise of the others
+        assert!(LongerStep::of(&bench, &subject, &[&noisy, &clean, &noisy]).is_some());
+        assert!(LongerStep::of(&bench, &subject, &[&clean, &noisy, &clean]).is_none());
+        subject.fixed.push((longer.variable, Value::Real(5e-4)));
+        assert!(LongerStep::of(&bench, &subject, &[&noisy]).is_none());
+    }
+
+    #[test]
+    fn what_is_no_number_is_no_small_change() {
+        let traces = |x: f64| vec![vec![vec![1.0, x]]];
+        assert!(most_changed(&traces(f64::NAN), &traces(1.0), &[1.0]) > 1.0);
+        assert!(most_changed(&traces(2.0), &traces(1.0), &[0.0]) > 1.0);
+        assert_eq!(most_changed(&traces(1.0), &traces(1.0), &[0.0]), 0.0);
+        assert!((most_changed(&traces(3.0), &traces(1.0), &[2.0]) - 0.5f64.sqrt()).abs() < 1e-12);
+    }
+}
