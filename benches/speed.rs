@@ -68,42 +68,46 @@ fn run_in_steps(slave: &mut dyn Slave, steps: usize, length: f64) {
 
 /// The flat track at several speeds, grids and communication steps, and over a rough road, in turn in each round.
 fn flat_track(rounds: usize, power: f64) {
-    const CASES: [(f64, f64, f64, f64, f64); 9] = [
-        // speed, stripes, bristles, communication step, road
-        (10.0, 6.0, 30.0, 1e-3, 1.0),
-        (30.0, 6.0, 30.0, 1e-3, 1.0),
-        (10.0, 6.0, 30.0, 1e-3, 6.0),
-        (30.0, 6.0, 30.0, 1e-3, 6.0),
-        (10.0, 5.0, 48.0, 1e-3, 1.0),
-        (10.0, 6.0, 60.0, 1e-3, 1.0),
-        (10.0, 6.0, 120.0, 1e-3, 1.0),
-        (10.0, 20.0, 48.0, 1e-3, 1.0),
-        (10.0, 20.0, 48.0, 2.5e-4, 1.0),
+    const CASES: [(f64, f64, f64, f64, f64, f64); 11] = [
+        // speed, stripes, bristles, step of the model, communication step, road
+        (10.0, 6.0, 30.0, 5e-4, 1e-3, 1.0),
+        (30.0, 6.0, 30.0, 5e-4, 1e-3, 1.0),
+        (10.0, 6.0, 30.0, 1e-3, 1e-3, 1.0),
+        (30.0, 6.0, 30.0, 1e-3, 1e-3, 1.0),
+        (10.0, 6.0, 30.0, 5e-4, 1e-3, 6.0),
+        (30.0, 6.0, 30.0, 5e-4, 1e-3, 6.0),
+        (10.0, 5.0, 48.0, 5e-4, 1e-3, 1.0),
+        (10.0, 6.0, 60.0, 5e-4, 1e-3, 1.0),
+        (10.0, 6.0, 120.0, 5e-4, 1e-3, 1.0),
+        (10.0, 20.0, 48.0, 5e-4, 1e-3, 1.0),
+        (10.0, 20.0, 48.0, 5e-4, 2.5e-4, 1.0),
     ];
     let mut seconds = vec![Vec::new(); CASES.len()];
     for _ in 0..rounds {
-        for ((speed, stripes, bristles, length, road), taken) in CASES.iter().zip(&mut seconds) {
+        for ((speed, stripes, bristles, own, length, road), taken) in CASES.iter().zip(&mut seconds) {
             let mut rig = FlatTrack::new(&Settings::default()).unwrap();
-            let road_kind = rig.find("road_kind").unwrap();
-            rig.set(road_kind, *road).unwrap();
+            for (name, value) in [("road_kind", *road), ("step_size", *own)] {
+                let variable = rig.find(name).unwrap();
+                rig.set(variable, value).unwrap();
+            }
             start(&mut rig, *speed, *stripes, *bristles);
             let steps = (STEPS as f64 * COMMUNICATION_STEP / length).round() as usize;
             taken.push(time(|| run_in_steps(&mut rig, steps, *length)) / (STEPS as f64 * COMMUNICATION_STEP));
         }
     }
-    let own = FlatTrack::new(&Settings::default()).unwrap().model().step_size();
-    println!("\nflat track, model step {} ms", own * 1e3);
+    println!("\nflat track");
     println!(
-        "  speed  bristles  road       communication step   model step   per bristle   of a pow   times real time   of the first"
+        "  speed  bristles  road       steps: model   communication   cost of one   per bristle   of a pow   times real time   of the first"
     );
-    for ((speed, stripes, bristles, length, road), taken) in CASES.iter().zip(&seconds) {
+    for ((speed, stripes, bristles, own, length, road), taken) in CASES.iter().zip(&seconds) {
         let second = median(taken.clone());
         let step = second * own.min(*length);
         let bristle = step / (stripes * bristles);
         let ratio = median(taken.iter().zip(&seconds[0]).map(|(a, b)| a / b).collect());
         let road = if *road == 1.0 { "flat" } else { "ISO 8608" };
         println!(
-            "  {speed:2.0} m/s   {stripes:2.0}x{bristles:<4.0} {road:<10} {:11.2} ms   {:13.2} us   {:8.1} ns   {:8.2}   {:15.1}   {ratio:12.2}",
+            "  {speed:2.0} m/s   {stripes:2.0}x{bristles:<4.0} {road:<10} {:9.2} ms   {:10.2} ms   {:8.2} us   {:8.1} ns   {:8.2}   {:15.1}   {ratio:12.2}",
+            own.min(*length) * 1e3,
             length * 1e3,
             step * 1e6,
             bristle * 1e9,

@@ -7,8 +7,8 @@ use crate::model::{Role, Value};
 use crate::stats::{median, noise, root_mean_square};
 use std::sync::Mutex;
 
-/// What a longer step may change of a channel in any run, as a share of the channel's noise: its square is then a
-/// four-hundredth more.
+/// What a longer step may change of a channel in any run, as a share of the channel's noise: a four-hundredth of its square,
+/// half of what the least effect that is fitted has to explain.
 const SHARE: f64 = 0.05;
 
 /// A step that is longer than the model's.

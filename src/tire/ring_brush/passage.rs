@@ -253,7 +253,8 @@ impl<'a, S: Simd> Pass<'a, S> {
             let cut = sticks.select(one, sliding_limit / larger(trial, tiny));
             let slip_speed = sticks.select(zero, (trial - sliding_limit) * per_relaxed);
             let (mut force_x, mut force_y) = (trial_x * cut, trial_y * cut);
-            if !p.whole_step_entry {
+            let slides = !sticks & sliding_limit.simd_gt(0.0);
+            if !p.whole_step_entry && slides.any_true() {
                 let spring = time * c;
                 let (mut drag_x, mut drag_y) = (velocity_x * spring, velocity_y * spring);
                 let (mut from_x, mut from_y) = (trial_x + drag_x, trial_y + drag_y);

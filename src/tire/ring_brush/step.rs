@@ -143,9 +143,8 @@ impl Prepared {
     ///
     /// Velocity Verlet: half a kick, drift, forces at the new place, half a kick. The patch is
     /// evaluated once: bristles move with the velocity at mid-step and carry their force at the end.
-    /// Second order but for bristles that slide, whose turning backward Euler follows with the first,
-    /// the instants at which bristles change between sticking and sliding, and jumps of the rim's
-    /// velocity. With `dt` = 0 the state is evaluated where it is: forces and accelerations are brought
+    /// Second order but for the instants at which bristles change between sticking and sliding, and
+    /// jumps of the rim's velocity. With `dt` = 0 the state is evaluated where it is: forces and accelerations are brought
     /// up to date.
     ///
     /// # Errors

@@ -34,8 +34,9 @@ impl Tire for RingBrush {
     const DOCUMENTATION: &'static str = include_str!("documentation.html");
     const ON_ROAD: &'static str = include_str!("../../road/window.html");
     const DERIVATIVES: bool = true;
-    /// Mean forces at 10 and 30 m/s are then within 0.4 % of those with finer bristles and steps. At 30 m/s a bristle
-    /// travels 15 mm in it, a tenth of the contact. The belt on its side wall would allow five times as much.
+    /// Mean forces at 10 and 30 m/s are then within 0.1 % of those with finer bristles and steps, and within 0.2 % with
+    /// twice the step. Obstacles at speed ask for this one: on a road of ISO 8608 at 30 m/s forces swing with an error of
+    /// 1.6 %, and of 6 % with twice the step.
     const STEP: f64 = 5e-4;
     type Inside = Stationary;
 
