@@ -2,7 +2,7 @@
 //! sticks to the road or slides on it (4.30)-(4.33).
 
 use super::friction::at_speed;
-use super::turning::turned;
+use super::turning::Slid;
 use super::{Limits, Parameters};
 use crate::solver::Real;
 
@@ -52,19 +52,13 @@ pub fn advance<T: Real>(
         (trial, T::zero())
     } else if size.value() > 0.0 {
         let dragged = velocity.map(|v| v * (dt * c));
-        let from: [T; 2] = std::array::from_fn(|k| trial[k] + dragged[k]);
-        let direction = if p.whole_step_entry {
-            None
-        } else if stuck {
-            let until = (bound - norm(from)) / (size - norm(from)).or_at_least(f64::MIN_POSITIVE);
-            let left = (T::one() - until.or_at_least(0.0)).or_at_least(0.0);
-            let breaks: [T; 2] = std::array::from_fn(|k| trial[k] + dragged[k] * left);
-            turned(breaks, dragged.map(|w| w * left), sliding)
+        let held = if stuck { bound } else { -T::one() };
+        let force = if p.whole_step_entry {
+            trial.map(|w| w * (sliding / size))
         } else {
-            turned(from, dragged, (norm(from) + sliding) * 0.5)
+            Slid { trial, dragged, held }.force(size, sliding)
         };
-        let direction = direction.unwrap_or_else(|| trial.map(|w| w / size));
-        (direction.map(|e| e * sliding), (size - sliding) / relaxed)
+        (force, (size - sliding) / relaxed)
     } else {
         (trial, T::zero())
     };

@@ -12,7 +12,7 @@ use super::patch::{Path, Pressure};
 use super::stretches::{Bound, Pattern, Stretches};
 use super::stripes::closed;
 use super::totals::{Four, Total};
-use super::turning::turned_of_four;
+use super::turning::Slid;
 use super::{Contact, Deformation, Limits, Parameters, Prepared, Tops};
 use crate::solver::lanes::{LANES, exp2, lanes, larger, log2, smaller, sum};
 use crate::{Error, Result};
@@ -256,24 +256,11 @@ impl<'a, S: Simd> Pass<'a, S> {
             let slides = !sticks & sliding_limit.simd_gt(0.0);
             if !p.whole_step_entry && slides.any_true() {
                 let spring = time * c;
-                let (mut drag_x, mut drag_y) = (velocity_x * spring, velocity_y * spring);
-                let (mut from_x, mut from_y) = (trial_x + drag_x, trial_y + drag_y);
-                let held = (from_x * from_x + from_y * from_y).sqrt();
-                let mut mean = (held + sliding_limit) * 0.5;
-                let breaks = stuck & !sticks;
-                if breaks.any_true() {
-                    // it turns from where it broke away on
-                    let until = (bound - held) / larger(trial - held, tiny);
-                    let until = breaks.select(smaller(larger(until, zero), one), zero);
-                    (from_x, from_y) = (from_x - drag_x * until, from_y - drag_y * until);
-                    (drag_x, drag_y) = (drag_x * (-until + 1.0), drag_y * (-until + 1.0));
-                    mean = breaks.select(sliding_limit, mean);
-                }
-                let cut = [force_x, force_y];
-                let turned =
-                    turned_of_four(simd, [from_x, from_y], [drag_x, drag_y], mean, sliding_limit, cut);
-                force_x = sticks.select(force_x, turned[0]);
-                force_y = sticks.select(force_y, turned[1]);
+                let dragged = [velocity_x * spring, velocity_y * spring];
+                let slid = Slid { trial: [trial_x, trial_y], dragged, held: stuck.select(bound, -one) };
+                let turned = slid.force_of_four(simd, trial, sliding_limit, [force_x, force_y]);
+                force_x = slides.select(turned[0], force_x);
+                force_y = slides.select(turned[1], force_y);
             }
             let (relaxes, gives) = (per_relaxed * d, per_relaxed * time);
             let (new_x, new_y) = (force_x * gives + old_x * relaxes, force_y * gives + old_y * relaxes);

@@ -8,13 +8,77 @@
 
 use super::bristle::norm;
 use crate::solver::Real;
+use crate::solver::lanes::{larger, smaller};
 use fearless_simd::{Simd, f64x4, prelude::*};
+
+/// A step in which a bristle slides, or four at once.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slid<T> {
+    /// The force at its end of a bottom that stays where it is \[N\].
+    pub trial: [T; 2],
+    /// The way of the top in it, times the stiffness \[N\].
+    pub dragged: [T; 2],
+    /// Up to here the bristle stuck, and broke away \[N\]; negative if it has slid all the time.
+    pub held: T,
+}
+
+impl<T: Real> Slid<T> {
+    /// The force at the end \[N\]: `friction` in size. `size` is that of the trial force, not 0.
+    pub fn force(&self, size: T, friction: T) -> [T; 2] {
+        let before = norm(self.from(T::one()));
+        let broke = self.held.value() >= 0.0;
+        let left = if broke {
+            let until = (self.held - before) / (size - before).or_at_least(f64::MIN_POSITIVE);
+            (T::one() - until.or_at_least(0.0)).or_at_least(0.0)
+        } else {
+            T::one()
+        };
+        let mean = if broke { friction } else { (before + friction) * 0.5 };
+        match turned(self.from(left), self.dragged.map(|w| w * left), mean) {
+            Some(direction) => direction.map(|e| e * friction),
+            // it keeps its direction
+            None => self.trial.map(|w| w * (friction / size)),
+        }
+    }
+
+    /// The trial force where this share of the step is left.
+    fn from(&self, left: T) -> [T; 2] {
+        std::array::from_fn(|k| self.trial[k] + self.dragged[k] * left)
+    }
+}
+
+impl<S: Simd> Slid<f64x4<S>> {
+    /// [`force`](Slid::force) of four bristles; `kept` is that with the direction of the trial force.
+    #[inline(always)]
+    pub fn force_of_four(
+        &self,
+        simd: S,
+        size: f64x4<S>,
+        friction: f64x4<S>,
+        kept: [f64x4<S>; 2],
+    ) -> [f64x4<S>; 2] {
+        let (zero, one) = (f64x4::splat(simd, 0.0), f64x4::splat(simd, 1.0));
+        let [mut dragged_x, mut dragged_y] = self.dragged;
+        let (mut from_x, mut from_y) = (self.trial[0] + dragged_x, self.trial[1] + dragged_y);
+        let before = (from_x * from_x + from_y * from_y).sqrt();
+        let mut mean = (before + friction) * 0.5;
+        let broke = self.held.simd_ge(0.0);
+        if broke.any_true() {
+            let until = (self.held - before) / larger(size - before, f64x4::splat(simd, f64::MIN_POSITIVE));
+            let until = broke.select(smaller(larger(until, zero), one), zero);
+            (from_x, from_y) = (from_x - dragged_x * until, from_y - dragged_y * until);
+            (dragged_x, dragged_y) = (dragged_x * (-until + 1.0), dragged_y * (-until + 1.0));
+            mean = broke.select(friction, mean);
+        }
+        turned_of_four(simd, [from_x, from_y], [dragged_x, dragged_y], mean, friction, kept)
+    }
+}
 
 /// The direction in which a bristle pulls after a step in which its top was `dragged`, the way times the stiffness \[N\]: `from`
 /// is the trial force before \[N\], `friction` that of the step. `None` if it is dragged against where it pulls, or not at all: it does
 /// not slide by itself then.
 #[inline]
-pub(super) fn turned<T: Real>(from: [T; 2], dragged: [T; 2], friction: T) -> Option<[T; 2]> {
+fn turned<T: Real>(from: [T; 2], dragged: [T; 2], friction: T) -> Option<[T; 2]> {
     let (size, way) = (norm(from), norm(dragged));
     if size.value() * way.value() <= 0.0 {
         return None;
@@ -34,7 +98,7 @@ pub(super) fn turned<T: Real>(from: [T; 2], dragged: [T; 2], friction: T) -> Opt
 
 /// [`turned`] of four bristles, each time `size`, and where it is none `other`.
 #[inline(always)]
-pub(super) fn turned_of_four<S: Simd>(
+fn turned_of_four<S: Simd>(
     simd: S,
     [from_x, from_y]: [f64x4<S>; 2],
     [dragged_x, dragged_y]: [f64x4<S>; 2],
