@@ -26,9 +26,10 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 fn start(arguments: &[&str], temporary: &Path, ignored: &str) -> Child {
-    // a test runner may ignore signals, and a shell's trap says what the program starts with
-    let mut command = Command::new("sh");
-    command.args(["-c", &format!("trap '' {ignored}; exec \"$@\""), "sh", env!("CARGO_BIN_EXE_latsch")]);
+    // a test runner may ignore signals, which a shell could not undo, and its trap says what the program ignores
+    let mut command = Command::new("env");
+    command.args(["--default-signal=INT,TERM,HUP", "sh", "-c", &format!("trap '' {ignored}; exec \"$@\"")]);
+    command.args(["sh", env!("CARGO_BIN_EXE_latsch")]);
     command.args(arguments).env("TMPDIR", temporary).current_dir(temporary);
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
 }
