@@ -38,6 +38,9 @@ impl LongerStep {
         else {
             return None;
         };
+        if !(*own > 0.0 && most.is_finite()) {
+            return None;
+        }
         // the longest first; one of the same decimals as the limit is not beyond it
         let doubled = std::iter::successors(Some(2.0 * own), |step| Some(2.0 * step));
         let mut longer: Vec<f64> = doubled.take_while(|step| *step <= most * (1.0 + 1e-9)).collect();

@@ -118,9 +118,11 @@ fn turned_of_four<S: Simd>(
     let half_x = from_x * of_from - dragged_x * of_dragged;
     let half_y = from_y * of_from - dragged_y * of_dragged;
     let length = half_x * half_x + half_y * half_y;
-    let turns = cos.simd_gt(0.0) & length.simd_gt(0.0);
+    let divisor = way * length;
+    // what is too small for the quotient is dragged by nothing
+    let turns = cos.simd_gt(0.0) & divisor.simd_gt(f64::MIN_POSITIVE / f64::EPSILON);
     let mirror = (half_x * dragged_x + half_y * dragged_y) * 2.0;
-    let scale = turns.select(size, zero) / turns.select(way * length, one);
+    let scale = turns.select(size, zero) / turns.select(divisor, one);
     [
         turns.select((dragged_x * length - half_x * mirror) * scale, other[0]),
         turns.select((dragged_y * length - half_y * mirror) * scale, other[1]),
