@@ -25,8 +25,9 @@ pub(super) struct LongerStep {
 impl LongerStep {
     /// The longest of twice, four times, ... the model's step that recordings cannot tell from it, up to the most that
     /// the model accepts. `None` if that is its own, if the user has set it, or if the model does not say which parameter it
-    /// is.
-    pub fn of(bench: &Bench, subject: &Subject, runs: &[&Run]) -> Option<Self> {
+    /// is, as a system of several parts does not. Of check runs only the inputs are looked at: the noise is that of the fit
+    /// runs.
+    pub fn of(bench: &Bench, subject: &Subject, fit_runs: &[&Run], check_runs: &[&Run]) -> Option<Self> {
         let variables = &subject.interface.variables;
         let is_step = |v: &usize| variables[*v].meaning.is_some_and(|m| m.role == Some(Role::Step));
         let mut steps = (0..variables.len()).filter(is_step);
@@ -50,7 +51,7 @@ impl LongerStep {
         }
         let problem = OutputError {
             bench,
-            runs: runs.to_vec(),
+            runs: [fit_runs, check_runs].concat(),
             knobs: vec![Knob::Parameter(variable, 1.0)],
             values: Vec::new(),
             attachments: Vec::new(),
@@ -58,7 +59,7 @@ impl LongerStep {
             kept: Mutex::default(),
         };
         let simulate = |step: f64| problem.simulate(&[vec![step]]).pop().flatten();
-        let (noises, reference) = (noises(runs), simulate(*own)?);
+        let (noises, reference) = (noises(fit_runs), simulate(*own)?);
         longer.into_iter().find_map(|step| {
             let change = most_changed(&simulate(step)?, &reference, &noises);
             (change <= SHARE).then_some(Self { variable, own: *own, step, change })
@@ -69,7 +70,7 @@ impl LongerStep {
     pub fn words(&self, subject: &Subject) -> String {
         let Self { variable, own, step, change } = self;
         format!(
-            "Simulated with {} = {step} s, not {own} s: on the fit runs that changes no channel by more than {:.1} % of its noise.",
+            "Simulated with {} = {step} s, not {own} s: that changes no channel of any run by more than {:.1} % of its noise.",
             subject.interface.variables[*variable].name,
             100.0 * change
         )
@@ -108,11 +109,12 @@ mod tests {
     use crate::stats::SplitMix64;
     use std::sync::Arc;
 
-    /// A swing of the slip angle on the ring-and-brush tire, with this noise on the lateral force \[N\].
-    fn run(subject: &Subject, bench: &Bench, noise: f64) -> Run {
+    /// A swing of the slip angle on the ring-and-brush tire by so much per sample \[rad\], with this noise on the lateral
+    /// force \[N\].
+    fn run(subject: &Subject, bench: &Bench, swing: f64, noise: f64) -> Run {
         let find = |name: &str| subject.interface.index(name).unwrap();
         let points = 401;
-        let swing = (0..points).map(|k| 0.05 * (0.05 * k as f64).sin()).collect();
+        let swing = (0..points).map(|k| 0.05 * (swing * k as f64).sin()).collect();
         let mut inputs = vec![
             (find("deflection"), vec![0.02; points]),
             (find("path_speed"), vec![20.0; points]),
@@ -138,19 +140,23 @@ mod tests {
     fn a_step_is_longer_where_noise_hides_it_and_nobody_has_set_it() {
         let mut subject = Subject::load("ring-brush-flat-track", &Settings::default()).unwrap();
         let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
-        let (noisy, clean) = (run(&subject, &bench, 30.0), run(&subject, &bench, 0.01));
-        let longer = LongerStep::of(&bench, &subject, &[&noisy]).unwrap();
+        let [noisy, clean, faster] = [(0.05, 30.0), (0.05, 0.01), (1.0, 30.0)]
+            .map(|(swing, noise)| run(&subject, &bench, swing, noise));
+        let longer = LongerStep::of(&bench, &subject, &[&noisy], &[]).unwrap();
         assert_eq!((longer.own, longer.step), (5e-4, 1e-3));
         // it makes a difference
         assert!(longer.change > 1e-4 && longer.change < SHARE, "{}", longer.change);
         let words = longer.words(&subject);
         assert!(words.contains("step_size = 0.001 s, not 0.0005 s"), "{words}");
-        assert!(LongerStep::of(&bench, &subject, &[&clean]).is_none());
+        assert!(LongerStep::of(&bench, &subject, &[&clean], &[]).is_none());
+        // a check run may be faster, but not cleaner: its noise is not asked for
+        assert!(LongerStep::of(&bench, &subject, &[&noisy], &[&clean]).is_some());
+        assert!(LongerStep::of(&bench, &subject, &[&noisy], &[&faster]).is_none());
         // one run in three that is clean is told by the noise of the others
-        assert!(LongerStep::of(&bench, &subject, &[&noisy, &clean, &noisy]).is_some());
-        assert!(LongerStep::of(&bench, &subject, &[&clean, &noisy, &clean]).is_none());
+        assert!(LongerStep::of(&bench, &subject, &[&noisy, &clean, &noisy], &[]).is_some());
+        assert!(LongerStep::of(&bench, &subject, &[&clean, &noisy, &clean], &[]).is_none());
         subject.fixed.push((longer.variable, Value::Real(5e-4)));
-        assert!(LongerStep::of(&bench, &subject, &[&noisy]).is_none());
+        assert!(LongerStep::of(&bench, &subject, &[&noisy], &[]).is_none());
     }
 
     #[test]

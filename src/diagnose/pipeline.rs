@@ -107,7 +107,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         weights: Vec::new(),
         redundancy: 1.0,
     };
-    if let Some(longer) = LongerStep::of(&bench, &subject, &study.fit_runs) {
+    if let Some(longer) = LongerStep::of(&bench, &subject, &study.fit_runs, &study.check_runs) {
         notes.push(longer.words(&subject));
         study.values.push((longer.variable, longer.step));
     }

@@ -15,7 +15,7 @@ pub struct Step<T> {
     pub stick: bool,
     /// Force on the patch \[N\].
     pub force: [T; 2],
-    /// Speed of the bottom over the road \[m/s\].
+    /// Speed of the bottom over the road, as far as it does work against the friction: along its force \[m/s\].
     pub slip_speed: T,
 }
 

@@ -63,9 +63,9 @@ way! {
     bound_x,
     bound_pressure,
     bound_lever,
-    /// The stretch begins at the end of the stripe: 1.
+    /// What sticks reaches from the end of the stripe on, before the way as well: 1. It is 0 where the way leads to the end.
     begins,
-    /// So does the way: the node at `from` is in no sum: 1.
+    /// The way itself begins there: 1. The node at `from` is no bristle then and in no sum.
     enters,
     /// Place of the stripe across \[m\].
     y,
@@ -352,7 +352,7 @@ fn end<S: Simd>(simd: S, patch: &Patch<'_>, way: &Way<f64x4<S>>, lacking: &mut L
     let third = squared * x * (-power * over[2] + 1.0 / 3.0);
     let up_to = scale * (first * pressure.level + second * pressure.tilt);
     let lever = scale * (second * pressure.level + third * pressure.tilt);
-    // nothing sticks beyond where anything is pressed
+    // nothing sticks beyond where anything is pressed; a way that begins at that end leads away from it
     let is_pressed = (way.side * (x - way.bound_x)).simd_le(0.0) | way.begins.simd_gt(0.0);
     let up_to = is_pressed.select(up_to, way.bound_pressure);
     let lever = is_pressed.select(lever, way.bound_lever);

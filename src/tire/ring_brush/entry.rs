@@ -16,7 +16,7 @@ pub(super) struct Entry {
     pub side: f64,
     /// Its place \[m\].
     pub x: f64,
-    /// Force of a bristle there that sticks, of its damper alone \[N\].
+    /// Force of a bristle that sticks, followed back from where it comes to rest to there \[N\].
     pub force: [f64; 2],
     /// By how much that grows in a spacing.
     pub growth: [f64; 2],
@@ -28,13 +28,13 @@ pub(super) struct Entry {
 
 impl Entry {
     /// The entry of a stripe: `path` is that of its tops, `feed` the speed at which bristles go through it,
-    /// which is not 0; `bound` the end where they come in, `factor` the stripe's in the shape of the pressure.
+    /// which is not 0; `bounds` the ends of what is pressed on the road, `factor` the stripe's in the shape of the pressure.
     #[inline]
-    pub fn new(patch: &Patch<'_>, path: &Path<f64>, feed: f64, bound: &Bound, factor: f64) -> Self {
+    pub fn new(patch: &Patch<'_>, path: &Path<f64>, feed: f64, bounds: &[Bound; 2], factor: f64) -> Self {
         let Patch { p, ref friction, grip_area, pressure: &Pressure { level, tilt, .. }, exponent, .. } =
             *patch;
         let side = if feed < 0.0 { -1.0 } else { 1.0 };
-        let (x, power) = (bound.x, bound.power);
+        let Bound { x, power, .. } = bounds[usize::from(feed < 0.0)];
         let [[x0, x1, x2], [y0, y1, y2]] = [path.velocity_x, path.velocity_y];
         let velocity = [(x2 * x + x1) * x + x0, (y2 * x + y1) * x + y0];
         let speed = norm(velocity);
@@ -54,24 +54,31 @@ impl Entry {
         } else {
             f64::INFINITY
         };
+        // it comes to rest with the force of one that slides
+        let from_rest = if rests < f64::INFINITY { (sliding - load * speed) * rests } else { 0.0 };
+        let per_speed = from_rest / speed.max(f64::MIN_POSITIVE);
         Self {
             side,
             x,
-            force: velocity.map(|v| -damper * v),
+            force: velocity.map(|v| -per_speed * v),
             growth: velocity.map(|v| -load * v),
             rise: most * limits.sticking,
             rests,
         }
     }
 
-    /// After how many spacings bristles that have come to rest break away, if the limit of sticking at `there` is `limit`
-    /// \[N\], followed by a parabola; at most there.
-    pub fn breaks_away(&self, there: f64, limit: f64) -> (f64, f64) {
+    /// After how many spacings bristles that have come to rest break away, at most `there`, and the bend of the parabola
+    /// that the limit of sticking follows to `limit` \[N\] there. `None` if it is below their load all the way.
+    pub fn breaks_away(&self, there: f64, limit: f64) -> Option<(f64, f64)> {
         let bend = (limit - self.rise * there) / (there * there);
         let faster = self.rise - norm(self.growth);
         let discriminant = faster * faster + 4.0 * bend * norm(self.force);
-        // limits that fall ever faster meet the load
-        let meets = if bend < 0.0 { (faster + discriminant.max(0.0).sqrt()) / (-2.0 * bend) } else { there };
-        (meets.min(there), bend)
+        // a parabola that is bent down meets the load twice, or never; one that is bent up stays above it
+        let meets = match bend < 0.0 {
+            true if discriminant < 0.0 => return None,
+            true => (faster + discriminant.sqrt()) / (-2.0 * bend),
+            false => there,
+        };
+        Some((meets.min(there), bend))
     }
 }

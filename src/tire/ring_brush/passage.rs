@@ -115,6 +115,9 @@ struct Stripe {
     y: f64,
     length: f64,
     path: Path<f64>,
+    /// Its ends, and those of what is pressed on the road of it.
+    whole: [Bound; 2],
+    pressed: [Bound; 2],
 }
 
 impl<'a, S: Simd> Pass<'a, S> {
@@ -149,7 +152,11 @@ impl<'a, S: Simd> Pass<'a, S> {
                     continue;
                 }
                 let y = self.tire.stripe_places()[number];
-                let stripe = Stripe { lane, number, y, length, path: self.passage.tops.at_stripe(y) };
+                let (logarithm, factor) =
+                    (bristles.stripes.logarithms[number], bristles.stripes.factors[number]);
+                let (whole, pressed) = Bound::of(self.patch, length, logarithm, factor);
+                let path = self.passage.tops.at_stripe(y);
+                let stripe = Stripe { lane, number, y, length, path, whole, pressed };
                 self.advance(simd, &stripe, bristles, &mut four, &mut total);
                 self.sum(simd, &stripe, bristles, &mut pattern, &mut four, &mut total);
                 self.hand_over(simd, &stripe, bristles, &pattern, &mut four, &mut ends);
@@ -176,7 +183,8 @@ impl<'a, S: Simd> Pass<'a, S> {
         }
     }
 
-    /// The bristles' law, four at once; see [`advance`](super::advance), which is the law for one.
+    /// The bristles' law, four at once; see [`advance`](super::advance), which is the law for one that is in the contact all
+    /// the time: without what happens at the entry.
     #[inline(always)]
     fn advance(
         &self,
@@ -196,11 +204,11 @@ impl<'a, S: Simd> Pass<'a, S> {
         let logarithm = bristles.stripes.logarithms[stripe.number];
         let Path { velocity_x: vx, velocity_y: vy, led } = stripe.path;
         let feed = self.passage.tops.feed();
+        // how far inside the end they come to rest
         let (mut rests, mut inward) = (splat(f64::INFINITY), 0.0);
         if feed != 0.0 && !p.whole_step_entry {
-            let bound = Bound { x: half.copysign(-feed), power: 1.0, ..Bound::default() };
-            let entry = Entry::new(self.patch, &stripe.path, feed, &bound, factor);
-            (rests, inward) = (splat(entry.rests * p.bristle_length), entry.side);
+            let entry = Entry::new(self.patch, &stripe.path, feed, &stripe.pressed, factor);
+            (rests, inward) = (splat(half - entry.x.abs() + entry.rests * p.bristle_length), entry.side);
         }
         let (mut power, mut slip) = (zero, zero);
         let [from, to] = bristles.window;
@@ -244,9 +252,9 @@ impl<'a, S: Simd> Pass<'a, S> {
             let trial_y = old_y * c - velocity_y * resistance;
             let trial = (trial_x * trial_x + trial_y * trial_y).sqrt();
             let sliding_limit = friction.at_speed_of_four(sliding_limit, [velocity_x, velocity_y]);
-            // what passes the place where bristles come to rest does, however far it gets in the step
-            let came_to_rest =
-                inside.simd_ge(rests) & inside_before.simd_lt(rests) & (x * inward).simd_lt(0.0);
+            // what travels past the place where bristles come to rest does, however far it gets in the step
+            let outside_of_it = (-(x + shift).abs() + half).simd_lt(rests);
+            let came_to_rest = inside.simd_ge(rests) & outside_of_it & (x * inward).simd_lt(0.0);
             let stuck = lanes(simd, &bristles.stick, k).simd_gt(0.0) | came_to_rest;
             let bound = stuck.select(sticking_limit, sliding_limit);
             let sticks = bound.simd_gt(0.0) & trial.simd_le(bound);
@@ -369,14 +377,13 @@ impl<'a, S: Simd> Pass<'a, S> {
         if closed == 0.0 {
             return;
         }
-        let (all, bounds) = Bound::of(self.patch, length, logarithm, factor);
-        let [rear, front] = bounds;
+        let [rear, front] = stripe.pressed;
         four.closed[lane] = closed;
         four.rear[lane] = rear.x;
         four.front[lane] = front.x;
         four.pressed[lane] = front.pressure[0] - rear.pressure[0];
         four.pressed_lever[lane] = front.pressure[1] - rear.pressure[1];
-        four.all[lane] = all[1].pressure[0] - all[0].pressure[0];
+        four.all[lane] = stripe.whole[1].pressure[0] - stripe.whole[0].pressure[0];
         let stretches = Stretches {
             patch: self.patch,
             bristles,
@@ -389,7 +396,7 @@ impl<'a, S: Simd> Pass<'a, S> {
             logarithm,
             factor,
             closed,
-            bounds,
+            bounds: stripe.pressed,
         };
         stretches.hand_over(simd, pattern, ends, &mut four.shares);
     }

@@ -181,7 +181,7 @@ impl Stretches<'_> {
         if let (Some([first, last]), true) = (pattern.ends(), self.feed != 0.0) {
             let outer = if self.is_forward() { last } else { first };
             if !pattern.sticks(outer)
-                && let Some(way) = self.entry(from + outer)
+                && let Some(way) = self.entry(from + outer, shares)
             {
                 ends.push(simd, self.patch, self.lane, &way, shares);
             }
@@ -290,9 +290,8 @@ impl Stretches<'_> {
     }
 
     /// The way on which bristles that came to rest behind the entry stick, to the outermost or second one, which slides.
-    fn entry(&self, first: usize) -> Option<Way<f64>> {
-        let bound = &self.bounds[usize::from(self.is_forward())];
-        let entry = self.entry_at(bound);
+    fn entry(&self, first: usize, shares: &mut Shares) -> Option<Way<f64>> {
+        let entry = self.entry_at();
         let side = entry.side;
         let length = side * (self.place(first) - entry.x) * self.patch.spacings;
         if length <= 0.0 || entry.rests == f64::INFINITY {
@@ -306,8 +305,18 @@ impl Stretches<'_> {
             (entry.x, 0.0, entry.force, 1.0, first)
         };
         let there = side * (self.place(next) - entry.x) * self.patch.spacings;
-        let (meets, bend) = entry.breaks_away(there, self.limit(next));
+        let (meets, bend) = entry.breaks_away(there, self.limit(next))?;
         let [growth_x, growth_y] = entry.growth;
+        let breaks = self.rolls();
+        if enters == 0.0 {
+            // what sticks reaches from the end over this bristle, which the sums take for one that slides
+            let share = breaks * self.bristles.share[first];
+            let pressed = share * self.bristles.pressure[first].max(0.0);
+            shares.sliding[0][self.lane] -= pressed;
+            shares.sliding[1][self.lane] -= pressed * from;
+            shares.friction[0][self.lane] -= share * force_x;
+            shares.friction[1][self.lane] -= share * force_y;
+        }
         let mut way = Way {
             from,
             spacings: there - passed,
@@ -318,20 +327,20 @@ impl Stretches<'_> {
             rise: entry.rise + 2.0 * bend * passed,
             bend,
             meets: (meets - passed).max(0.0),
-            breaks: self.rolls(),
+            breaks,
             begins: 1.0,
             enters,
-            ..self.own(side, bound)
+            ..self.own(side, &self.bounds[usize::from(self.is_forward())])
         };
         self.slides_at_the_end(next, &mut way);
         Some(way)
     }
 
-    fn entry_at(&self, bound: &Bound) -> Entry {
+    fn entry_at(&self) -> Entry {
         let Patch { path, .. } = *self.patch;
         let [_, x1, x2] = path.velocity_x;
         let path = Path { velocity_x: [self.velocity_x, x1, x2], ..path };
-        Entry::new(self.patch, &path, self.feed, bound, self.factor)
+        Entry::new(self.patch, &path, self.feed, &self.bounds, self.factor)
     }
 
     /// What products of place, velocity and force, each of which is linear between bristles, have less than the

@@ -1,10 +1,11 @@
 //! How a bristle that slides turns towards where its top is dragged.
 //!
-//! Its force has the size of the friction F and the direction of c u - d v. With an angle of θ between that and -v the bottom
-//! slides with |v| cos θ, and dθ/dt = -(c |v| / F) sin θ: tan(θ/2) falls by exp(-a) in a step over which the top is dragged
-//! by a F / c. A bristle passes the contact in few steps; this does not depend on their number, as a step of backward Euler
-//! does, which cuts the force back along the direction in which it would be without sliding. Instead of exp(-a) here is
-//! 1 / (1 + a + a²/2), which is as close as the friction is known, and neither grows nor swings for steps of any length.
+//! Its force has the size of the friction F and the direction of c u - d v. With an angle of θ between that and -v the
+//! bottom slides with |v| cos θ, and dθ/dt = -(c |v| / F) sin θ, if what the damper lags is left out: tan(θ/2) falls by
+//! exp(-a) in a step over which the top is dragged by a F / c. A bristle passes the contact in few steps; this does not
+//! depend on their number, as a step of backward Euler does, which cuts the force back along the direction in which it
+//! would be without sliding. Instead of exp(-a) here is 1 / (1 + a + a²/2), which is as close as the friction is known,
+//! and neither grows nor swings for steps of any length.
 
 use super::bristle::norm;
 use crate::solver::Real;
