@@ -109,14 +109,14 @@ mod tests {
     use crate::stats::SplitMix64;
     use std::sync::Arc;
 
-    /// A swing of the slip angle on the ring-and-brush tire by so much per sample \[rad\], with this noise on the lateral
-    /// force \[N\].
-    fn run(subject: &Subject, bench: &Bench, swing: f64, noise: f64) -> Run {
+    /// A swing of the slip angle on the ring-and-brush tire, one of the deflection at 48 Hz by so much \[m\], and this noise
+    /// on the lateral force \[N\].
+    fn run(subject: &Subject, bench: &Bench, bounce: f64, noise: f64) -> Run {
         let find = |name: &str| subject.interface.index(name).unwrap();
         let points = 401;
-        let swing = (0..points).map(|k| 0.05 * (swing * k as f64).sin()).collect();
+        let swing = (0..points).map(|k| 0.05 * (0.05 * k as f64).sin()).collect();
         let mut inputs = vec![
-            (find("deflection"), vec![0.02; points]),
+            (find("deflection"), (0..points).map(|k| 0.02 + bounce * (0.6 * k as f64).sin()).collect()),
             (find("path_speed"), vec![20.0; points]),
             (find("slip_angle"), swing),
         ];
@@ -140,8 +140,8 @@ mod tests {
     fn a_step_is_longer_where_noise_hides_it_and_nobody_has_set_it() {
         let mut subject = Subject::load("ring-brush-flat-track", &Settings::default()).unwrap();
         let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
-        let [noisy, clean, faster] = [(0.05, 30.0), (0.05, 0.01), (1.0, 30.0)]
-            .map(|(swing, noise)| run(&subject, &bench, swing, noise));
+        let [noisy, clean, bouncing] =
+            [(0.0, 30.0), (0.0, 0.01), (0.02, 30.0)].map(|(by, noise)| run(&subject, &bench, by, noise));
         let longer = LongerStep::of(&bench, &subject, &[&noisy], &[]).unwrap();
         assert_eq!((longer.own, longer.step), (5e-4, 1e-3));
         // it makes a difference
@@ -149,9 +149,9 @@ mod tests {
         let words = longer.words(&subject);
         assert!(words.contains("step_size = 0.001 s, not 0.0005 s"), "{words}");
         assert!(LongerStep::of(&bench, &subject, &[&clean], &[]).is_none());
-        // a check run may be faster, but not cleaner: its noise is not asked for
+        // of check runs the inputs count, and not their noise
         assert!(LongerStep::of(&bench, &subject, &[&noisy], &[&clean]).is_some());
-        assert!(LongerStep::of(&bench, &subject, &[&noisy], &[&faster]).is_none());
+        assert!(LongerStep::of(&bench, &subject, &[&noisy], &[&bouncing]).is_none());
         // one run in three that is clean is told by the noise of the others
         assert!(LongerStep::of(&bench, &subject, &[&noisy, &clean, &noisy], &[]).is_some());
         assert!(LongerStep::of(&bench, &subject, &[&clean, &noisy, &clean], &[]).is_none());
