@@ -27,6 +27,9 @@ mod file;
 pub mod fit;
 #[allow(unsafe_code)]
 pub mod fmi;
+#[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
+pub mod identify;
 pub mod mechanics;
 pub mod model;
 #[cfg(feature = "host")]

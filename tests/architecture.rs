@@ -59,6 +59,7 @@ const ORDER: &[(&str, &str)] = &[
         "stats model effect fmi fmi/entry fmi/import fmi/archive fmi/corrected shipped recording simulate",
     ),
     ("fit", "stats model effect"),
+    ("identify", "stats model fmi fmi/entry shipped"),
     (
         "diagnose",
         "page stats model effect fmi fmi/entry fmi/import shipped recording simulate cosimulate fit",
@@ -67,7 +68,7 @@ const ORDER: &[(&str, &str)] = &[
     (
         "cli",
         "page stats model tire tir rig control effect fmi fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \
-         recording simulate cosimulate diagnose report",
+         recording simulate cosimulate identify diagnose report",
     ),
 ];
 

@@ -6,7 +6,9 @@ mod demo;
 mod describe;
 mod diagnose;
 mod export;
+mod identify;
 mod models;
+mod plan;
 mod simulate;
 mod tire;
 
@@ -35,6 +37,8 @@ enum Command {
     Cosimulate(cosimulate::Args),
     Check(check::Args),
     Tire(tire::Args),
+    Identify(identify::Args),
+    Plan(plan::Args),
     Diagnose(diagnose::Args),
     Demo(demo::Args),
 }
@@ -66,6 +70,8 @@ pub fn run() -> ExitCode {
         Command::Cosimulate(args) => cosimulate::run(&args).map(done),
         Command::Check(args) => check::run(&args),
         Command::Tire(args) => tire::run(&args).map(done),
+        Command::Identify(args) => identify::run(&args).map(done),
+        Command::Plan(args) => plan::run(&args),
         Command::Diagnose(args) => diagnose::run(&args).map(done),
         Command::Demo(args) => demo::run(&args).map(done),
     };

@@ -1,0 +1,83 @@
+//! `latsch plan`: what a plan of a sequential identification relies on.
+
+use super::{Format, print, print_json};
+use latsch::fmi::Entry;
+use latsch::fmi::import::ImportedFmu;
+use latsch::identify::check::{Sampling, check};
+use latsch::identify::{Numbers, Plan, Readings, Stand, number, ring_brush};
+use latsch::model::{Settings, Slave};
+use latsch::recording::read_settings;
+use latsch::shipped::MODELS;
+use latsch::{Error, Result, read_text};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Check a plan of a sequential identification
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    Check(Check),
+}
+
+/// Test a plan: does each group depend on its own and earlier parameters only, and have one answer?
+///
+/// By samples: a counter-example is a proof, a pass is evidence. Exit code 1 if there is a counter-example.
+#[derive(clap::Args)]
+struct Check {
+    /// The plan, or the name of one that is shipped: ring-brush-flat-track
+    #[arg(value_name = "PLAN|F.toml")]
+    plan: String,
+    /// Another model for the same plan: an FMU, say one of a third party
+    #[arg(long, value_name = "F.fmu")]
+    model: Option<PathBuf>,
+    /// Values of parameters that the plan does not look for: TOML with [parameters]
+    #[arg(long, value_name = "F.toml")]
+    parameters: Option<PathBuf>,
+    /// Draws of what is held fixed
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    constants: usize,
+    /// Draws of what is looked at, for each of these
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    draws: usize,
+    /// A change of a target by a smaller share of its range is none: limits of small speeds and angles are not quite reached
+    #[arg(long, value_name = "SHARE", default_value_t = 1e-6)]
+    tolerance: f64,
+    /// Of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// How to print
+    #[arg(long, value_enum, default_value = "text")]
+    format: Format,
+}
+
+pub fn run(args: &Args) -> Result<ExitCode> {
+    let Command::Check(args) = &args.command;
+    let text = match args.plan.as_str() {
+        "ring-brush-flat-track" => ring_brush::PLAN.to_owned(),
+        file => read_text(&PathBuf::from(file))?,
+    };
+    let plan = Plan::read(&text).map_err(|e| e.at(&args.plan))?;
+    let slave: Box<dyn Slave> = match &args.model {
+        Some(file) => Box::new(ImportedFmu::load(file)?),
+        None => Entry::find(MODELS, &plan.model)?.slave(&Settings::default())?,
+    };
+    let stand = Stand::new(slave, &[]);
+    let own = read_settings(args.parameters.as_deref())?;
+    let start: Numbers =
+        own.values.iter().filter_map(|v| Some((v.name.clone(), number(Some(&v.value))?))).collect();
+    let readings = Readings::new(&plan, &stand, ring_brush::REGISTRY, &start)?;
+    let Check { constants, draws, seed, tolerance, .. } = *args;
+    let sampling = Sampling { constants, draws, seed, tolerance };
+    let report = check(&readings, &sampling)?;
+    if args.format == Format::Json {
+        print_json(&serde_json::to_value(&report).map_err(|e| Error::file(e.to_string()))?)?;
+    } else {
+        print(&report.to_string())?;
+    }
+    Ok(ExitCode::from(u8::from(report.is_refuted())))
+}

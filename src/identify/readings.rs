@@ -1,0 +1,560 @@
+//! A plan on a stand: its targets as functions of what it looks for.
+
+use super::plan::{Condition, GroupPlan, Limit, Plan, Reach, Require, Target, Touch};
+use super::registry::{Functional, Inversion, Numbers, Registry, Transform};
+use super::solve::{Goal, Group, Nesting, Next, Part, Sequence, Tail, Targets, Unsolved, Way, sequence};
+use super::stand::{Stand, number};
+use crate::model::Causality;
+use crate::{Error, Result};
+use nalgebra::{DMatrix, DVector};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
+/// Steps of the search for responses: by derivatives it takes a handful.
+const MAX_STEPS: usize = 40;
+/// A response is reached within this share of its size.
+const REACHED: f64 = 1e-11;
+
+/// Something that can be read from a stationary state.
+enum Reading {
+    Output(usize),
+    Functional { functional: Functional, outputs: Vec<usize>, inputs: Vec<usize> },
+}
+
+/// A plan with a stand on which its conditions are met.
+pub struct Readings<'a> {
+    plan: &'a Plan,
+    stand: &'a Stand,
+    registry: Registry,
+    /// Values of the model's parameters before any is found.
+    base: Numbers,
+    /// Those that the slave starts with by itself.
+    own: Numbers,
+    bounds: Vec<[f64; 2]>,
+    /// Where inputs brought responses about last, by condition: a search begins there.
+    reached: RefCell<BTreeMap<String, Vec<f64>>>,
+}
+
+impl<'a> Readings<'a> {
+    /// The plan's targets on this stand. `start` replaces start values of parameters, which count until they are found.
+    ///
+    /// # Errors
+    /// Names that the stand's model or the registry do not have.
+    pub fn new(plan: &'a Plan, stand: &'a Stand, registry: Registry, start: &Numbers) -> Result<Self> {
+        let mut base = Numbers::new();
+        for info in &stand.interface().variables {
+            let is_parameter = info.causality == Causality::Parameter;
+            if let Some(value) = number(info.start.as_ref()).filter(|_| is_parameter) {
+                base.insert(info.name.clone(), value);
+            }
+        }
+        let own = base.clone();
+        for (name, value) in start {
+            if base.insert(name.clone(), *value).is_none() {
+                return Err(Error::variable(format!("{} has no parameter {name}", stand.interface().name)));
+            }
+        }
+        let bounds = plan.groups.iter().flat_map(|g| &g.parameters).map(|p| p.bounds).collect();
+        let readings = Self { plan, stand, registry, base, own, bounds, reached: RefCell::default() };
+        readings.check()?;
+        Ok(readings)
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &Plan {
+        self.plan
+    }
+
+    /// All that the plan names is there.
+    fn check(&self) -> Result<()> {
+        let settable = |name: &String| self.stand.settable(name).map(|_| ());
+        self.plan.set.keys().try_for_each(settable)?;
+        for condition in &self.plan.conditions {
+            let place = |e: Error| e.at(format!("condition \"{}\"", condition.name));
+            let reached = condition.reach.iter().map(|r| &r.by);
+            let inputs = condition.hold.keys().chain(reached).chain(condition.ramp.iter().map(|r| &r.input));
+            inputs.cloned().try_for_each(|name| settable(&name)).map_err(place)?;
+            for reach in &condition.reach {
+                self.reading(&reach.read).map_err(place)?;
+            }
+            for required in &condition.require {
+                self.stand.interface().find(&required.output).map_err(place)?;
+            }
+        }
+        for group in &self.plan.groups {
+            let place = |e: Error| e.at(format!("group \"{}\"", group.name));
+            for target in &group.targets {
+                self.reading(&target.read).map_err(place)?;
+            }
+            self.transform(group).map_err(place)?;
+            self.inversion(group).map_err(place)?;
+            if group.transform.is_none() {
+                for sought in &group.parameters {
+                    settable(&sought.name).map_err(place)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn reading(&self, name: &str) -> Result<Reading> {
+        let Some(functional) = self.registry.functionals.iter().find(|f| f.name == name) else {
+            return Ok(Reading::Output(self.stand.interface().find(name)?));
+        };
+        let find =
+            |names: &[&str]| names.iter().map(|n| self.stand.interface().find(n)).collect::<Result<_>>();
+        let (outputs, inputs) = (find(functional.outputs)?, find(functional.inputs)?);
+        Ok(Reading::Functional { functional: *functional, outputs, inputs })
+    }
+
+    fn transform(&self, group: &GroupPlan) -> Result<Option<&Transform>> {
+        let Some(name) = &group.transform else { return Ok(None) };
+        let found = self.registry.transforms.iter().find(|t| t.name == name);
+        found.map(Some).ok_or_else(|| Error::file(format!("there is no transform \"{name}\"")))
+    }
+
+    fn inversion(&self, group: &GroupPlan) -> Result<Option<&Inversion>> {
+        let Some(name) = &group.inversion else { return Ok(None) };
+        let found = self.registry.inversions.iter().find(|t| t.name == name);
+        found.map(Some).ok_or_else(|| Error::file(format!("there is no inversion \"{name}\"")))
+    }
+
+    /// The model's parameters for values of what is looked for; those of groups that are not among them keep what they have.
+    pub fn model_values(&self, sought: &[f64]) -> Result<Numbers> {
+        let mut values = self.base.clone();
+        let mut rest = sought;
+        for group in &self.plan.groups {
+            let Some((own, later)) = rest.split_at_checked(group.parameters.len()) else { break };
+            rest = later;
+            match self.transform(group)? {
+                Some(transform) => {
+                    let changed = (transform.to_model)(own, &values);
+                    values.extend(changed.into_iter().map(|(name, value)| (name.to_owned(), value)));
+                }
+                None => values.extend(group.parameters.iter().zip(own).map(|(p, v)| (p.name.clone(), *v))),
+            }
+        }
+        Ok(values)
+    }
+
+    /// What is looked for, from values of the model's parameters.
+    ///
+    /// # Errors
+    /// A parameter without a value.
+    pub fn sought_values(&self, model: &Numbers) -> Result<Vec<f64>> {
+        let mut all = self.base.clone();
+        all.extend(model.iter().map(|(name, value)| (name.clone(), *value)));
+        let mut sought = Vec::new();
+        for group in &self.plan.groups {
+            match self.transform(group)? {
+                Some(transform) => sought.extend((transform.from_model)(&all)),
+                None => {
+                    for parameter in &group.parameters {
+                        let value = all.get(&parameter.name);
+                        sought
+                            .push(*value.ok_or_else(|| {
+                                Error::variable(format!("{} has no value", parameter.name))
+                            })?);
+                    }
+                }
+            }
+        }
+        Ok(sought)
+    }
+
+    /// Identifies all parameters, group after group.
+    ///
+    /// # Errors
+    /// See [`sequence`].
+    pub fn identify(&self, goal: &Goal) -> std::result::Result<Sequence, Unsolved> {
+        let start = self.sought_values(&self.base)?;
+        let direct: Vec<_> = self
+            .plan
+            .groups
+            .iter()
+            .map(|group| {
+                let inversion = self.inversion(group)?;
+                Ok(inversion.map(|inversion| {
+                    move |values: &[f64], known: &[f64]| {
+                        let mut held = Vec::new();
+                        for target in &group.targets {
+                            held.push(self.plan.condition(&target.condition)?.hold.clone());
+                        }
+                        (inversion.invert)(values, &held, &self.model_values(known)?)
+                    }
+                }))
+            })
+            .collect::<Result<_>>()?;
+        let mut groups = Vec::new();
+        for (group, direct) in self.plan.groups.iter().zip(&direct) {
+            let size = group.parameters.len();
+            let way = match direct {
+                Some(direct) => Way::Direct(direct),
+                None => {
+                    let mut nesting = Nesting::plain(size);
+                    let mut tail = None;
+                    if let Some(signs) = &group.nesting {
+                        nesting.rises.clone_from(&signs.rises);
+                        nesting.falls.clone_from(&signs.falls);
+                        tail = signs.tail.map(|sign| Tail { sign });
+                    }
+                    Way::Nested { nesting, tail }
+                }
+            };
+            groups.push(Group { size, way });
+        }
+        sequence(self, goal, &groups, &start, false)
+    }
+
+    /// Why a group was not solved, with the plan's names.
+    pub fn words(&self, why: &Unsolved) -> String {
+        let groups = &self.plan.groups;
+        let parameter = |k| groups.iter().flat_map(|g| &g.parameters).nth(k).map(|p| p.name.clone());
+        let target = |k| groups.iter().flat_map(|g| &g.targets).nth(k).map(|t| t.name.clone());
+        why.words(|k| parameter(k).unwrap_or_default(), |k| target(k).unwrap_or_default())
+    }
+
+    /// The values of all variables under a condition for these parameters.
+    fn values<'b>(&'b self, condition: &'b Condition, parameters: &Numbers) -> Result<Setup<'b>> {
+        let mut values = Vec::new();
+        let changed = parameters.iter().filter(|(name, value)| self.own.get(*name) != Some(*value));
+        for (name, value) in changed.chain(&self.plan.set).chain(&condition.hold) {
+            values.push((self.stand.settable(name)?, *value));
+        }
+        let mut setup = Setup { readings: self, condition, values };
+        if let Some(touch) = &condition.from_touch {
+            let offset = condition.hold.get(&touch.input).copied().unwrap_or(0.0);
+            let input = self.stand.settable(&touch.input)?;
+            let at = setup.touch(touch, input)?;
+            setup.set(input, at + offset);
+        }
+        Ok(setup)
+    }
+
+    fn target(&self, target: &Target, parameters: &Numbers) -> Result<f64> {
+        let condition = self.plan.condition(&target.condition)?;
+        let value = self.limit(condition, &condition.limit, target, parameters)?;
+        Ok(target.factor * value)
+    }
+
+    /// The reading, extrapolated to where the inputs `limits` are 0.
+    fn limit(
+        &self,
+        condition: &Condition,
+        limits: &[Limit],
+        target: &Target,
+        parameters: &Numbers,
+    ) -> Result<f64> {
+        let Some((first, others)) = limits.split_first() else {
+            return self.read(condition, target, parameters);
+        };
+        let mut half = condition.clone();
+        if let Some(value) = half.hold.get_mut(&first.input) {
+            *value *= 0.5;
+        }
+        let far = self.limit(condition, others, target, parameters)?;
+        let near = self.limit(&half, others, target, parameters)?;
+        let share = 2f64.powi(first.order);
+        Ok((share * near - far) / (share - 1.0))
+    }
+
+    fn read(&self, condition: &Condition, target: &Target, parameters: &Numbers) -> Result<f64> {
+        let mut setup = self.values(condition, parameters)?;
+        setup.reach(&condition.reach)?;
+        setup.require(&condition.require)?;
+        let reading = self.reading(&target.read)?;
+        if let Some(ramp) = &condition.ramp {
+            let Reading::Output(output) = reading else {
+                return Err(Error::file(format!(
+                    "\"{}\" cannot be read after a ramp: outputs can",
+                    target.read
+                )));
+            };
+            let input = self.stand.settable(&ramp.input)?;
+            let steps = (ramp.time / ramp.step).round().max(1.0) as usize;
+            let outputs =
+                self.stand.after(&setup.values, &[(input, ramp.rate)], ramp.time, steps, &[output])?;
+            return Ok(outputs[0]);
+        }
+        match &target.along {
+            None => setup.read(&reading),
+            Some(along) => {
+                let Reading::Output(output) = reading else {
+                    return Err(Error::file(format!("\"{}\" has no slope: outputs have", target.read)));
+                };
+                setup.slope(output, self.stand.settable(along)?, &condition.reach)
+            }
+        }
+    }
+}
+
+impl Targets for Readings<'_> {
+    fn bounds(&self) -> &[[f64; 2]] {
+        &self.bounds
+    }
+
+    fn at(&self, parameters: &[f64]) -> Result<Vec<f64>> {
+        let rows: Vec<usize> = (0..self.bounds.len()).collect();
+        self.some(parameters, &rows)
+    }
+
+    fn some(&self, parameters: &[f64], rows: &[usize]) -> Result<Vec<f64>> {
+        let values = self.model_values(parameters)?;
+        let all: Vec<&Target> = self.plan.groups.iter().flat_map(|g| &g.targets).collect();
+        rows.iter()
+            .map(|row| {
+                let target = all[*row];
+                self.target(target, &values).map_err(|e| e.at(format!("\"{}\"", target.name)))
+            })
+            .collect()
+    }
+}
+
+impl Readings<'_> {
+    /// Derivatives of all targets (rows) by all that is looked for (columns), of which a group's targets have none by what later
+    /// groups look for (3.23).
+    ///
+    /// # Errors
+    /// The targets cannot be computed there.
+    pub fn triangular_jacobian(&self, sought: &[f64]) -> Result<DMatrix<f64>> {
+        let n = self.bounds.len();
+        let mut jacobian = DMatrix::zeros(n, n);
+        let mut from = 0;
+        for group in &self.plan.groups {
+            let rows: Vec<usize> = (from..n).collect();
+            let own = from..from + group.parameters.len();
+            let at = sought.get(own.clone()).unwrap_or_default();
+            let part = Part::new(self, rows, own.clone().collect(), sought);
+            jacobian.view_mut((from, from), (n - from, own.len())).copy_from(&part.jacobian(at)?);
+            from = own.end;
+        }
+        Ok(jacobian)
+    }
+}
+
+/// Values for the stand that a condition makes, one after the other.
+struct Setup<'a> {
+    readings: &'a Readings<'a>,
+    condition: &'a Condition,
+    values: Vec<(usize, f64)>,
+}
+
+impl Setup<'_> {
+    fn stand(&self) -> &Stand {
+        self.readings.stand
+    }
+
+    fn get(&self, variable: usize) -> f64 {
+        self.stand().value(&self.values, variable)
+    }
+
+    fn set(&mut self, variable: usize, value: f64) {
+        match self.values.iter_mut().rev().find(|(v, _)| *v == variable) {
+            Some((_, old)) => *old = value,
+            None => self.values.push((variable, value)),
+        }
+    }
+
+    fn read(&self, reading: &Reading) -> Result<f64> {
+        match reading {
+            Reading::Output(output) => Ok(self.stand().stationary(&self.values, &[*output])?[0]),
+            Reading::Functional { functional, outputs, inputs } => {
+                let outputs = self.stand().stationary(&self.values, outputs)?;
+                let inputs: Vec<f64> = inputs.iter().map(|v| self.get(*v)).collect();
+                Ok((functional.read)(&outputs, &inputs))
+            }
+        }
+    }
+
+    /// The last place at which the output still has the value of the lower end.
+    fn touch(&mut self, touch: &Touch, input: usize) -> Result<f64> {
+        let output = self.stand().interface().find(&touch.output)?;
+        let [mut low, mut high] = touch.between;
+        let mut value = |x: f64| {
+            self.set(input, x);
+            self.stand().stationary(&self.values, &[output]).map(|v| v[0])
+        };
+        let free = value(low)?;
+        let leaves = |value: f64| (value - free).abs() > touch.by;
+        if !leaves(value(high)?) {
+            return Err(Error::numeric(format!(
+                "{} stays {free} up to {} = {high}",
+                touch.output, touch.input
+            )));
+        }
+        while high - low > 1e-13 * high.abs().max(low.abs()) {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                break;
+            }
+            if leaves(value(middle)?) { high = middle } else { low = middle }
+        }
+        Ok(low)
+    }
+
+    /// Outputs are where they have to be.
+    fn require(&self, wanted: &[Require]) -> Result<()> {
+        if wanted.is_empty() {
+            return Ok(());
+        }
+        let find = |required: &Require| self.stand().interface().find(&required.output);
+        let outputs: Vec<usize> = wanted.iter().map(find).collect::<Result<_>>()?;
+        for (required, value) in wanted.iter().zip(self.stand().stationary(&self.values, &outputs)?) {
+            let [low, high] = required.between;
+            if !(low..=high).contains(&value) {
+                return Err(Error::numeric(format!(
+                    "{} is {value:.6} and has to be {low} to {high}: {}",
+                    required.output, required.why
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings responses about.
+    fn reach(&mut self, wanted: &[Reach]) -> Result<()> {
+        let inner: Vec<&Reach> = wanted.iter().filter(|r| r.first_of == 0).collect();
+        match wanted.iter().find(|r| r.first_of > 0) {
+            None => self.reach_all(&inner),
+            Some(first) => self.reach_first(first, &inner),
+        }
+    }
+
+    /// All at once, within the ranges: by Newton's method with derivatives that the stand gives where it begins, and that
+    /// steps improve (Broyden's update).
+    fn reach_all(&mut self, wanted: &[&Reach]) -> Result<()> {
+        if wanted.is_empty() {
+            return Ok(());
+        }
+        let find = |reach: &&Reach| self.stand().interface().find(&reach.read);
+        let outputs: Vec<usize> = wanted.iter().map(find).collect::<Result<_>>()?;
+        let inputs: Vec<usize> =
+            wanted.iter().map(|r| self.stand().settable(&r.by)).collect::<Result<_>>()?;
+        let last = self.readings.reached.borrow().get(&self.condition.name).cloned();
+        for (i, (reach, input)) in wanted.iter().zip(&inputs).enumerate() {
+            let [low, high] = reach.between;
+            let begin = last.as_ref().and_then(|l| l.get(i).copied()).unwrap_or_else(|| self.get(*input));
+            self.set(*input, begin.clamp(low, high));
+        }
+        let size = |i: usize| wanted[i].value.abs().max(1.0);
+        let excess_of = |values: &[f64]| DVector::from_fn(wanted.len(), |i, _| values[i] - wanted[i].value);
+        let is_within = |excess: &DVector<f64>, share: f64| {
+            (0..wanted.len()).all(|i| excess[i].abs() <= share * REACHED * size(i))
+        };
+        let (mut values, mut slopes) = self.stand().state(&self.values, &outputs, &inputs)?;
+        let mut excess = excess_of(&values);
+        // a response to one input is monotone: it is met on one side of where it was asked
+        let mut brackets: Vec<[f64; 2]> = wanted.iter().map(|r| r.between).collect();
+        for _ in 0..MAX_STEPS {
+            if is_within(&excess, 1.0) {
+                let at = inputs.iter().map(|input| self.get(*input)).collect();
+                self.readings.reached.borrow_mut().insert(self.condition.name.clone(), at);
+                return Ok(());
+            }
+            if wanted.len() == 1 {
+                let end = usize::from((excess[0] > 0.0) == (slopes[0] > 0.0));
+                brackets[0][end] = self.get(inputs[0]);
+            }
+            let step = slopes.clone().lu().solve(&excess);
+            let mut moved = DVector::zeros(inputs.len());
+            for (i, input) in inputs.iter().enumerate() {
+                let at = self.get(*input);
+                let [low, high] = brackets[i];
+                // where the derivative leads out of the range, or there is none, half of the way to its end
+                let next = match step.as_ref().map_or(f64::NAN, |s| at - s[i]) {
+                    x if x > low && x < high => x,
+                    x if x <= low => 0.5 * (at + low),
+                    x if x >= high => 0.5 * (at + high),
+                    _ => 0.5 * (low + high),
+                };
+                moved[i] = next - at;
+                self.set(*input, next);
+            }
+            if (0..inputs.len())
+                .all(|i| moved[i].abs() <= 1e-15 * (wanted[i].between[1] - wanted[i].between[0]))
+            {
+                break;
+            }
+            values = self.stand().stationary(&self.values, &outputs)?;
+            let next = excess_of(&values);
+            let surprise = &next - &excess - &slopes * &moved;
+            slopes += surprise * moved.transpose() / moved.norm_squared();
+            excess = next;
+        }
+        // what rounding leaves of a state that is searched itself
+        if is_within(&excess, 1e4) { Ok(()) } else { Err(self.not_reached(wanted, &values)) }
+    }
+
+    fn not_reached(&self, wanted: &[&Reach], values: &[f64]) -> Error {
+        let each = wanted.iter().zip(values).map(|(r, v)| {
+            let [low, high] = r.between;
+            format!("{} = {} by {} between {low} and {high} (it gets to {v:.6})", r.read, r.value, r.by)
+        });
+        Error::numeric(format!("this is not reached: {}", each.collect::<Vec<_>>().join(", ")))
+    }
+
+    /// The first place from the lower end on, with the others reached at each.
+    fn reach_first(&mut self, first: &Reach, others: &[&Reach]) -> Result<()> {
+        let reading = self.readings.reading(&first.read)?;
+        let input = self.stand().settable(&first.by)?;
+        let mut value = |x: f64| {
+            self.set(input, x);
+            self.reach_all(others)?;
+            Ok::<f64, Error>(self.read(&reading)? - first.value)
+        };
+        let [low, high] = first.between;
+        let place = |k: usize| low + (high - low) * k as f64 / first.first_of as f64;
+        let (mut ends, mut values) = ([low, low], [value(low)?; 2]);
+        let found = (1..=first.first_of).find_map(|k| {
+            let x = place(k);
+            match value(x) {
+                Ok(v) if v * values[0] <= 0.0 => Some(Ok((x, v))),
+                Ok(v) => {
+                    (ends[0], values[0]) = (x, v);
+                    None
+                }
+                Err(e) => Some(Err(e)),
+            }
+        });
+        let Some(found) = found else {
+            return Err(Error::numeric(format!(
+                "{} does not become {} for {} between {low} and {high}",
+                first.read, first.value, first.by
+            )));
+        };
+        (ends[1], values[1]) = found?;
+        let mut next = Next::new(ends[1] - ends[0], 1e-13 * (high - low));
+        let sign = values[1].signum();
+        while ends[1] - ends[0] > next.width && values.iter().all(|v| *v != 0.0) {
+            let x = next.between(ends, [Some(sign * values[0]), Some(sign * values[1])]);
+            if x <= ends[0] || x >= ends[1] {
+                break;
+            }
+            let v = value(x)?;
+            let end = usize::from(v * sign > 0.0);
+            (ends[end], values[end]) = (x, v);
+        }
+        let best = if values[0].abs() <= values[1].abs() { ends[0] } else { ends[1] };
+        value(best).map(|_| ())
+    }
+
+    /// The slope of an output along an input, with all responses kept by their inputs.
+    fn slope(&self, output: usize, along: usize, kept: &[Reach]) -> Result<f64> {
+        let find = |reach: &Reach| self.stand().interface().find(&reach.read);
+        let held: Vec<usize> = kept.iter().map(find).collect::<Result<_>>()?;
+        let by: Vec<usize> = kept.iter().map(|r| self.stand().settable(&r.by)).collect::<Result<_>>()?;
+        let outputs = [held, vec![output]].concat();
+        let inputs = [by, vec![along]].concat();
+        let (_, slopes): (_, DMatrix<f64>) = self.stand().state(&self.values, &outputs, &inputs)?;
+        let n = kept.len();
+        let own = slopes[(n, n)];
+        if n == 0 {
+            return Ok(own);
+        }
+        let by_kept = slopes.view((0, 0), (n, n)).clone_owned();
+        let moved = by_kept.lu().solve(&slopes.view((0, n), (n, 1)).clone_owned());
+        let moved =
+            moved.ok_or_else(|| Error::numeric("the inputs that keep responses do not act on them"))?;
+        Ok(own - (0..n).map(|k| slopes[(n, k)] * moved[k]).sum::<f64>())
+    }
+}

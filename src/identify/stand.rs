@@ -1,0 +1,173 @@
+//! A slave as a test stand: put into the state of constant inputs, asked how that changes, driven on from there.
+
+use crate::model::{Causality, Interface, Slave, Value};
+use crate::{Error, Result};
+use nalgebra::DMatrix;
+use std::cell::{Cell, RefCell};
+
+/// The parameter with which a rig refuses a start that is not stationary.
+const ONLY_STATIONARY: &str = "only_stationary_start";
+
+/// A difference as a share of an input's range,
+const DIFFERENCE: f64 = 1e-5;
+/// if that is no wider than this: beyond, it says nothing of the input's size.
+const LARGEST_RANGE: f64 = 10.0;
+
+/// The number that a variable starts with, if it is one.
+pub fn number(value: Option<&Value>) -> Option<f64> {
+    match value? {
+        Value::Real(x) => Some(*x),
+        Value::Integer(n) => Some(f64::from(*n)),
+        Value::Boolean(on) => Some(f64::from(u8::from(*on))),
+        Value::Text(_) => None,
+    }
+}
+
+/// Values of a slave's variables, by number.
+pub type Values = [(usize, f64)];
+
+/// A slave that starts in the stationary state of its inputs, as all rigs of this library do.
+pub struct Stand {
+    slave: RefCell<Box<dyn Slave>>,
+    interface: Interface,
+    /// What every start is given first.
+    fixed: Vec<(usize, f64)>,
+    starts: Cell<usize>,
+}
+
+impl Stand {
+    /// A stand with this slave. `fixed` is set before each start, in front of what the start itself asks for.
+    pub fn new(slave: Box<dyn Slave>, fixed: &Values) -> Self {
+        let interface = slave.interface().clone();
+        let mut fixed = fixed.to_vec();
+        fixed.extend(interface.index(ONLY_STATIONARY).map(|v| (v, 1.0)));
+        Self { slave: slave.into(), interface, fixed, starts: 0.into() }
+    }
+
+    /// What the slave's variables are.
+    pub fn interface(&self) -> &Interface {
+        &self.interface
+    }
+
+    /// How often it was started: what its answers cost.
+    pub fn starts(&self) -> usize {
+        self.starts.get()
+    }
+
+    /// The number of a variable that can be set before a start: a parameter or an input.
+    ///
+    /// # Errors
+    /// There is none of that name, or it is an output.
+    pub fn settable(&self, name: &str) -> Result<usize> {
+        let found = self.interface.find(name)?;
+        let info = &self.interface.variables[found];
+        match info.causality {
+            Causality::Parameter | Causality::Input if number(info.start.as_ref()).is_some() => Ok(found),
+            _ => Err(Error::variable(format!(
+                "{name} of {} is no parameter and no input",
+                self.interface.name
+            ))),
+        }
+    }
+
+    /// Outputs in the stationary state of `values`.
+    ///
+    /// # Errors
+    /// There is no such state, or a value is refused.
+    pub fn stationary(&self, values: &Values, outputs: &[usize]) -> Result<Vec<f64>> {
+        let mut slave = self.begin(values)?;
+        slave.finish_start()?;
+        outputs.iter().map(|v| slave.get(*v)).collect()
+    }
+
+    /// Outputs in that state, and how they (rows) change with inputs (columns): by the slave's own derivatives, or by
+    /// differences where it has none.
+    ///
+    /// # Errors
+    /// As [`stationary`](Self::stationary).
+    pub fn state(
+        &self,
+        values: &Values,
+        outputs: &[usize],
+        inputs: &[usize],
+    ) -> Result<(Vec<f64>, DMatrix<f64>)> {
+        let mut slopes = DMatrix::zeros(outputs.len(), inputs.len());
+        if !self.interface.directional_derivatives {
+            for (k, input) in inputs.iter().enumerate() {
+                let [below, above] = [-1.0, 1.0].map(|side| {
+                    let mut moved = values.to_vec();
+                    let at = self.value(values, *input) + side * self.difference(*input);
+                    moved.push((*input, at));
+                    self.stationary(&moved, outputs).map(|found| (at, found))
+                });
+                let ((low, below), (high, above)) = (below?, above?);
+                for (slope, (a, b)) in slopes.column_mut(k).iter_mut().zip(below.iter().zip(&above)) {
+                    *slope = (b - a) / (high - low);
+                }
+            }
+            return Ok((self.stationary(values, outputs)?, slopes));
+        }
+        let mut slave = self.begin(values)?;
+        for (k, input) in inputs.iter().enumerate() {
+            let column = slave.directional_derivatives(outputs, &[*input], &[1.0])?;
+            slopes.column_mut(k).copy_from_slice(&column);
+        }
+        slave.finish_start()?;
+        let values = outputs.iter().map(|v| slave.get(*v)).collect::<Result<_>>()?;
+        Ok((values, slopes))
+    }
+
+    /// The value that a variable has among `values`, or starts with.
+    pub fn value(&self, values: &Values, variable: usize) -> f64 {
+        let set = values.iter().rev().find(|(v, _)| *v == variable).map(|(_, value)| *value);
+        set.or_else(|| number(self.interface.variables[variable].start.as_ref())).unwrap_or(0.0)
+    }
+
+    /// Half of the difference by which a slope is found \[the input's unit\]: what truncation and rounding then leave of a smooth
+    /// output over its range is some 1e-10.
+    fn difference(&self, input: usize) -> f64 {
+        let info = &self.interface.variables[input];
+        match (info.min, info.max) {
+            (Some(low), Some(high)) if high - low < LARGEST_RANGE => DIFFERENCE * (high - low),
+            _ => DIFFERENCE,
+        }
+    }
+
+    /// Outputs after inputs have moved with constant rates for `time` seconds, from the stationary state of `values` on, in
+    /// `steps` communication steps.
+    ///
+    /// # Errors
+    /// As [`stationary`](Self::stationary); the run leaves the model's validity.
+    pub fn after(
+        &self,
+        values: &Values,
+        rates: &Values,
+        time: f64,
+        steps: usize,
+        outputs: &[usize],
+    ) -> Result<Vec<f64>> {
+        let mut slave = self.begin(values)?;
+        slave.finish_start()?;
+        let moving: Vec<usize> = rates.iter().map(|(v, _)| *v).collect();
+        let speeds: Vec<f64> = rates.iter().map(|(_, rate)| *rate).collect();
+        let at = |k: usize| time * k as f64 / steps as f64;
+        for k in 0..steps {
+            let places: Vec<f64> =
+                rates.iter().map(|(v, rate)| self.value(values, *v) + rate * at(k)).collect();
+            slave.set_all(&moving, &places, &speeds)?;
+            slave.step(at(k), at(k + 1) - at(k))?;
+        }
+        outputs.iter().map(|v| slave.get(*v)).collect()
+    }
+
+    fn begin(&self, values: &Values) -> Result<std::cell::RefMut<'_, Box<dyn Slave>>> {
+        self.starts.set(self.starts.get() + 1);
+        let mut slave = self.slave.borrow_mut();
+        slave.reset()?;
+        for (variable, value) in self.fixed.iter().chain(values) {
+            slave.set(*variable, *value)?;
+        }
+        slave.start(0.0, None)?;
+        Ok(slave)
+    }
+}

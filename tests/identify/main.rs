@@ -1,0 +1,7 @@
+//! Sequential identification: solvers and checks on the source's worked examples, and the plan of the ring-and-brush tire.
+#![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod benchmark;
+mod checks;
+mod examples;
+mod solvers;

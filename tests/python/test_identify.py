@@ -1,0 +1,86 @@
+"""Sequential identification from the command line: the published benchmark, and checks of plans."""
+
+import json
+
+import pytest
+
+from conftest import ROOT, latsch
+
+PLAN = ROOT / "examples" / "plans" / "magic-formula-flat-track.toml"
+
+
+def test_the_published_benchmark():
+    done = latsch("identify", "--benchmark", "kaden", "--format", "json")
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)
+    rows = {row["name"]: row for row in answer["parameters"]}
+    assert len(rows) == 15
+    for name, row in rows.items():
+        assert abs(row["relative_error"]) < 1e-6, name
+        assert row["identified"] == pytest.approx(row["true"], rel=1e-6)
+    assert rows["sidewall_radial_stiffness"]["published_relative_error"] == pytest.approx(4.62 / 4.67 - 1)
+    # four digits of the springs' forces are as good as 10 % of the rim's spring
+    assert 0.05 < rows["sidewall_radial_stiffness"]["rounding_bound"] < 0.2
+    targets = {t["name"]: t for t in answer["targets"]}
+    assert targets["contact force at 15 mm [N]"]["printed"] == 2736
+    assert targets["contact force at 15 mm [N]"]["rounded"] == 2733
+    text = latsch("identify", "--benchmark", "kaden").stdout
+    assert "vertical_stiffness" in text and "published" in text
+
+
+def test_a_plan_is_checked_on_a_model_and_on_its_fmu(tmp_path):
+    done = latsch("plan", "check", PLAN, "--format", "json")
+    assert done.returncode == 0, done.stderr
+    report = json.loads(done.stdout)
+    influence = dict(zip(report["targets"], report["influence"]))
+    assert report["parameters"][0] == "VERTICAL_STIFFNESS"
+    # only its own parameter and earlier ones
+    assert [share > 0 for share in influence["vertical force at 20 mm [N]"]] == [True] + 6 * [False]
+    assert influence["slip stiffness at 4000 N [N]"][1] > 0.5
+    assert all(group["dependence"] is None for group in report["groups"])
+    fmu = tmp_path / "tire.fmu"
+    assert latsch("export", "magic-formula-flat-track", "--output", fmu).returncode == 0
+    assert latsch("plan", "check", PLAN, "--model", fmu).stdout == latsch("plan", "check", PLAN).stdout
+
+
+def test_a_plan_in_the_wrong_order_is_refuted(tmp_path):
+    # the peak before the slip stiffness, on which the force there depends
+    head, *groups = PLAN.read_text().split("[[group]]\n")
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text("[[group]]\n".join([head, groups[0], groups[2], groups[1], *groups[3:]]))
+    done = latsch("plan", "check", wrong)
+    assert done.returncode == 1, done.stderr
+    assert 'NOT independent (proof): "force' in done.stdout
+
+
+def test_one_answer_is_refuted_by_two_points(tmp_path):
+    # sine of a slip angle far beyond the peak: a force that two factors give
+    text = PLAN.read_text().replace('name = "PCX1", bounds = [1.2, 1.95]', 'name = "PCX1", bounds = [1.2, 6.0]')
+    wide = tmp_path / "wide.toml"
+    wide.write_text(text)
+    done = latsch("plan", "check", wide)
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert "NOT unique (proof): the same targets at" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('read = "force_x"', 'read = "force_q"', ["group", "force_q", "did you mean"]),
+        ('condition = "pressed in by 20 mm"', 'condition = "pressed"', ["vertical force at 20 mm", 'no condition "pressed"']),
+        ('{ name = "PKX1", bounds = [5.0, 50.0] }', "", ["1 targets for 0 parameters"]),
+        ('name = "PKX1", bounds', 'name = "PKX1", limits', ["limits", "line"]),
+        ('by = "deflection"', 'by = "force_y"', ["force_y", "no parameter and no input"]),
+        ("bounds = [5.0, 50.0]", "bounds = [50.0, 5.0]", ["50", "no range"]),
+        ("value = 2000.0", "value = 2e6", ["not reached", "force_z", "by deflection"]),
+    ],
+)
+def test_a_plan_that_cannot_be_followed_says_where(tmp_path, old, new, words):
+    text = PLAN.read_text()
+    assert old in text
+    plan = tmp_path / "plan.toml"
+    plan.write_text(text.replace(old, new))
+    done = latsch("plan", "check", plan)
+    assert done.returncode in (1, 2) and done.stdout == ""
+    for word in words:
+        assert word in done.stderr, done.stderr
