@@ -2,7 +2,7 @@
 
 use crate::{Error, Result};
 use serde::Deserialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A plan of a sequential identification.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -183,22 +183,19 @@ impl Plan {
     /// Reads a plan.
     ///
     /// # Errors
-    /// No TOML, unknown entries, groups whose numbers of parameters and targets differ, conditions that are not there.
+    /// No TOML, unknown entries, groups whose numbers of parameters and targets differ, conditions that are not there, ranges
+    /// that are none, and whatever else cannot be followed on any model.
     pub fn read(text: &str) -> Result<Self> {
         let plan: Self = toml::from_str(text).map_err(|e| Error::file(e.to_string()))?;
-        for group in &plan.groups {
-            let (parameters, targets) = (group.parameters.len(), group.targets.len());
-            if parameters != targets {
-                return Err(Error::file(format!(
-                    "group \"{}\": {targets} targets for {parameters} parameters; as many are needed",
-                    group.name
-                )));
-            }
-            for target in &group.targets {
-                plan.condition(&target.condition)
-                    .map_err(|e| e.at(format!("group \"{}\", target \"{}\"", group.name, target.name)))?;
-            }
+        finite(&plan.set)?;
+        for condition in &plan.conditions {
+            condition.check().map_err(|e| e.at(format!("condition \"{}\"", condition.name)))?;
         }
+        different("condition", plan.conditions.iter().map(|c| &c.name))?;
+        for group in &plan.groups {
+            group.check(&plan).map_err(|e| e.at(format!("group \"{}\"", group.name)))?;
+        }
+        different("parameter", plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name))?;
         Ok(plan)
     }
 
@@ -212,4 +209,92 @@ impl Plan {
             .find(|c| c.name == name)
             .ok_or_else(|| Error::file(format!("there is no condition \"{name}\"")))
     }
+}
+
+impl Condition {
+    /// What it asks for can be asked of a rig.
+    fn check(&self) -> Result<()> {
+        finite(&self.hold)?;
+        self.reach.iter().try_for_each(|r| range(&r.by, r.between))?;
+        self.from_touch.iter().try_for_each(|t| range(&t.input, t.between))?;
+        self.require.iter().try_for_each(|r| range(&r.output, r.between))?;
+        if let Some(ramp) = &self.ramp {
+            let times = ramp.step > 0.0 && ramp.step <= ramp.time && ramp.time.is_finite();
+            if !times || !ramp.rate.is_finite() {
+                return Err(Error::file(format!(
+                    "{} moves with {} for {} s in steps of {} s: a finite rate, a time and a step of it are needed",
+                    ramp.input, ramp.rate, ramp.time, ramp.step
+                )));
+            }
+        }
+        for limit in &self.limit {
+            if limit.order < 1 || !self.hold.contains_key(&limit.input) {
+                return Err(Error::file(format!(
+                    "the limit of order {} in {}: a held input and an order of at least 1 are needed",
+                    limit.order, limit.input
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl GroupPlan {
+    fn check(&self, plan: &Plan) -> Result<()> {
+        let size = self.parameters.len();
+        if size == 0 || size != self.targets.len() {
+            let targets = self.targets.len();
+            return Err(Error::file(format!(
+                "{targets} targets for {size} parameters; as many are needed, and one at least"
+            )));
+        }
+        self.parameters.iter().try_for_each(|p| range(&p.name, p.bounds))?;
+        for target in &self.targets {
+            plan.condition(&target.condition).map_err(|e| e.at(format!("target \"{}\"", target.name)))?;
+        }
+        self.nesting.iter().try_for_each(|nesting| nesting.check(size))
+    }
+}
+
+impl NestingPlan {
+    /// There is a sign for each of `size` targets and pairs.
+    fn check(&self, size: usize) -> Result<()> {
+        let whole = self.rises.len() == size
+            && self.falls.len() == size
+            && self.falls.iter().all(|row| row.len() == size)
+            && (self.tail.is_none() || size > 2);
+        let falls = self.falls.iter().enumerate().flat_map(|(j, row)| row.iter().skip(j + 1));
+        let mut signs = self.rises.iter().chain(falls).chain(&self.tail);
+        if whole && signs.all(|s| s.abs() == 1.0) {
+            return Ok(());
+        }
+        Err(Error::file(format!(
+            "nesting: {size} signs in rises, {size} rows of {size} in falls, and a tail for more than two parameters only; each 1 or \
+             -1 (in falls above the diagonal)"
+        )))
+    }
+}
+
+fn range(name: &str, [low, high]: [f64; 2]) -> Result<()> {
+    if low < high && low.is_finite() && high.is_finite() {
+        return Ok(());
+    }
+    Err(Error::file(format!("{name}: {low} to {high} is no range")))
+}
+
+fn finite(values: &BTreeMap<String, f64>) -> Result<()> {
+    let wrong = values.iter().find(|(_, value)| !value.is_finite());
+    wrong.map_or(Ok(()), |(name, value)| {
+        Err(Error::file(format!("{name} = {value} is no number that can be set")))
+    })
+}
+
+fn different<'a>(what: &str, names: impl Iterator<Item = &'a String>) -> Result<()> {
+    let mut seen = BTreeSet::new();
+    for name in names {
+        if !seen.insert(name) {
+            return Err(Error::file(format!("{what} \"{name}\" is there twice")));
+        }
+    }
+    Ok(())
 }

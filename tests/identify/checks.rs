@@ -23,7 +23,7 @@ fn verdict(map: &Example) -> Injectivity {
 #[track_caller]
 fn margins(map: &Example) -> Vec<f64> {
     match verdict(map) {
-        Injectivity::Passed { orthants } => orthants.iter().map(|o| o.margin).collect(),
+        Injectivity::Passed { orthants, .. } => orthants.iter().map(|o| o.margin).collect(),
         other => panic!("{other:?}"),
     }
 }
@@ -35,7 +35,7 @@ fn the_half_space_criterion_passes_what_it_can() {
         assert!(margins(&map).iter().all(|m| *m > 0.0));
     }
     for map in [stalls(), spiral(), gradient_only()] {
-        let Injectivity::Open { orthants } = verdict(&map) else { panic!("{:?}", verdict(&map)) };
+        let Injectivity::Open { orthants, .. } = verdict(&map) else { panic!("{:?}", verdict(&map)) };
         assert!(orthants.iter().any(|o| o.margin <= 0.0));
     }
 }
@@ -104,10 +104,11 @@ fn the_next_group_is_found_from_what_is_known() {
     }
     // one alone, over its range of 2 in 4 + 0.6 sin(1)
     assert!(influence[(1, 1)] > 0.3 && influence[(1, 1)] <= 2.0 / 4.0, "{}", influence[(1, 1)]);
-    let dependence = depends(&sampled, &[1, 2], &[0, 3]).unwrap();
+    let dependence = depends(&sampled, &[1, 2], &[0, 3]).dependence.unwrap();
     let [a, b] = dependence.points.map(|p| Plan.at(&p).unwrap()[dependence.target]);
     assert!(dependence.target == 1 && a != b);
-    assert_eq!(depends(&sampled, &[1, 2], &[3]), None);
+    let none = depends(&sampled, &[1, 2], &[3]);
+    assert!(none.dependence.is_none() && none.compared == 100, "{none:?}");
 }
 
 /// A target that reacts in one part in a hundred only: few draws miss it, many do not.
@@ -120,7 +121,7 @@ fn a_narrow_dependence_needs_many_draws() {
     };
     let found = |draws| -> Option<Dependence> {
         let sampling = Sampling { draws, ..Sampling::default() };
-        depends(&Sampled::new(&narrow, sampling).unwrap(), &[0], &[1])
+        depends(&Sampled::new(&narrow, sampling).unwrap(), &[0], &[1]).dependence
     };
     assert_eq!(found(2), None);
     let found = found(2000).unwrap();
@@ -151,4 +152,29 @@ fn orders_and_signs_of_the_examples() {
     // no order of it has signs
     assert_eq!(of(&spiral()), None);
     assert_eq!(of(&twofold()), None);
+}
+
+/// Where targets cannot be computed, nothing is tested, and no pass is told.
+#[test]
+fn what_cannot_be_computed_is_no_pass() {
+    struct Half([[f64; 2]; 1], f64);
+
+    impl Targets for Half {
+        fn bounds(&self) -> &[[f64; 2]] {
+            &self.0
+        }
+
+        fn at(&self, p: &[f64]) -> Result<Vec<f64>> {
+            if p[0] < self.1 { Ok(vec![p[0]]) } else { Err(latsch::Error::numeric("not there")) }
+        }
+    }
+
+    let nowhere = Sampled::new(&Half([[0.0, 1.0]], -1.0), Sampling::default());
+    assert!(nowhere.is_err_and(|e| e.to_string().contains("anywhere in the box: not there")));
+    // a quarter of the box: half of the draws that are corners, too
+    let half = Half([[0.0, 1.0]], 0.25);
+    let sampled = sampled(&half);
+    assert!(sampled.computed[0] == 100 && (20..45).contains(&sampled.computed[1]), "{:?}", sampled.computed);
+    let search = depends(&sampled, &[0], &[0]);
+    assert!(search.dependence.is_some() && search.compared < 60, "{search:?}");
 }

@@ -3,8 +3,8 @@
 use crate::examples::*;
 use latsch::Result;
 use latsch::identify::solve::{
-    Goal, Group, Method, Nesting, Sequence, Side, Stall, Tail, Targets, Unsolved, Way, local, nested,
-    sequence,
+    Goal, Group, Method, Nesting, Sequence, Side, Solution, Stall, Tail, Targets, Unsolved, Way, intervals,
+    local, nested, sequence,
 };
 use latsch::stats::SplitMix64;
 use std::f64::consts::TAU;
@@ -326,4 +326,33 @@ fn a_sequence_of_groups_is_solved_by_what_each_allows() {
     assert!(residual > 0.0 && (found.residuals[2] - residual).abs() < 1e-9);
     assert!(found.residuals[0] < 1e-9 && found.residuals[3] < 1e-9, "{found:?}");
     assert_near(&found.parameters[..2], &p[..2], 1e-7);
+}
+
+/// Intervals of a linear map in closed form; where a target hardly reacts, there is none.
+#[test]
+fn what_the_targets_are_known_to_becomes_intervals_or_is_told_to_say_nothing() {
+    let linear = Example {
+        bounds: vec![[-10.0, 10.0]; 2],
+        values: |p| vec![2.0 * p[0], p[0] + 4.0 * p[1]],
+        slopes: |_| vec![2.0, 0.0, 1.0, 4.0],
+    };
+    let at =
+        |parameters: [f64; 2]| Solution { parameters: parameters.to_vec(), residual: 0.0, evaluations: 0 };
+    // the second is (z2 - z1 / 2) / 4
+    let found = intervals(&linear, &at([1.0, 1.0]), &[0.6, 0.4]).unwrap();
+    assert_near(&found, &[0.3, 0.3f64.hypot(0.4) / 4.0], 1e-12);
+    // the first target of the steep chain changes by 3e-5 per unit there
+    let steep = steep_chain();
+    match intervals(&steep, &at([5.5, 0.5]), &[1e-3, 1e-3]) {
+        Err(Unsolved::IllConditioned { parameter: 0, interval, .. }) => {
+            assert!(interval > 10.0, "{interval}")
+        }
+        other => panic!("{other:?}"),
+    }
+    assert!(intervals(&steep, &at([1.0, 0.5]), &[1e-3, 1e-3]).is_ok());
+    // both targets say the same there (section B.6)
+    match intervals(&twofold(), &at([1.0, 0.5]), &[1e-9, 1e-9]) {
+        Err(Unsolved::IllConditioned { interval, .. }) => assert_eq!(interval, f64::INFINITY),
+        other => panic!("{other:?}"),
+    }
 }

@@ -72,6 +72,10 @@ def test_one_answer_is_refuted_by_two_points(tmp_path):
         ('name = "PKX1", bounds', 'name = "PKX1", limits', ["limits", "line"]),
         ('by = "deflection"', 'by = "force_y"', ["force_y", "no parameter and no input"]),
         ("bounds = [5.0, 50.0]", "bounds = [50.0, 5.0]", ["50", "no range"]),
+        ("bounds = [5.0, 50.0]", "bounds = [5.0, nan]", ["PKX1", "no range"]),
+        ("falls = [[0, -1], [0, 0]]", "falls = [[0, 2], [0, 0]]", ["nesting", "above the diagonal"]),
+        ("rises = [1, -1]", "rises = [1]", ["nesting", "2 signs in rises"]),
+        ('name = "PKX1"', 'name = "PDX1"', ["PDX1", "twice"]),
         ("value = 2000.0", "value = 2e6", ["not reached", "force_z", "by deflection"]),
     ],
 )

@@ -16,17 +16,25 @@ pub struct Dependence {
     pub change: f64,
 }
 
-/// The largest dependence of targets on some parameters that was found (s1_ind); `None` if there is none beyond the tolerance.
+/// What a search for one found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Search {
+    /// The largest dependence beyond the tolerance.
+    pub dependence: Option<Dependence>,
+    /// How many pairs of points were compared: without any, nothing was tested.
+    pub compared: usize,
+}
+
+/// Looks for a dependence of targets on some parameters (s1_ind).
 ///
 /// For analytic targets the lack of one is right with probability 1, up to rounding: what is not constant is constant nowhere
 /// but on a set of measure zero. A target that reacts only in a small part of the box may be missed.
-pub fn depends(sampled: &Sampled<'_>, rows: &[usize], on: &[usize]) -> Option<Dependence> {
-    let Sampled { targets, sampling, ref sizes, .. } = *sampled;
+pub fn depends(sampled: &Sampled<'_>, rows: &[usize], on: &[usize]) -> Search {
+    let Sampled { targets, sampling, ref sizes, ref bases, .. } = *sampled;
     let mut random = SplitMix64::new(sampling.seed);
-    let mut largest: Option<Dependence> = None;
-    for _ in 0..sampling.constants {
-        let base = draw(targets.bounds(), &mut random);
-        let Ok(reference) = targets.some(&base, rows) else { continue };
+    let mut found = Search { dependence: None, compared: 0 };
+    for base in bases {
+        let Ok(reference) = targets.some(base, rows) else { continue };
         for _ in 0..sampling.draws {
             let other = draw(targets.bounds(), &mut random);
             let mut moved = base.clone();
@@ -34,22 +42,24 @@ pub fn depends(sampled: &Sampled<'_>, rows: &[usize], on: &[usize]) -> Option<De
                 moved[*k] = other[*k];
             }
             let Ok(values) = targets.some(&moved, rows) else { continue };
+            found.compared += 1;
             for (i, row) in rows.iter().enumerate() {
                 let change = (values[i] - reference[i]).abs() / sizes[*row];
-                let least = largest.as_ref().map_or(sampling.tolerance, |l| l.change);
+                let least = found.dependence.as_ref().map_or(sampling.tolerance, |d| d.change);
                 if change > least {
                     let points = [base.clone(), moved.clone()];
-                    largest = Some(Dependence { target: *row, points, change });
+                    found.dependence = Some(Dependence { target: *row, points, change });
                 }
             }
         }
     }
-    largest
+    found
 }
 
 /// The influence matrix (3.21): by how much of its range each target (row) changes with each parameter (column) alone, at most;
 /// 0 where that is within the tolerance.
 pub fn influence(sampled: &Sampled<'_>) -> DMatrix<f64> {
     let (rows, columns) = (sampled.sizes.len(), sampled.targets.bounds().len());
-    DMatrix::from_fn(rows, columns, |row, k| depends(sampled, &[row], &[k]).map_or(0.0, |d| d.change))
+    let change = |row, k| depends(sampled, &[row], &[k]).dependence.map_or(0.0, |d| d.change);
+    DMatrix::from_fn(rows, columns, change)
 }

@@ -40,11 +40,15 @@ pub enum Injectivity {
     Open {
         /// All orthants.
         orthants: Vec<Orthant>,
+        /// At how many points derivatives were looked at.
+        points: usize,
     },
     /// The criterion holds at all points that were tried: evidence, not proof.
     Passed {
         /// All orthants.
         orthants: Vec<Orthant>,
+        /// At how many points derivatives were looked at.
+        points: usize,
     },
 }
 
@@ -66,20 +70,28 @@ pub fn injective(sampled: &Sampled<'_>, rows: &[usize], parameters: &[usize]) ->
     let signs = |number: usize| (0..m).map(|k| if number >> k & 1 == 1 { -1.0 } else { 1.0 }).collect();
     let mut orthants: Vec<Orthant> =
         (0..1usize << (m - 1)).map(|n| Orthant { signs: signs(n), margin: f64::INFINITY }).collect();
-    for _ in 0..sampling.constants {
-        let base = draw(targets.bounds(), &mut random);
-        let part = Part::new(targets, rows.to_vec(), parameters.to_vec(), &base);
+    let mut points = 0;
+    for base in &sampled.bases {
+        let part = Part::new(targets, rows.to_vec(), parameters.to_vec(), base);
         if let Some(points) = collision(&part, &sizes, sampling.draws, &mut random) {
             return Ok(Injectivity::Refuted { points: points.map(|p| part.whole(&p)) });
         }
-        let cloud = Cloud::new(&part, &sizes, sampling.draws, &mut random);
+        let own: Vec<f64> = parameters.iter().map(|k| base[*k]).collect();
+        let cloud = Cloud::new(&part, &sizes, &own, sampling.draws, &mut random);
+        if cloud.jacobians.is_empty() {
+            continue;
+        }
+        points += cloud.jacobians.len();
         for orthant in &mut orthants {
             let margin = cloud.margin(&orthant.signs, &mut random)?;
             orthant.margin = orthant.margin.min(margin);
         }
     }
+    if points == 0 {
+        return Err(Error::numeric("the derivatives of the targets cannot be computed at any draw"));
+    }
     let holds = orthants.iter().all(|o| o.margin > 0.0);
-    Ok(if holds { Injectivity::Passed { orthants } } else { Injectivity::Open { orthants } })
+    Ok(if holds { Injectivity::Passed { orthants, points } } else { Injectivity::Open { orthants, points } })
 }
 
 /// Two points of a box with the same targets.
@@ -111,9 +123,15 @@ struct Cloud<'a> {
 }
 
 impl<'a> Cloud<'a> {
-    fn new(part: &'a Part<'a>, sizes: &'a [f64], draws: usize, random: &mut SplitMix64) -> Self {
+    fn new(
+        part: &'a Part<'a>,
+        sizes: &'a [f64],
+        base: &[f64],
+        draws: usize,
+        random: &mut SplitMix64,
+    ) -> Self {
         let mut cloud = Self { part, sizes, jacobians: Vec::new() };
-        let points = (0..draws).map(|_| draw(part.bounds(), random));
+        let points = std::iter::once(base.to_vec()).chain((0..draws).map(|_| draw(part.bounds(), random)));
         cloud.jacobians = points.filter_map(|p| cloud.jacobian(&p)).collect();
         cloud
     }

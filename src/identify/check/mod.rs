@@ -10,7 +10,7 @@ mod report;
 mod response;
 mod samples;
 
-pub use independence::{Dependence, depends, influence};
+pub use independence::{Dependence, Search, depends, influence};
 pub use injectivity::{Injectivity, Orthant, injective};
 pub use next_group::next_group;
 pub use report::{GroupReport, Report, check};

@@ -12,7 +12,7 @@ use crate::Result;
 /// As [`injective`].
 pub fn next_group(sampled: &Sampled<'_>, rows: &[usize], known: &[usize]) -> Result<Option<Vec<usize>>> {
     let unknown = (0..sampled.targets.bounds().len()).filter(|k| !known.contains(k));
-    let group: Vec<usize> = unknown.filter(|k| depends(sampled, rows, &[*k]).is_some()).collect();
+    let group: Vec<usize> = unknown.filter(|k| depends(sampled, rows, &[*k]).dependence.is_some()).collect();
     if group.len() != rows.len() {
         return Ok(None);
     }

@@ -1,6 +1,6 @@
 //! All tests of a plan, and what they say.
 
-use super::independence::{Dependence, depends, influence};
+use super::independence::{Dependence, Search, depends, influence};
 use super::injectivity::{Injectivity, injective};
 use super::response::{Response, responds};
 use super::samples::{Sampled, Sampling};
@@ -33,6 +33,8 @@ pub struct GroupReport {
     pub range: [usize; 2],
     /// A dependence on parameters of later groups: a counter-example.
     pub dependence: Option<Dependence>,
+    /// How many pairs of points were compared for one.
+    pub compared: usize,
     /// Whether it has one answer.
     pub injectivity: Injectivity,
     /// In which order and with which signs it can be searched; nothing if no order has one set of signs.
@@ -53,10 +55,12 @@ pub fn check(readings: &Readings<'_>, sampling: &Sampling) -> Result<Report> {
     for group in &plan.groups {
         let to = from + group.parameters.len();
         let (own, later): (Vec<usize>, Vec<usize>) = ((from..to).collect(), (to..parameters.len()).collect());
+        let Search { dependence, compared } = depends(&sampled, &own, &later);
         groups.push(GroupReport {
             name: group.name.clone(),
             range: [from, to],
-            dependence: depends(&sampled, &own, &later),
+            dependence,
+            compared,
             injectivity: injective(&sampled, &own, &own)?,
             response: responds(&sampled, &own, &own)?,
         });
@@ -107,7 +111,14 @@ impl fmt::Display for Report {
         for (number, group) in self.groups.iter().enumerate() {
             writeln!(f, "\nGroup {}: {}", number + 1, group.name)?;
             match &group.dependence {
-                None => writeln!(f, "  independent of later parameters: no counter-example (evidence)")?,
+                None if group.range[1] == self.parameters.len() => {
+                    writeln!(f, "  there are no later parameters")?
+                }
+                None => writeln!(
+                    f,
+                    "  independent of later parameters: no counter-example in {} pairs (evidence)",
+                    group.compared
+                )?,
                 Some(d) => writeln!(
                     f,
                     "  NOT independent (proof): \"{}\" differs by {:.1e} of its range between\n    {:?}\n    {:?}",
@@ -118,7 +129,7 @@ impl fmt::Display for Report {
                 Injectivity::Refuted { points: [a, b] } => {
                     writeln!(f, "  NOT unique (proof): the same targets at\n    {a:?}\n    {b:?}")?;
                 }
-                Injectivity::Open { orthants } => {
+                Injectivity::Open { orthants, .. } => {
                     let open = orthants.iter().filter(|o| o.margin <= 0.0).count();
                     writeln!(
                         f,
@@ -126,11 +137,11 @@ impl fmt::Display for Report {
                         orthants.len()
                     )?;
                 }
-                Injectivity::Passed { orthants } => {
+                Injectivity::Passed { orthants, points } => {
                     let least = orthants.iter().map(|o| o.margin).fold(f64::INFINITY, f64::min);
                     writeln!(
                         f,
-                        "  one answer: the half-space criterion holds with a margin of {least:.2} (evidence)"
+                        "  one answer: the half-space criterion holds at {points} points and more, with a margin of {least:.2} (evidence)"
                     )?;
                 }
             }

@@ -32,8 +32,8 @@ pub fn responds(sampled: &Sampled<'_>, rows: &[usize], parameters: &[usize]) -> 
     let mut random = SplitMix64::new(sampling.seed);
     let mut jacobians = Vec::new();
     let mut failure = None;
-    for _ in 0..sampling.constants * sampling.draws {
-        let base = draw(targets.bounds(), &mut random);
+    let draws = (0..sampling.constants * sampling.draws).map(|_| draw(targets.bounds(), &mut random));
+    for base in sampled.bases.iter().cloned().chain(draws) {
         let part = Part::new(targets, rows.to_vec(), parameters.to_vec(), &base);
         let at: Vec<f64> = parameters.iter().map(|k| base[*k]).collect();
         match part.jacobian(&at) {

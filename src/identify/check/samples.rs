@@ -7,7 +7,8 @@ use crate::{Error, Result};
 /// How much is tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling {
-    /// Draws of what is held fixed: known parameters and those of other groups.
+    /// Draws of what is held fixed: known parameters and those of other groups. Fewer, if at fewer of all draws the targets can
+    /// be computed.
     pub constants: usize,
     /// Draws of the parameters that are looked at, for each of these.
     pub draws: usize,
@@ -39,6 +40,8 @@ pub struct Sampled<'a> {
     pub(super) targets: &'a dyn Targets,
     pub(super) sampling: Sampling,
     pub(super) sizes: Vec<f64>,
+    /// Points at which all can be computed, around which the others are drawn.
+    pub(super) bases: Vec<Vec<f64>>,
     /// How many draws there were, and at how many of them the targets could be computed.
     pub computed: [usize; 2],
 }
@@ -50,15 +53,19 @@ impl<'a> Sampled<'a> {
     /// They cannot be computed anywhere.
     pub fn new(targets: &'a dyn Targets, sampling: Sampling) -> Result<Self> {
         let mut random = SplitMix64::new(sampling.seed ^ 0x5153);
-        let mut ends: Option<Vec<[f64; 2]>> = None;
+        let (mut ends, mut bases): (Option<Vec<[f64; 2]>>, _) = (None, Vec::new());
         let (mut failure, mut computed) = (None, [sampling.constants * sampling.draws, 0]);
         for _ in 0..computed[0] {
-            match targets.at(&draw(targets.bounds(), &mut random)) {
+            let point = draw(targets.bounds(), &mut random);
+            match targets.at(&point) {
                 Ok(values) => {
                     computed[1] += 1;
                     let ends = ends.get_or_insert_with(|| values.iter().map(|v| [*v, *v]).collect());
                     for (end, value) in ends.iter_mut().zip(&values) {
                         *end = [end[0].min(*value), end[1].max(*value)];
+                    }
+                    if bases.len() < sampling.constants {
+                        bases.push(point);
                     }
                 }
                 Err(error) => failure = Some(error),
@@ -68,7 +75,7 @@ impl<'a> Sampled<'a> {
             |[low, high]: &[f64; 2]| if high > low { high - low } else { low.abs().max(f64::MIN_POSITIVE) };
         match (ends, failure) {
             (Some(ends), _) => {
-                Ok(Self { targets, sampling, sizes: ends.iter().map(size).collect(), computed })
+                Ok(Self { targets, sampling, sizes: ends.iter().map(size).collect(), bases, computed })
             }
             (None, Some(error)) => Err(error.at("the targets cannot be computed anywhere in the box")),
             (None, None) => Err(Error::call("no draws to test targets at")),

@@ -1,6 +1,7 @@
 //! Solvers of as many equations as unknowns, in a box: each with what it guarantees, and with a reason where it finds nothing.
 
 mod bracket;
+mod conditioning;
 mod descent;
 mod local;
 mod nested;
@@ -10,6 +11,7 @@ mod tail;
 mod targets;
 
 pub(super) use bracket::Next;
+pub use conditioning::intervals;
 pub(super) use descent::nearest;
 pub use local::{Method, local};
 pub use nested::{Nesting, nested};
