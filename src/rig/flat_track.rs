@@ -5,16 +5,22 @@
 //! an unbounded plane over which the wheel travels. All signs at this interface are those of
 //! ISO 8855; the source's slip angle (DIN 70000) has the opposite sign and is converted here, once.
 
+use super::load_control::{DEFLECTIONS, LoadControl};
 use super::{Actuation, Actuator, Command, Rolling};
 use crate::mechanics::check_steps_of_led_rim;
 use crate::model::{Model, Purpose, Role, Table, input, join, local, output, parameter};
 use crate::road;
 use crate::solver::{Dual, Real};
-use crate::tire::{Change, Motion, Mounted, Rest, Tire, Vertical, to_heading};
+use crate::tire::{Change, Motion, Mounted, Tire, to_heading};
 use crate::{Error, Result, clone_in_place, lens, rated, real};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI};
+
+/// A tire whose rolling radius depends on the deflection is put on the road so often at most, until both fit.
+const MAX_ROLLING_RADII: usize = 10;
+/// They fit if the spin rates of two of these differ by less than this share.
+const SAME_RATE: f64 = 1e-12;
 
 /// The model: parameters, commands, actuators, tire and what the rig measures.
 #[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -23,6 +29,7 @@ pub struct FlatTrack<T> {
     tire: Rolling<T>,
     step_size: f64,
     actuation: Actuation,
+    load_control: LoadControl,
     commands: Drive<Command>,
     actuators: Drive<Actuator>,
     path: f64,
@@ -45,6 +52,7 @@ clone_in_place!(FlatTrack<T> {
     tire,
     step_size,
     actuation,
+    load_control,
     commands,
     actuators,
     path,
@@ -74,7 +82,7 @@ impl<T: Tire> Model for FlatTrack<T> {
     fn variables() -> Table<Self> {
         Table::new([
             input("steer", "rad", rated!(commands.steer), 0.0, "Steer angle of the wheel about z; it turns wheel and path together, so it makes no slip angle").range(-2.0 * PI, 2.0 * PI).role(Role::SteerAngle),
-            input("deflection", "m", rated!(commands.deflection), 0.02, "Unloaded radius minus height of the wheel centre; negative lifts the tire off").range(-0.2, 0.1),
+            input("deflection", "m", rated!(commands.deflection), 0.02, "Unloaded radius minus height of the wheel centre; negative lifts the tire off").range(DEFLECTIONS[0], DEFLECTIONS[1]),
             input("path_speed", "m/s", rated!(commands.path_speed), 10.0, "Speed of the wheel over the road along its path; negative: in reverse").range(-100.0, 100.0).role(Role::TravelSpeed),
             input("camber", "rad", rated!(commands.camber), 0.0, "Inclination angle; positive leans the top of the wheel to -y").range(-0.6, 0.6).role(Role::Camber),
             input("slip", "1", rated!(commands.slip), 0.0, "Longitudinal slip, (rolling radius times spin speed - v) / |v| with the speed v in the wheel's heading: positive makes a positive force_x; a locked wheel is -1 forward, +1 in reverse").range(-100.0, 100.0).role(Role::Slip),
@@ -94,6 +102,7 @@ impl<T: Tire> Model for FlatTrack<T> {
             parameter("step_size", "s", real!(step_size), T::STEP, "Step of the model's own time grid").range(1e-7, 1e-3).purpose(Purpose::Numerics).role(Role::Step),
         ])
         .part("", lens!(actuation), Actuation::rows())
+        .part("", lens!(load_control), LoadControl::rows())
     }
 
     fn step_size(&self) -> f64 {
@@ -114,6 +123,9 @@ impl<T: Tire> Model for FlatTrack<T> {
         };
         self.path = 0.0;
         self.place = [0.0; 2];
+        if self.load_control.on {
+            return self.start_at_load();
+        }
         let rim = self.rim_motion(0.0);
         self.tire.start(&rim, self.place)
     }
@@ -126,29 +138,44 @@ impl<T: Tire> Model for FlatTrack<T> {
     ) -> Result<Vec<Option<f64>>> {
         let mut position = self.actuators.map(|a| Dual::<1>::from(a.position));
         let mut friction = Dual::<1>::from(self.tire.friction_factor);
+        let mut load = 0.0;
         for (name, share) in direction {
-            // between steps the actuators, where they are on, stand between commands and rim
-            if let Some(drive) = position.named(name).filter(|_| starting || !self.actuation.on) {
-                drive.gradient[0] += share;
-            }
-            if *name == "friction_factor" {
-                friction.gradient[0] += share;
+            match *name {
+                "friction_factor" => friction.gradient[0] += share,
+                "load" => load += share,
+                "deflection" if self.load_control.on => {}
+                // between steps the actuators, where they are on, stand between commands and rim
+                name if starting || !self.actuation.on => {
+                    if let Some(drive) = position.named(name) {
+                        drive.gradient[0] += share;
+                    }
+                }
+                _ => {}
             }
         }
-        let velocity = self.actuators.map(|a| Dual::<1>::from(a.velocity));
-        let rim = imposed(self.tire.tire(), &position, &velocity, self.tire.mounted.rim.angles.y);
-        let change = if starting {
-            // the road has its own factor besides the one that the master gives
-            let friction = friction * self.tire.surface(self.place).friction;
-            match self.tire.mounted.stationary_change(&self.tire.ground(self.place), &rim, friction) {
-                Ok(change) => change,
-                // on a slope, or where the stationary state is none
-                Err(_) => return Ok(vec![None; unknowns.len()]),
-            }
-        } else {
-            self.tire.tire().step_change(&rim, friction)?
+        let alone = self.change(starting, &position, friction, unknowns)?;
+        // between steps the load is nothing but what the controller goes for
+        if !self.load_control.on || !starting {
+            return Ok(alone);
+        }
+        // the deflection moves along so that the vertical force changes as the load does
+        let mut deflected = self.actuators.map(|a| Dual::<1>::from(a.position));
+        deflected.deflection.gradient[0] = 1.0;
+        let still = Dual::from(self.tire.friction_factor);
+        let force = |position: &_, friction| self.change(starting, position, friction, &["force_z"]);
+        let ([Some(changed)], [Some(stiffness)]) =
+            (&force(&position, friction)?[..], &force(&deflected, still)?[..])
+        else {
+            return Ok(vec![None; unknowns.len()]);
         };
-        unknowns.iter().map(|name| derivative(&change, rim.angles.z, name)).collect()
+        let follows = (load - changed) / stiffness;
+        if !follows.is_finite() {
+            return Err(Error::call(
+                "there is no derivative at constant load where the tire is off the road",
+            ));
+        }
+        let by_deflection = self.change(starting, &deflected, still, unknowns)?;
+        Ok(alone.iter().zip(by_deflection).map(|(a, d)| Some((*a)? + follows * d?)).collect())
     }
 
     fn tune(&mut self) -> Result<()> {
@@ -168,7 +195,11 @@ impl<T: Tire> Model for FlatTrack<T> {
         let (commands, corner) = (&self.commands, self.actuation.corner());
         let actuators = &mut self.actuators;
         actuators.steer.follow(&commands.steer, corner, length);
-        actuators.deflection.follow(&commands.deflection, corner, length);
+        let deflection = match self.load_control.on {
+            true => self.load_control.follow(self.tire.mounted.force.z, length)?,
+            false => commands.deflection,
+        };
+        actuators.deflection.follow(&deflection, corner, length);
         actuators.path_speed.follow(&commands.path_speed, corner, length);
         actuators.camber.follow(&commands.camber, corner, length);
         actuators.slip.follow(&commands.slip, corner, length);
@@ -266,6 +297,48 @@ fn derivative(change: &Change, steer: Dual<1>, name: &str) -> Result<Option<f64>
 }
 
 impl<T: Tire> FlatTrack<T> {
+    /// The stationary state at the load that is held.
+    fn start_at_load(&mut self) -> Result<()> {
+        let mut rim = self.rim_motion(0.0);
+        for _ in 0..MAX_ROLLING_RADII {
+            self.tire.start_carrying(&rim, self.place, self.load_control.load)?;
+            let deflection = self.tire().radius() - self.tire.mounted.rim.position.z;
+            self.actuators.deflection = Actuator::at_rest(&self.load_control.rest(deflection)?);
+            let again = self.rim_motion(0.0);
+            if (again.rates.y - rim.rates.y).abs() <= SAME_RATE * rim.rates.y.abs() {
+                return Ok(());
+            }
+            rim = again;
+        }
+        Err(Error::numeric(
+            "load_control: no deflection was found whose rolling radius and load fit each other",
+        ))
+    }
+
+    /// Derivatives of outputs along what drives and friction carry as theirs.
+    fn change(
+        &self,
+        starting: bool,
+        position: &Drive<Dual<1>>,
+        friction: Dual<1>,
+        unknowns: &[&str],
+    ) -> Result<Vec<Option<f64>>> {
+        let velocity = self.actuators.map(|a| Dual::<1>::from(a.velocity));
+        let rim = imposed(self.tire.tire(), position, &velocity, self.tire.mounted.rim.angles.y);
+        let change = if starting {
+            // the road has its own factor besides the one that the master gives
+            let friction = friction * self.tire.surface(self.place).friction;
+            match self.tire.mounted.stationary_change(&self.tire.ground(self.place), &rim, friction) {
+                Ok(change) => change,
+                // on a slope, or where the stationary state is none
+                Err(_) => return Ok(vec![None; unknowns.len()]),
+            }
+        } else {
+            self.tire.tire().step_change(&rim, friction)?
+        };
+        unknowns.iter().map(|name| derivative(&change, rim.angles.z, name)).collect()
+    }
+
     /// The rim's motion that the actuators impose, at a spin angle.
     fn rim_motion(&self, spin_angle: f64) -> Motion<f64> {
         imposed(
@@ -284,14 +357,5 @@ impl<T: Tire> FlatTrack<T> {
     /// The tire.
     pub fn tire(&self) -> &T {
         self.tire.tire()
-    }
-
-    /// The stationary state for the present commands with, instead of the commanded deflection, a
-    /// vertical force \[N\] on the rim.
-    ///
-    /// # Errors
-    /// None was found.
-    pub fn stationary_at_load(&self, load: f64) -> Result<Rest<T::Inside>> {
-        self.tire.tire().stationary(&self.tire.mounted.rim, Vertical::Load(load), self.tire.friction_factor)
     }
 }

@@ -5,6 +5,7 @@ mod bare;
 mod corner;
 mod flat_track;
 mod hub;
+mod load_control;
 mod on_road;
 mod rolling;
 mod wheel;

@@ -75,6 +75,14 @@ impl<T: Tire> Rolling<T> {
         self.mounted.start(rim, &OnRoad::at(&self.road, place, self.friction_factor))
     }
 
+    /// As [`Mounted::start_carrying`], at a place.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn start_carrying(&mut self, rim: &Motion<f64>, place: [f64; 2], load: f64) -> Result<()> {
+        self.mounted.start_carrying(rim, &OnRoad::at(&self.road, place, self.friction_factor), load)
+    }
+
     /// As [`Mounted::start_rolling`], at a place.
     ///
     /// # Errors

@@ -87,19 +87,40 @@ impl<T: Tire> Mounted<T> {
     /// [`only_stationary`](Mounted::only_stationary) is set.
     pub fn start(&mut self, rim: &Motion<f64>, ground: &impl Ground) -> Result<()> {
         self.rim = *rim;
-        let (plane, on_plane) = self.on_plane(ground);
-        let found = self.stationary(ground);
+        let (plane, _) = self.on_plane(ground);
+        self.start_held(Vertical::Height(plane.clearance), ground)
+    }
+
+    /// [`start`](Self::start) at the height at which the tire carries `load` \[N\], the force on the rim along the
+    /// road's normal. The height of `rim` does not matter; the one found is in the field `rim` afterwards.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn start_carrying(&mut self, rim: &Motion<f64>, ground: &impl Ground, load: f64) -> Result<()> {
+        self.rim = *rim;
+        self.start_held(Vertical::Load(load), ground)
+    }
+
+    /// The start of a rim that moves as the field `rim` says.
+    fn start_held(&mut self, held: Vertical, ground: &impl Ground) -> Result<()> {
+        let (mut plane, on_plane) = self.on_plane(ground);
+        let found = self.tire.stationary(&on_plane, held, plane.friction);
         self.start = if found.is_ok() { Start::Stationary } else { Start::Rolling };
         let rest = match found {
             Err(error) if self.only_stationary => return Err(self.refused(&error.to_string())),
             Err(_) => {
                 let deflection = self.tire.radius() - plane.clearance;
                 let free = free_rolling(&on_plane, self.tire.rolling_radius(deflection));
-                self.tire.stationary(&free, Vertical::Height(plane.clearance), plane.friction)?
+                self.tire.stationary(&free, held, plane.friction)?
             }
             Ok(rest) => rest,
         };
-        self.tire.begin(&rest, rim, &plane, ground)?;
+        if let Vertical::Load(_) = held {
+            self.rim.position.z += rest.rim_height - plane.clearance;
+            (plane, _) = self.on_plane(ground);
+        }
+        let rim = self.rim;
+        self.tire.begin(&rest, &rim, &plane, ground)?;
         self.measure();
         Ok(())
     }
