@@ -2,7 +2,7 @@
 
 use crate::model::{Causality, Interface, Slave, Value};
 use crate::{Error, Result};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use std::cell::{Cell, RefCell};
 
 /// The parameter with which a rig refuses a start that is not stationary.
@@ -94,16 +94,12 @@ impl Stand {
         let mut slopes = DMatrix::zeros(outputs.len(), inputs.len());
         if !self.interface.directional_derivatives {
             for (k, input) in inputs.iter().enumerate() {
-                let [below, above] = [-1.0, 1.0].map(|side| {
-                    let mut moved = values.to_vec();
-                    let at = self.value(values, *input) + side * self.difference(*input);
-                    moved.push((*input, at));
-                    self.stationary(&moved, outputs).map(|found| (at, found))
-                });
-                let ((low, below), (high, above)) = (below?, above?);
-                for (slope, (a, b)) in slopes.column_mut(k).iter_mut().zip(below.iter().zip(&above)) {
-                    *slope = (b - a) / (high - low);
-                }
+                // extrapolated from two differences: a peak may be as narrow as a thousandth of the input's range, and its
+                // curvature is then no small part of the slope
+                let half = self.difference(*input);
+                let [wide, narrow] =
+                    [half, 0.5 * half].map(|half| self.central(values, outputs, *input, half));
+                slopes.set_column(k, &((narrow? * 4.0 - wide?) / 3.0));
             }
             return Ok((self.stationary(values, outputs)?, slopes));
         }
@@ -117,14 +113,25 @@ impl Stand {
         Ok((values, slopes))
     }
 
+    /// The central difference of outputs over an input.
+    fn central(&self, values: &Values, outputs: &[usize], input: usize, half: f64) -> Result<DVector<f64>> {
+        let [below, above] = [-half, half].map(|side| {
+            let at = self.value(values, input) + side;
+            let moved = [values, &[(input, at)]].concat();
+            self.stationary(&moved, outputs).map(|found| (at, DVector::from_vec(found)))
+        });
+        let ((low, below), (high, above)) = (below?, above?);
+        Ok((above - below) / (high - low))
+    }
+
     /// The value that a variable has among `values`, or starts with.
     pub fn value(&self, values: &Values, variable: usize) -> f64 {
         let set = values.iter().rev().find(|(v, _)| *v == variable).map(|(_, value)| *value);
         set.or_else(|| number(self.interface.variables[variable].start.as_ref())).unwrap_or(0.0)
     }
 
-    /// Half of the difference by which a slope is found \[the input's unit\]: what truncation and rounding then leave of a smooth
-    /// output over its range is some 1e-10.
+    /// Half of the wider of the differences by which a slope is found \[the input's unit\]: what truncation and rounding then leave
+    /// of an output that turns within a thousandth of its input's range is some 1e-10.
     fn difference(&self, input: usize) -> f64 {
         let info = &self.interface.variables[input];
         match (info.min, info.max) {
