@@ -59,7 +59,7 @@ const ORDER: &[(&str, &str)] = &[
         "stats model effect fmi fmi/entry fmi/import fmi/archive fmi/corrected shipped recording simulate",
     ),
     ("fit", "stats model effect"),
-    ("identify", "stats model fmi fmi/entry shipped"),
+    ("identify", "stats model fmi fmi/entry shipped recording"),
     (
         "diagnose",
         "page stats model effect fmi fmi/entry fmi/import shipped recording simulate cosimulate fit",

@@ -1,19 +1,40 @@
 //! `latsch identify`: sequential identification.
 
-use super::{Format, print, print_json};
+use super::rig_program::plan_text;
+use super::{Format, check_outputs, print, print_json};
 use clap::ValueEnum;
+use latsch::fmi::Entry;
 use latsch::identify::benchmark::{Benchmark, kaden};
+use latsch::identify::recorded::{Answer, Light, identify};
+use latsch::identify::{Numbers, Plan, Stand, number, ring_brush};
+use latsch::model::Settings;
+use latsch::recording::{Recording, read_csv, read_settings};
+use latsch::shipped::MODELS;
 use latsch::{Error, Result};
 use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
 
 /// Identify parameters group after group, each group from readings that have one answer
 ///
-/// So far for target values that are known, as those of a published benchmark; docs/identify.md has the method.
+/// From recordings of a rig, or for the target values of a published benchmark. docs/identify.md has the method.
 #[derive(clap::Args)]
+#[command(group(clap::ArgGroup::new("what").required(true).args(["plan", "benchmark"])))]
 pub struct Args {
+    /// The plan, or the name of one that is shipped: ring-brush-flat-track
+    #[arg(value_name = "PLAN|F.toml", requires_all = ["recordings", "output"])]
+    plan: Option<String>,
+    /// Folder with the recordings: CSV with the columns `time [s]` and `name [unit]`, inputs and outputs of the plan's model
+    #[arg(long, value_name = "DIR", requires = "plan")]
+    recordings: Option<PathBuf>,
+    /// Parameters to write: TOML for `latsch export` and `latsch simulate`
+    #[arg(long, short, value_name = "F.toml", requires = "plan")]
+    output: Option<PathBuf>,
+    /// Parameters that are known, and where the search begins: TOML with [parameters]
+    #[arg(long, value_name = "F.toml", requires = "plan")]
+    parameters: Option<PathBuf>,
     /// A published benchmark: parameters are found from its target values, exact, rounded as printed, and as printed
     #[arg(long, value_enum, value_name = "NAME")]
-    benchmark: Name,
+    benchmark: Option<Name>,
     /// How to print
     #[arg(long, value_enum, default_value = "text")]
     format: Format,
@@ -26,12 +47,95 @@ enum Name {
 }
 
 pub fn run(args: &Args) -> Result<()> {
-    let Name::Kaden = args.benchmark;
-    let answer = kaden()?;
-    if args.format == Format::Json {
-        return print_json(&serde_json::to_value(&answer).map_err(|e| Error::file(e.to_string()))?);
+    let json = |e: serde_json::Error| Error::file(e.to_string());
+    if let Some(Name::Kaden) = args.benchmark {
+        let answer = kaden()?;
+        return match args.format {
+            Format::Json => print_json(&serde_json::to_value(&answer).map_err(json)?),
+            Format::Text => print(&text(&answer)),
+        };
     }
-    print(&text(&answer))
+    let (Some(plan), Some(folder), Some(output)) = (&args.plan, &args.recordings, &args.output) else {
+        return Err(Error::call("a plan, --recordings and --output are needed"));
+    };
+    let read: Vec<&Path> = args.parameters.iter().map(PathBuf::as_path).collect();
+    check_outputs(&[output], &read)?;
+    let answer = from_recordings(plan, folder, args.parameters.as_deref())?;
+    let toml = parameter_file(&answer);
+    std::fs::write(output, toml)
+        .map_err(|e| Error::file(format!("{} cannot be written: {e}", output.display())))?;
+    match args.format {
+        Format::Json => print_json(&serde_json::to_value(&answer).map_err(json)?),
+        Format::Text => print(&told(&answer)),
+    }
+}
+
+fn from_recordings(plan: &str, folder: &Path, parameters: Option<&Path>) -> Result<Answer> {
+    let read = Plan::read(&plan_text(plan)?).map_err(|e| e.at(plan))?;
+    let slave = Entry::find(MODELS, &read.model)?.slave(&Settings::default())?;
+    let own = read_settings(parameters)?;
+    let start: Numbers =
+        own.values.iter().filter_map(|v| Some((v.name.clone(), number(Some(&v.value))?))).collect();
+    identify(&read, &Stand::new(slave, &[]), ring_brush::REGISTRY, &start, &recordings(folder)?)
+}
+
+/// All recordings of a folder, in the order of their names.
+fn recordings(folder: &Path) -> Result<Vec<Recording>> {
+    let entries = std::fs::read_dir(folder)
+        .map_err(|e| Error::file(format!("{} cannot be read: {e}", folder.display())))?;
+    let mut files: Vec<PathBuf> = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|file| file.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")))
+        .collect();
+    files.sort();
+    if files.is_empty() {
+        return Err(Error::file(format!("{} has no recordings: CSV files are needed", folder.display())));
+    }
+    files.iter().map(|file| read_csv(file)).collect()
+}
+
+fn parameter_file(answer: &Answer) -> String {
+    let mut text = String::from("[parameters]\n");
+    for (name, value) in &answer.values {
+        let _ = writeln!(text, "{name} = {value:?}");
+    }
+    text
+}
+
+fn told(answer: &Answer) -> String {
+    let mut text = String::new();
+    let _ = writeln!(text, "{:44} {:>12} {:>11}", "parameter", "value", "+- (90 %)");
+    for row in &answer.parameters {
+        let light = match row.light {
+            Light::Green => "green",
+            Light::Yellow => "yellow",
+            Light::Red => "red",
+        };
+        let half = row.half_width.map_or("-".to_owned(), |half| format!("{half:.2e}"));
+        let _ = writeln!(text, "{:44} {:>12.5e} {half:>11}  {light}", row.name, row.value);
+        if let Some(why) = &row.why {
+            let _ = writeln!(text, "    {why}");
+        }
+    }
+    let _ = writeln!(
+        text,
+        "\n{:44} {:>4} {:>12} {:>11} {:>12}",
+        "target", "from", "measured", "+- (90 %)", "modelled"
+    );
+    for row in &answer.targets {
+        let _ = writeln!(
+            text,
+            "{:44} {:>4} {:>12.5e} {:>11.2e} {:>12.5e}",
+            row.name, row.readings, row.measured, row.half_width, row.modelled
+        );
+    }
+    for (name, offset) in answer.offsets.iter().chain(&answer.zeros) {
+        let _ = writeln!(text, "offset of {name}: {offset:.3e}");
+    }
+    for note in &answer.notes {
+        let _ = writeln!(text, "note: {note}");
+    }
+    text.trim_end().to_owned()
 }
 
 fn text(answer: &Benchmark) -> String {

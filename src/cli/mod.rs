@@ -9,6 +9,7 @@ mod export;
 mod identify;
 mod models;
 mod plan;
+mod rig_program;
 mod simulate;
 mod tire;
 
@@ -39,6 +40,7 @@ enum Command {
     Tire(tire::Args),
     Identify(identify::Args),
     Plan(plan::Args),
+    RigProgram(rig_program::Args),
     Diagnose(diagnose::Args),
     Demo(demo::Args),
 }
@@ -72,6 +74,7 @@ pub fn run() -> ExitCode {
         Command::Tire(args) => tire::run(&args).map(done),
         Command::Identify(args) => identify::run(&args).map(done),
         Command::Plan(args) => plan::run(&args),
+        Command::RigProgram(args) => rig_program::run(&args).map(done),
         Command::Diagnose(args) => diagnose::run(&args).map(done),
         Command::Demo(args) => demo::run(&args).map(done),
     };

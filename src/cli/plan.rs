@@ -1,5 +1,6 @@
 //! `latsch plan`: what a plan of a sequential identification relies on.
 
+use super::rig_program::plan_text;
 use super::{Format, print, print_json};
 use latsch::fmi::Entry;
 use latsch::fmi::import::ImportedFmu;
@@ -8,7 +9,7 @@ use latsch::identify::{Numbers, Plan, Readings, Stand, number, ring_brush};
 use latsch::model::{Settings, Slave};
 use latsch::recording::read_settings;
 use latsch::shipped::MODELS;
-use latsch::{Error, Result, read_text};
+use latsch::{Error, Result};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -57,10 +58,7 @@ struct Check {
 
 pub fn run(args: &Args) -> Result<ExitCode> {
     let Command::Check(args) = &args.command;
-    let text = match args.plan.as_str() {
-        "ring-brush-flat-track" => ring_brush::PLAN.to_owned(),
-        file => read_text(&PathBuf::from(file))?,
-    };
+    let text = plan_text(&args.plan)?;
     let plan = Plan::read(&text).map_err(|e| e.at(&args.plan))?;
     let slave: Box<dyn Slave> = match &args.model {
         Some(file) => Box::new(ImportedFmu::load(file)?),

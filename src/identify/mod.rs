@@ -12,13 +12,18 @@
 pub mod benchmark;
 pub mod check;
 mod plan;
+mod programme;
 mod readings;
+pub mod recorded;
 mod registry;
 pub mod ring_brush;
 pub mod solve;
 mod stand;
 
-pub use plan::{Condition, GroupPlan, Limit, NestingPlan, Plan, Ramp, Reach, Require, Sought, Target, Touch};
+pub use plan::{
+    Condition, GroupPlan, Limit, NestingPlan, Plan, Ramp, Reach, Recordings, Require, Sought, Target, Touch,
+};
+pub use programme::{Programme, RigLimit, RigRun, Run};
 pub use readings::Readings;
 pub use registry::{Changed, Functional, Inversion, Invert, Numbers, Registry, Transform};
 pub use stand::{Stand, Values, number};

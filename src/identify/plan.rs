@@ -1,5 +1,6 @@
 //! A plan: which parameters are found together, from which readings under which conditions. Data, as TOML.
 
+use super::programme::Programme;
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -21,6 +22,25 @@ pub struct Plan {
     /// Parameters that are found together, in the order in which they are found.
     #[serde(rename = "group")]
     pub groups: Vec<GroupPlan>,
+    /// What recordings of a rig need besides; without, there is a plan for known target values only.
+    pub recordings: Option<Recordings>,
+    /// The measurement programme.
+    pub programme: Option<Programme>,
+}
+
+/// How recordings are to be understood.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recordings {
+    /// Channels that measure an input that is no motion: the load is what the load cell says.
+    #[serde(default)]
+    pub measured_by: BTreeMap<String, String>,
+    /// The condition in which responses are known, from which the offsets of their channels are found: a tire off the road.
+    pub zero: String,
+    /// Inputs whose channels may have an offset that is not known, and the standard deviation of what it may be.
+    pub offsets: BTreeMap<String, f64>,
+    /// By how much each input may change while it is held.
+    pub held_within: BTreeMap<String, f64>,
 }
 
 /// What a rig has to do for a reading (a functional condition, (3.3)).
@@ -45,6 +65,12 @@ pub struct Condition {
     /// Inputs of which the limit at 0 is meant: the reading is extrapolated from what is held and half of it.
     #[serde(default)]
     pub limit: Vec<Limit>,
+    /// Where the inputs of a recorded stretch have to be for it to be one of this condition, which it may meet elsewhere than
+    /// what is held: readings are corrected by what the model says of the difference.
+    #[serde(default)]
+    pub recorded: BTreeMap<String, [f64; 2]>,
+    /// Why no recording can be one of this condition.
+    pub not_recorded: Option<String>,
 }
 
 /// A response that an input brings about (text at (3.5)).
@@ -102,6 +128,8 @@ pub struct Ramp {
     pub time: f64,
     /// Communication step \[s\].
     pub step: f64,
+    /// Of recordings, what is read is the mean while the input is between these, from where the tire touches.
+    pub window: Option<[f64; 2]>,
 }
 
 /// An input of which a limit is meant.
@@ -124,6 +152,9 @@ pub struct GroupPlan {
     pub parameters: Vec<Sought>,
     /// Registered [`Transform`](super::registry::Transform) from what is looked for to the model's parameters.
     pub transform: Option<String>,
+    /// Of what the transform takes, places that are not looked for, and their values.
+    #[serde(default)]
+    pub fixed: BTreeMap<usize, f64>,
     /// Registered [`Inversion`](super::registry::Inversion) in closed form.
     pub inversion: Option<String>,
     /// Positions in which parameters and targets are nested where the search needs it, the outermost first; else as they
@@ -195,6 +226,9 @@ impl Plan {
         for group in &plan.groups {
             group.check(&plan).map_err(|e| e.at(format!("group \"{}\"", group.name)))?;
         }
+        if let Some(recordings) = &plan.recordings {
+            plan.condition(&recordings.zero).map_err(|e| e.at("recordings"))?;
+        }
         different("parameter", plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name))?;
         Ok(plan)
     }
@@ -218,6 +252,7 @@ impl Condition {
         self.reach.iter().try_for_each(|r| range(&r.by, r.between))?;
         self.from_touch.iter().try_for_each(|t| range(&t.input, t.between))?;
         self.require.iter().try_for_each(|r| range(&r.output, r.between))?;
+        self.recorded.iter().try_for_each(|(input, between)| range(input, *between))?;
         if let Some(ramp) = &self.ramp {
             let times = ramp.step > 0.0 && ramp.step <= ramp.time && ramp.time.is_finite();
             if !times || !ramp.rate.is_finite() {
@@ -240,6 +275,19 @@ impl Condition {
 }
 
 impl GroupPlan {
+    /// All that the transform takes, from what is looked for.
+    pub(super) fn whole(&self, sought: &[f64]) -> Vec<f64> {
+        let mut rest = sought.iter().copied();
+        let count = sought.len() + self.fixed.len();
+        let value = |k: usize| self.fixed.get(&k).copied().or_else(|| rest.next());
+        (0..count).map_while(value).collect()
+    }
+
+    /// What is looked for, of all that the transform takes.
+    pub(super) fn sought(&self, whole: &[f64]) -> Vec<f64> {
+        whole.iter().enumerate().filter(|(k, _)| !self.fixed.contains_key(k)).map(|(_, v)| *v).collect()
+    }
+
     fn check(&self, plan: &Plan) -> Result<()> {
         let size = self.parameters.len();
         if size == 0 || size != self.targets.len() {
@@ -275,14 +323,14 @@ impl NestingPlan {
     }
 }
 
-fn range(name: &str, [low, high]: [f64; 2]) -> Result<()> {
+pub(super) fn range(name: &str, [low, high]: [f64; 2]) -> Result<()> {
     if low < high && low.is_finite() && high.is_finite() {
         return Ok(());
     }
     Err(Error::file(format!("{name}: {low} to {high} is no range")))
 }
 
-fn finite(values: &BTreeMap<String, f64>) -> Result<()> {
+pub(super) fn finite(values: &BTreeMap<String, f64>) -> Result<()> {
     let wrong = values.iter().find(|(_, value)| !value.is_finite());
     wrong.map_or(Ok(()), |(name, value)| {
         Err(Error::file(format!("{name} = {value} is no number that can be set")))

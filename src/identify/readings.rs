@@ -24,7 +24,7 @@ enum Reading {
 /// A plan with a stand on which its conditions are met.
 pub struct Readings<'a> {
     plan: &'a Plan,
-    stand: &'a Stand,
+    pub(super) stand: &'a Stand,
     registry: Registry,
     /// Values of the model's parameters before any is found.
     base: Numbers,
@@ -128,7 +128,7 @@ impl<'a> Readings<'a> {
             rest = later;
             match self.transform(group)? {
                 Some(transform) => {
-                    let changed = (transform.to_model)(own, &values);
+                    let changed = (transform.to_model)(&group.whole(own), &values);
                     values.extend(changed.into_iter().map(|(name, value)| (name.to_owned(), value)));
                 }
                 None => values.extend(group.parameters.iter().zip(own).map(|(p, v)| (p.name.clone(), *v))),
@@ -147,7 +147,7 @@ impl<'a> Readings<'a> {
         let mut sought = Vec::new();
         for group in &self.plan.groups {
             match self.transform(group)? {
-                Some(transform) => sought.extend((transform.from_model)(&all)),
+                Some(transform) => sought.extend(group.sought(&(transform.from_model)(&all))),
                 None => {
                     for parameter in &group.parameters {
                         let value = all.get(&parameter.name);
@@ -216,12 +216,7 @@ impl<'a> Readings<'a> {
 
     /// The values of all variables under a condition for these parameters.
     fn values<'b>(&'b self, condition: &'b Condition, parameters: &Numbers) -> Result<Setup<'b>> {
-        let mut values = Vec::new();
-        let changed = parameters.iter().filter(|(name, value)| self.own.get(*name) != Some(*value));
-        for (name, value) in changed.chain(&self.plan.set).chain(&condition.hold) {
-            values.push((self.stand.settable(name)?, *value));
-        }
-        let mut setup = Setup { readings: self, condition, values };
+        let mut setup = Setup { readings: self, condition, values: self.held(condition, parameters)? };
         if let Some(touch) = &condition.from_touch {
             let offset = condition.hold.get(&touch.input).copied().unwrap_or(0.0);
             let input = self.stand.settable(&touch.input)?;
@@ -229,6 +224,20 @@ impl<'a> Readings<'a> {
             setup.set(input, at + offset);
         }
         Ok(setup)
+    }
+
+    /// What a condition holds, with these parameters.
+    pub(super) fn held(&self, condition: &Condition, parameters: &Numbers) -> Result<Vec<(usize, f64)>> {
+        let changed = parameters.iter().filter(|(name, value)| self.own.get(*name) != Some(*value));
+        let all = changed.chain(&self.plan.set).chain(&condition.hold);
+        all.map(|(name, value)| Ok((self.stand.settable(name)?, *value))).collect()
+    }
+
+    /// The value of the input at which the tire touches the road.
+    pub(super) fn touch_of(&self, condition: &Condition, touch: &Touch, parameters: &Numbers) -> Result<f64> {
+        let values = self.held(condition, parameters)?;
+        let input = self.stand.settable(&touch.input)?;
+        Setup { readings: self, condition, values }.touch(touch, input)
     }
 
     fn target(&self, target: &Target, parameters: &Numbers) -> Result<f64> {
@@ -272,9 +281,8 @@ impl<'a> Readings<'a> {
             };
             let input = self.stand.settable(&ramp.input)?;
             let steps = (ramp.time / ramp.step).round().max(1.0) as usize;
-            let outputs =
-                self.stand.after(&setup.values, &[(input, ramp.rate)], ramp.time, steps, &[output])?;
-            return Ok(outputs[0]);
+            let rows = self.stand.along(&setup.values, &[(input, ramp.rate)], ramp.time, steps, &[output])?;
+            return Ok(rows[steps][0]);
         }
         match &target.along {
             None => setup.read(&reading),

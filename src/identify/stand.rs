@@ -140,21 +140,23 @@ impl Stand {
         }
     }
 
-    /// Outputs after inputs have moved with constant rates for `time` seconds, from the stationary state of `values` on, in
-    /// `steps` communication steps.
+    /// Outputs while inputs move with constant rates for `time` seconds, from the stationary state of `values` on, in
+    /// `steps` communication steps: at the beginning, and after each of them.
     ///
     /// # Errors
     /// As [`stationary`](Self::stationary); the run leaves the model's validity.
-    pub fn after(
+    pub fn along(
         &self,
         values: &Values,
         rates: &Values,
         time: f64,
         steps: usize,
         outputs: &[usize],
-    ) -> Result<Vec<f64>> {
+    ) -> Result<Vec<Vec<f64>>> {
         let mut slave = self.begin(values)?;
         slave.finish_start()?;
+        let read = |slave: &mut dyn Slave| outputs.iter().map(|v| slave.get(*v)).collect::<Result<_>>();
+        let mut rows = vec![read(&mut **slave)?];
         let moving: Vec<usize> = rates.iter().map(|(v, _)| *v).collect();
         let speeds: Vec<f64> = rates.iter().map(|(_, rate)| *rate).collect();
         let at = |k: usize| time * k as f64 / steps as f64;
@@ -163,8 +165,9 @@ impl Stand {
                 rates.iter().map(|(v, rate)| self.value(values, *v) + rate * at(k)).collect();
             slave.set_all(&moving, &places, &speeds)?;
             slave.step(at(k), at(k + 1) - at(k))?;
+            rows.push(read(&mut **slave)?);
         }
-        outputs.iter().map(|v| slave.get(*v)).collect()
+        Ok(rows)
     }
 
     fn begin(&self, values: &Values) -> Result<std::cell::RefMut<'_, Box<dyn Slave>>> {

@@ -4,4 +4,5 @@
 mod benchmark;
 mod checks;
 mod examples;
+mod recorded;
 mod solvers;

@@ -2,6 +2,7 @@
 
 import json
 
+import fmpy
 import pytest
 
 from conftest import ROOT, latsch
@@ -86,5 +87,54 @@ def test_a_plan_that_cannot_be_followed_says_where(tmp_path, old, new, words):
     plan.write_text(text.replace(old, new))
     done = latsch("plan", "check", plan)
     assert done.returncode in (1, 2) and done.stdout == ""
+    for word in words:
+        assert word in done.stderr, done.stderr
+
+
+def test_from_programme_to_parameters(tmp_path):
+    """The four steps of the README with the model in place of the rig, of one run less than the programme has."""
+    programme, recordings = tmp_path / "programme", tmp_path / "recordings"
+    recordings.mkdir()
+    assert latsch("rig-program", "ring-brush-flat-track", "--output", programme).returncode == 0
+    runs = sorted(programme.glob("*.csv"))
+    assert len(runs) == 7 and "small-motions-at-5000-N" in (programme / "programme.md").read_text()
+    for run in runs:
+        if "driven" in run.name:
+            continue
+        switches = run.with_suffix(".toml")
+        known = ["--parameters", switches] if switches.exists() else []
+        call = ["--inputs", run, *known, "--set", "vertical_stiffness=165 N/mm", "--step", "0.005"]
+        done = latsch("simulate", "ring-brush-flat-track", *call, "--output", recordings / run.name)
+        assert done.returncode == 0, done.stderr
+    tire = tmp_path / "tire.toml"
+    call = ["ring-brush-flat-track", "--recordings", recordings, "--output", tire]
+    done = latsch("identify", *call, "--format", "json")
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)
+    rows = {row["name"]: row for row in answer["parameters"]}
+    assert rows["vertical_stiffness"]["value"] == pytest.approx(165e3, rel=1e-3)
+    assert rows["vertical_stiffness"]["light"] == "green"
+    assert rows["patch_compliance_x"]["light"] == "red" and "driven" in rows["patch_compliance_x"]["why"]
+    done = latsch("export", "ring-brush-flat-track", "--parameters", tire, "--output", tmp_path / "tire.fmu")
+    assert done.returncode == 0, done.stderr
+    start = {v.name: v.start for v in fmpy.read_model_description(tmp_path / "tire.fmu").modelVariables}
+    assert float(start["vertical_stiffness"]) == pytest.approx(answer["values"]["vertical_stiffness"], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("files", "words"),
+    [
+        ({}, ["no recordings", "CSV"]),
+        ({"a.csv": "time [s],deflection [m]\n0,0\n1,0\n"}, ["a.csv", "no channel", "force_"]),
+        ({"a.csv": "time [s],force_x [N]\n0,0\n0,0\n"}, ["a.csv:3", "time"]),
+        ({"a.csv": "time [s],force_x [N]\n0,nan\n1,0\n"}, ["a.csv:2"]),
+        ({"a.csv": "time [s],force_x [m],force_y [N],force_z [N],moment_z [N.m]\n0,0,0,0,0\n1,0,0,0,0\n"}, ["a.csv", "force_x", "dimension"]),
+    ],
+)
+def test_recordings_that_cannot_be_read_are_named(tmp_path, files, words):
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    done = latsch("identify", "ring-brush-flat-track", "--recordings", tmp_path, "--output", tmp_path / "tire.toml")
+    assert done.returncode == 2 and not (tmp_path / "tire.toml").exists(), done.stdout + done.stderr
     for word in words:
         assert word in done.stderr, done.stderr

@@ -1,0 +1,150 @@
+//! What an identification from recordings answers.
+
+use super::reduced::{Known, Reduced};
+use super::search::Search;
+use crate::Result;
+use crate::identify::plan::Plan;
+use crate::identify::registry::Numbers;
+use crate::identify::stand::number;
+use serde::Serialize;
+
+/// Half an interval of this share of a parameter's value is what a vehicle simulation hardly feels.
+const GOOD: f64 = 0.1;
+
+/// How far a parameter can be trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Light {
+    /// Known within a tenth.
+    Green,
+    /// Known, but not so well.
+    Yellow,
+    /// Not known: it has the value that it had.
+    Red,
+}
+
+/// What became of a parameter that is looked for.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Found {
+    /// Name: a parameter of the model, or what a transform makes some of.
+    pub name: String,
+    /// Group.
+    pub group: String,
+    /// Its value.
+    pub value: f64,
+    /// Half of its interval, if it was identified.
+    pub half_width: Option<f64>,
+    /// How far it can be trusted.
+    pub light: Light,
+    /// Why it was not identified.
+    pub why: Option<String>,
+}
+
+/// A target, as it was read.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Told {
+    /// Its name.
+    pub name: String,
+    /// Its group.
+    pub group: String,
+    /// From how many stretches or ramps.
+    pub readings: usize,
+    /// What was measured, as it was measured.
+    pub measured: f64,
+    /// Half of its interval.
+    pub half_width: f64,
+    /// The same reading of the model with the parameters found.
+    pub modelled: f64,
+}
+
+/// Parameters from recordings.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Answer {
+    /// What was looked for.
+    pub parameters: Vec<Found>,
+    /// Values of the model's parameters that are not those that it starts with.
+    pub values: Numbers,
+    /// What was read.
+    pub targets: Vec<Told>,
+    /// Offsets of inputs that were found: channel less what it was.
+    pub offsets: Vec<(String, f64)>,
+    /// Offsets of outputs that were found off the road.
+    pub zeros: Vec<(String, f64)>,
+    /// What was assumed, left out, or is missing.
+    pub notes: Vec<String>,
+    /// Starts of the model.
+    pub starts: usize,
+}
+
+impl Search<'_> {
+    /// Values of the model's parameters that it does not start with.
+    fn changed(&self) -> Result<Numbers> {
+        let mut changed = Numbers::new();
+        for (name, value) in &self.numbers {
+            let start = &self.stand.interface().variables[self.stand.settable(name)?].start;
+            if number(start.as_ref()) != Some(*value) {
+                changed.insert(name.clone(), *value);
+            }
+        }
+        Ok(changed)
+    }
+
+    /// The answer, with the parameters as they are.
+    pub fn answer(&self, plan: &Plan, reduced: &Reduced, known: &Known) -> Result<Answer> {
+        let whole = self.model(plan)?;
+        let sought = whole.sought_values(&self.numbers)?;
+        let half = known.half_widths();
+        let left: Vec<&String> =
+            reduced.plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name).collect();
+        let mut values = sought.iter();
+        let mut parameters = Vec::new();
+        for group in &plan.groups {
+            for parameter in &group.parameters {
+                let value = values.next().copied().unwrap_or(f64::NAN);
+                let half_width = left.iter().position(|name| **name == parameter.name).map(|k| half[k]);
+                let why = reduced.dropped.iter().find(|(name, _)| *name == parameter.name);
+                let light = match half_width {
+                    None => Light::Red,
+                    Some(half) if half <= GOOD * value.abs() => Light::Green,
+                    Some(_) => Light::Yellow,
+                };
+                parameters.push(Found {
+                    name: parameter.name.clone(),
+                    group: group.name.clone(),
+                    value,
+                    half_width,
+                    light,
+                    why: why.map(|(_, why)| why.clone()),
+                });
+            }
+        }
+        let model = self.model(&reduced.plan)?;
+        let numbers = model.model_values(&model.sought_values(&self.numbers)?)?;
+        let reads = self.reads(&reduced.plan)?;
+        let modelled = self.modelled(&model, &reads, &numbers)?;
+        let groups = reduced.plan.groups.iter().flat_map(|g| g.targets.iter().map(|_| g.name.clone()));
+        let mut targets = Vec::new();
+        for (k, (read, group)) in reads.iter().zip(groups).enumerate() {
+            targets.push(Told {
+                name: read.name.clone(),
+                group,
+                readings: read.members.len(),
+                measured: self.measured(read)?,
+                half_width: known.side * known.covariance[(k, k)].sqrt(),
+                modelled: modelled[k],
+            });
+        }
+        let inputs = &self.evidence.signals.inputs;
+        let looked = |name: &String| plan.recordings.as_ref().is_some_and(|r| r.offsets.contains_key(name));
+        let offsets = inputs.iter().zip(&self.offsets).filter(|((name, _), _)| looked(name));
+        Ok(Answer {
+            parameters,
+            values: self.changed()?,
+            targets,
+            offsets: offsets.map(|((name, _), offset)| (name.clone(), *offset)).collect(),
+            zeros: self.evidence.zeros.clone(),
+            notes: self.evidence.notes.clone(),
+            starts: self.stand.starts(),
+        })
+    }
+}

@@ -1,0 +1,27 @@
+//! A plan's parameters from recordings of a rig.
+//!
+//! A plan reads its targets where groups do not depend on later ones: in limits of small speeds and angles. A rig measures at
+//! angles that give forces, at speeds at which it runs. So a target is read from a recording by an [`Estimate`] (a slope of a
+//! plane through stretches, say), the model is read in the same way at the same inputs, and what both have in common counts: with
+//! the estimate m of the recording, M(p) of the model, and the plan's target T(p), the groups are solved for
+//!
+//! ```text
+//! T(p) = m - (M(p') - T(p'))
+//! ```
+//!
+//! with the parameters p' of the round before. Where that comes to rest, M(p) = m.
+
+mod answer;
+mod estimate;
+mod evidence;
+mod matching;
+mod reduced;
+mod response;
+mod search;
+mod stretches;
+
+pub use answer::{Answer, Found, Light, Told};
+pub use estimate::{Estimate, Number, Point};
+pub use evidence::{Evidence, Read};
+pub use matching::{Moved, Reading, Signals};
+pub use search::identify;

@@ -1,0 +1,414 @@
+//! The search for a plan's parameters that explain what was read from recordings, and what is known of them then.
+
+use super::answer::Answer;
+use super::estimate::{Estimate, Point};
+use super::evidence::{Evidence, Read};
+use super::reduced::{Known, Reduced};
+use crate::identify::plan::Plan;
+use crate::identify::readings::Readings;
+use crate::identify::registry::{Numbers, Registry};
+use crate::identify::solve::{Goal, Targets};
+use crate::identify::stand::Stand;
+use crate::recording::Recording;
+use crate::stats::chance::student;
+use crate::{Error, Result};
+use nalgebra::{DMatrix, DVector};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Intervals hold the true value with this probability, where the model is right and what scatters does so normally.
+const PROBABILITY: f64 = 0.9;
+/// Rounds of corrections; one takes off a power of ten or two.
+const ROUNDS: usize = 30;
+/// They have come to rest where parameters move by less than this share of their range.
+const AT_REST: f64 = 1e-7;
+/// From here on Newton's method takes over: corrections that hardly depend on the parameters any more make it safe.
+const NEAR: f64 = 0.02;
+/// Derivatives are taken anew where a step with them leaves more than this share of the one before.
+const SERVES: f64 = 0.3;
+/// A target that is missed by more than so many half intervals contradicts the others.
+const CONTRADICTS: f64 = 2.0;
+/// Steps of differences, as a share of a parameter's range: far above what rounding leaves of a stationary state, far below what
+/// curves.
+const STEP: f64 = 1e-4;
+/// Steps of differences over an offset, in standard deviations of what it may be.
+const OFFSET_STEP: f64 = 0.1;
+
+/// Identifies what recordings tell of a plan's parameters. `start` are values of parameters that are known or guessed, in place of
+/// the model's own.
+///
+/// # Errors
+/// Recordings that cannot be understood or that the model cannot explain: which, and likely why.
+pub fn identify(
+    plan: &Plan,
+    stand: &Stand,
+    registry: Registry,
+    start: &Numbers,
+    recordings: &[Recording],
+) -> Result<Answer> {
+    let whole = Readings::new(plan, stand, registry, start)?;
+    let evidence = Evidence::of(plan, &whole, &registry, stand.interface(), recordings, start)?;
+    let mut reduced = Reduced::new(plan);
+    for (target, why) in &evidence.missing {
+        reduced.without_group_of(*target, why);
+    }
+    let mut search =
+        Search { stand, registry, evidence: &evidence, numbers: start.clone(), offsets: Vec::new() };
+    search.offsets = vec![0.0; evidence.signals.inputs.len()];
+    let mut known = search.known(&reduced.plan)?;
+    reduced.drop_open(&known);
+    loop {
+        let refused = search.solve(&reduced.plan)?;
+        known = search.known(&reduced.plan)?;
+        if !reduced.drop_open(&known) {
+            search.agrees(&reduced.plan, &known, refused)?;
+            break;
+        }
+    }
+    search.answer(plan, &reduced, &known)
+}
+
+#[derive(Clone)]
+pub(super) struct Search<'a> {
+    /// The model.
+    pub stand: &'a Stand,
+    registry: Registry,
+    /// What was recorded.
+    pub evidence: &'a Evidence,
+    /// Values of the model's parameters.
+    pub numbers: Numbers,
+    /// Offsets of the inputs.
+    pub offsets: Vec<f64>,
+}
+
+impl Search<'_> {
+    /// A plan on the model with what is known of its parameters.
+    pub fn model<'b>(&'b self, plan: &'b Plan) -> Result<Readings<'b>> {
+        Readings::new(plan, self.stand, self.registry, &self.numbers)
+    }
+
+    /// The readings of a plan's targets, in their order.
+    pub fn reads(&self, plan: &Plan) -> Result<Vec<Read>> {
+        let names = plan.groups.iter().flat_map(|g| &g.targets).map(|t| &t.name);
+        names
+            .map(|name| {
+                let found = self.evidence.targets.iter().find(|read| read.name == *name);
+                found.cloned().ok_or_else(|| Error::file(format!("\"{name}\" is not read")))
+            })
+            .collect()
+    }
+
+    /// The points of a target as the model has them.
+    fn simulated(&self, model: &Readings<'_>, read: &Read, numbers: &Numbers) -> Result<Vec<Point>> {
+        self.simulated_once(model, read, numbers, &mut BTreeMap::new())
+    }
+
+    /// The same, where the model has not been asked before.
+    fn simulated_once(
+        &self,
+        model: &Readings<'_>,
+        read: &Read,
+        numbers: &Numbers,
+        asked: &mut BTreeMap<(usize, usize), Vec<f64>>,
+    ) -> Result<Vec<Point>> {
+        let condition = &model.plan().conditions[read.condition];
+        let mut points = Vec::new();
+        for k in &read.members {
+            let reading = &self.evidence.readings[*k];
+            let outputs = match asked.get(&(read.condition, *k)) {
+                Some(outputs) => outputs.clone(),
+                None => model.respond(condition, reading, &self.evidence.signals, &self.offsets, numbers)?,
+            };
+            asked.insert((read.condition, *k), outputs.clone());
+            points.push(Point { inputs: reading.point.inputs.clone(), outputs });
+        }
+        Ok(points)
+    }
+
+    /// What was measured.
+    pub fn measured(&self, read: &Read) -> Result<f64> {
+        let value = read.factor * read.estimate.of(&self.evidence.points(read));
+        if value.is_finite() {
+            return Ok(value);
+        }
+        Err(Error::numeric(format!(
+            "\"{}\" cannot be read from its {} readings",
+            read.name,
+            read.members.len()
+        )))
+    }
+
+    /// What the model has in its place.
+    pub fn modelled(&self, model: &Readings<'_>, reads: &[Read], numbers: &Numbers) -> Result<Vec<f64>> {
+        let mut asked = BTreeMap::new();
+        let mut value = |read: &Read| {
+            let points = self.simulated_once(model, read, numbers, &mut asked)?;
+            Ok(read.factor * read.estimate.of(&points))
+        };
+        reads.iter().map(&mut value).collect()
+    }
+
+    /// Rounds of sequential identification, corrected by where the rig measured; near the answer by Newton's method. Returns why
+    /// the targets cannot be met, if they cannot: the parameters are then the nearest to them within their bounds.
+    fn solve(&mut self, plan: &Plan) -> Result<Option<String>> {
+        let reads = self.reads(plan)?;
+        let measured: Vec<f64> = reads.iter().map(|r| self.measured(r)).collect::<Result<_>>()?;
+        let (mut left, mut refused) = (f64::INFINITY, None);
+        let mut jacobian: Option<DMatrix<f64>> = None;
+        for _ in 0..ROUNDS {
+            let offsets = self.find_offsets(plan, &reads)?;
+            let model = self.model(plan)?;
+            let at = model.sought_values(&self.numbers)?;
+            let numbers = model.model_values(&at)?;
+            let modelled = self.modelled(&model, &reads, &numbers)?;
+            let bounds = model.bounds();
+            let next: Vec<f64> = if left <= NEAR && refused.is_none() {
+                let known = match jacobian.take() {
+                    Some(jacobian) => jacobian,
+                    None => self.jacobian(&model, &reads, &at)?,
+                };
+                let missing = DVector::from_fn(at.len(), |k, _| measured[k] - modelled[k]);
+                let step = known.clone().lu().solve(&missing);
+                jacobian = Some(known);
+                let step = step.ok_or_else(|| Error::numeric("the readings do not fix the parameters"))?;
+                let moved = (0..at.len()).map(|k| at[k] + step[k]);
+                moved.zip(bounds).map(|(x, [low, high])| x.clamp(*low, *high)).collect()
+            } else {
+                let nominal = model.at(&at)?;
+                let goal: Vec<f64> =
+                    (0..at.len()).map(|k| measured[k] - (modelled[k] - nominal[k])).collect();
+                let found = model.identify(&Goal::new(&goal));
+                let found =
+                    found.map_err(|why| Error::numeric(format!("no answer: {}", model.words(&why))))?;
+                // the first corrections may ask for what cannot be; the last ones must not
+                refused = found.unsolved.first().map(|(_, why)| model.words(why));
+                found.parameters
+            };
+            let moved = (0..at.len()).map(|k| (next[k] - at[k]).abs() / (bounds[k][1] - bounds[k][0]));
+            let before = std::mem::replace(&mut left, moved.fold(0.0, f64::max));
+            // derivatives of one place serve as long as they take off most of what is left
+            if left > SERVES * before {
+                jacobian = None;
+            }
+            let next = model.model_values(&next)?;
+            drop(model);
+            self.numbers.extend(next);
+            self.offsets = offsets;
+            if left <= AT_REST {
+                return Ok(refused);
+            }
+        }
+        Err(Error::numeric(format!(
+            "the corrections for where the rig measured do not come to rest: parameters still move by {left:.1e} of their ranges. \
+             The recordings were made too far from the plan's conditions"
+        )))
+    }
+
+    /// What was measured is what the model has, up to what scatters.
+    fn agrees(&self, plan: &Plan, known: &Known, refused: Option<String>) -> Result<()> {
+        let Some(why) = refused else { return Ok(()) };
+        let model = self.model(plan)?;
+        let numbers = model.model_values(&model.sought_values(&self.numbers)?)?;
+        let reads = self.reads(plan)?;
+        let modelled = self.modelled(&model, &reads, &numbers)?;
+        let groups = plan.groups.iter().flat_map(|g| g.targets.iter().map(|_| &g.name));
+        for (k, (read, group)) in reads.iter().zip(groups).enumerate() {
+            let (measured, half) = (self.measured(read)?, known.side * known.covariance[(k, k)].sqrt());
+            if (measured - modelled[k]).abs() > CONTRADICTS * half {
+                return Err(Error::numeric(format!(
+                    "group \"{group}\": \"{}\" was measured to be {measured:.5e} +- {half:.1e}, and no parameters within their bounds \
+                     give more or less than {:.5e} together with the other targets ({why}). Recordings of another tire, a wrong unit or \
+                     sign, or physics that the model does not have: run `latsch diagnose` on them",
+                    read.name, modelled[k]
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Derivatives of the model's readings (rows) by what is looked for (columns).
+    fn jacobian(&self, model: &Readings<'_>, reads: &[Read], at: &[f64]) -> Result<DMatrix<f64>> {
+        let mut jacobian = DMatrix::zeros(reads.len(), at.len());
+        for (k, [low, high]) in model.bounds().iter().enumerate() {
+            let value = |x: f64| {
+                let mut moved = at.to_vec();
+                moved[k] = x.clamp(*low, *high);
+                let values = self.modelled(model, reads, &model.model_values(&moved)?)?;
+                Ok::<_, Error>((moved[k], DVector::from_vec(values)))
+            };
+            let step = STEP * (high - low);
+            let ((below, less), (above, more)) = (value(at[k] - step)?, value(at[k] + step)?);
+            jacobian.set_column(k, &((more - less) / (above - below)));
+        }
+        Ok(jacobian)
+    }
+
+    /// Offsets of inputs: those with which the model has the values that were measured where its inputs are 0, which no target
+    /// reads, and touches the road where it was measured to.
+    fn find_offsets(&self, plan: &Plan, reads: &[Read]) -> Result<Vec<f64>> {
+        let Some(how) = &plan.recordings else { return Ok(self.offsets.clone()) };
+        let signals = &self.evidence.signals;
+        let looked: Vec<(usize, f64)> =
+            how.offsets.iter().filter_map(|(name, size)| Some((signals.input(name)?, *size))).collect();
+        let model = self.model(plan)?;
+        let numbers = model.model_values(&model.sought_values(&self.numbers)?)?;
+        let scatter = self.scatter(&model, reads, &numbers)?;
+        let (mut rows, mut rest): (Vec<Vec<f64>>, Vec<f64>) = (Vec::new(), Vec::new());
+        let mut offsets = self.offsets.clone();
+        let mut seen = BTreeSet::new();
+        for read in reads {
+            if !seen.insert(read.members.clone()) {
+                continue;
+            }
+            let (measured, simulated) = (self.evidence.points(read), self.simulated(&model, read, &numbers)?);
+            match &read.estimate {
+                Estimate::FromTouch { over, .. } if looked.iter().any(|(input, _)| input == over) => {
+                    offsets[*over] += read.estimate.touch(&measured) - read.estimate.touch(&simulated);
+                }
+                Estimate::Slope { .. } => {
+                    let own = read.estimate.at_zero(&simulated);
+                    let measured = read.estimate.at_zero(&measured);
+                    let mut slopes = Vec::new();
+                    for (input, step) in &looked {
+                        let mut other = Search { offsets: self.offsets.clone(), ..self.clone() };
+                        other.offsets[*input] += OFFSET_STEP * step;
+                        let moved = read.estimate.at_zero(&other.simulated(&model, read, &numbers)?);
+                        slopes.push(
+                            moved.iter().zip(&own).map(|(b, a)| (b - a) / OFFSET_STEP).collect::<Vec<f64>>(),
+                        );
+                    }
+                    for (output, size) in scatter.sizes.iter().enumerate() {
+                        let size = size / (read.members.len() as f64).sqrt();
+                        rows.push(slopes.iter().map(|s| s[output] / size).collect());
+                        rest.push((measured[output] - own[output]) / size);
+                    }
+                }
+                _ => {}
+            }
+        }
+        // what is known of offsets beforehand
+        for (k, (input, size)) in looked.iter().enumerate() {
+            rows.push((0..looked.len()).map(|other| f64::from(u8::from(other == k))).collect());
+            rest.push(-self.offsets[*input] / size);
+        }
+        let design = DMatrix::from_fn(rows.len(), looked.len(), |i, k| rows[i][k]);
+        let found = design.svd(true, true).solve(&DVector::from_vec(rest), 1e-9);
+        let found = found.map_err(|e| Error::numeric(e.to_owned()))?;
+        for (k, (input, size)) in looked.iter().enumerate() {
+            // that of what touches the road is found by where it does
+            if offsets[*input] == self.offsets[*input] {
+                offsets[*input] += found[k] * size;
+            }
+        }
+        Ok(offsets)
+    }
+
+    /// What is left of readings of one kind beside what their estimates read of them.
+    fn scatter(&self, model: &Readings<'_>, reads: &[Read], numbers: &Numbers) -> Result<Scatter> {
+        let count = self.evidence.signals.outputs.len();
+        let (mut squares, mut freedom) = (vec![0.0; count], 0.0);
+        let mut seen = BTreeSet::new();
+        for read in reads {
+            if !seen.insert(read.members.clone()) {
+                continue;
+            }
+            let (measured, simulated) = (self.evidence.points(read), self.simulated(model, read, numbers)?);
+            let design = read.estimate.design(&measured);
+            let unknowns = design.ncols();
+            let svd = design.clone().svd(true, true);
+            for (output, square) in squares.iter_mut().enumerate() {
+                let rest = DVector::from_fn(measured.len(), |k, _| {
+                    measured[k].outputs[output] - simulated[k].outputs[output]
+                });
+                let found = svd.solve(&rest, 1e-10).map_err(|e| Error::numeric(e.to_owned()))?;
+                *square += (&rest - &design * found).norm_squared();
+            }
+            freedom += (measured.len() - unknowns) as f64;
+        }
+        let size = |square: &f64| (square / freedom).sqrt().max(f64::MIN_POSITIVE);
+        Ok(Scatter { sizes: squares.iter().map(size).collect(), freedom })
+    }
+
+    /// What the readings fix, with the parameters as they are.
+    fn known(&self, plan: &Plan) -> Result<Known> {
+        let reads = self.reads(plan)?;
+        let model = self.model(plan)?;
+        let at = model.sought_values(&self.numbers)?;
+        let numbers = model.model_values(&at)?;
+        let ranges: Vec<f64> = model.bounds().iter().map(|[low, high]| high - low).collect();
+        let jacobian = self.jacobian(&model, &reads, &at)?;
+        let scatter = self.scatter(&model, &reads, &numbers)?;
+        let covariance = self.covariance(&model, &reads, &numbers, &scatter)?;
+        Ok(Known { jacobian, covariance, at, ranges, side: side(scatter.freedom) })
+    }
+
+    /// Covariance of what is measured less what the model says at the inputs that were measured.
+    fn covariance(
+        &self,
+        model: &Readings<'_>,
+        reads: &[Read],
+        numbers: &Numbers,
+        scatter: &Scatter,
+    ) -> Result<DMatrix<f64>> {
+        let signals = &self.evidence.signals;
+        // an input that an output measures is as wrong as that
+        let measured_by = signals.measured_by(model.plan());
+        let mut all: BTreeMap<(usize, usize), DVector<f64>> = BTreeMap::new();
+        let outputs = signals.outputs.len();
+        for (row, read) in reads.iter().enumerate() {
+            let condition = &model.plan().conditions[read.condition];
+            let (own, simulated) = (self.evidence.points(read), self.simulated(model, read, numbers)?);
+            let base = read.estimate.of(&own) - read.estimate.of(&simulated);
+            for (place, number) in read.members.iter().enumerate() {
+                let reading = &self.evidence.readings[*number];
+                let errors = scatter.sizes.iter().copied().chain(reading.errors.iter().copied());
+                for (channel, error) in errors.enumerate() {
+                    let input = channel.checked_sub(outputs);
+                    if input.is_some_and(|k| measured_by[k].is_some()) {
+                        continue;
+                    }
+                    let mut moved = reading.clone();
+                    match input {
+                        Some(k) => moved.point.inputs[k] += error,
+                        None => {
+                            moved.point.outputs[channel] += error;
+                            let follows = (0..measured_by.len()).filter(|k| measured_by[*k] == Some(channel));
+                            follows.for_each(|k| moved.point.inputs[k] += error);
+                        }
+                    }
+                    let (mut own, mut simulated) = (own.clone(), simulated.clone());
+                    if moved.point.inputs != reading.point.inputs {
+                        simulated[place] = Point {
+                            inputs: moved.point.inputs.clone(),
+                            outputs: model.respond(condition, &moved, signals, &self.offsets, numbers)?,
+                        };
+                    }
+                    own[place] = moved.point;
+                    let change = read.estimate.of(&own) - read.estimate.of(&simulated) - base;
+                    let column = all.entry((*number, channel)).or_insert_with(|| DVector::zeros(reads.len()));
+                    column[row] = read.factor * change;
+                }
+            }
+        }
+        let mut covariance = DMatrix::zeros(reads.len(), reads.len());
+        all.values().for_each(|column| covariance += column * column.transpose());
+        Ok(covariance)
+    }
+}
+
+/// How readings scatter.
+struct Scatter {
+    /// Standard deviation of each output.
+    sizes: Vec<f64>,
+    /// From so many readings more than there are unknowns.
+    freedom: f64,
+}
+
+/// Student's t for half an interval.
+fn side(freedom: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1e3);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if student(middle, freedom) > 1.0 - PROBABILITY { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}

@@ -1,0 +1,118 @@
+//! Stretches of a recording in which the rig holds everything, and whether the tire has come to rest there.
+
+use crate::stats::{even_line, mean, median, redundancy};
+
+/// Recordings are looked at in pieces of this length \[s\]: a tire at walking pace and above settles within a few of them.
+const PIECE: f64 = 0.1;
+/// of at least so many samples.
+const LEAST: usize = 4;
+/// What is held for less than so many pieces is none.
+const PIECES: usize = 6;
+/// Means of noise differ by more than so many standard errors once in 15,000.
+const SIDE: f64 = 4.0;
+/// A response that changes by less than this share of its range in all recordings is taken for steady: without noise, the end of
+/// an exponential is never reached.
+const STEADY: f64 = 5e-4;
+
+/// A channel that tells whether something moves.
+pub struct Watched<'a> {
+    /// Its values.
+    pub values: &'a [f64],
+    /// By how much it may change while it is held; `None` for a response.
+    pub held_within: Option<f64>,
+    /// Its range in all recordings.
+    pub range: f64,
+}
+
+/// A stretch of samples in which all that is held stays where it is. Of these, the second half is meant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stretch {
+    /// First sample, and the one after the last.
+    pub samples: [usize; 2],
+    /// Mean of each channel.
+    pub means: Vec<f64>,
+    /// Standard error of it, from what scatters within the stretch.
+    pub errors: Vec<f64>,
+    /// The response that moves most, if one does, by number.
+    pub moving: Option<usize>,
+}
+
+/// All stretches of a recording.
+pub fn stretches(time: &[f64], channels: &[Watched<'_>]) -> Vec<Stretch> {
+    let (Some(first), Some(last)) = (time.first(), time.last()) else { return Vec::new() };
+    let step = (last - first) / (time.len().max(2) - 1) as f64;
+    let length = ((PIECE / step).round() as usize).max(LEAST);
+    let pieces = time.len() / length;
+    let of = |values: &[f64], piece: usize| mean(&values[piece * length..(piece + 1) * length]);
+    let noise: Vec<Noise> = channels.iter().map(|c| Noise::of(c.values, length)).collect();
+    let mut found = Vec::new();
+    let mut from = 0;
+    while from < pieces {
+        // as long as all that is held stays within its tolerance of where it was
+        let stays = |piece: usize| {
+            channels.iter().zip(&noise).all(|(channel, noise)| {
+                channel.held_within.is_none_or(|tolerance| {
+                    let change = of(channel.values, piece) - of(channel.values, from);
+                    change.abs() <= tolerance + SIDE * 2f64.sqrt() * noise.error(length)
+                })
+            })
+        };
+        let to = (from..pieces).find(|piece| !stays(*piece)).unwrap_or(pieces);
+        // a move that begins in a piece may not show in its mean
+        let end = if to < pieces { to - 1 } else { to };
+        if end - from >= PIECES {
+            found.push(second_half(from * length, end * length, channels, &noise));
+        }
+        from = to.max(from + 1);
+    }
+    found
+}
+
+fn second_half(from: usize, to: usize, channels: &[Watched<'_>], noise: &[Noise]) -> Stretch {
+    let from = from + (to - from) / 2;
+    let middle = from + (to - from) / 2;
+    let (mut moving, mut most) = (None, 1.0);
+    for (number, (channel, noise)) in channels.iter().zip(noise).enumerate() {
+        let change = mean(&channel.values[middle..to]) - mean(&channel.values[from..middle]);
+        let allowed = STEADY * channel.range + SIDE * 2f64.sqrt() * noise.error(to - middle);
+        if channel.held_within.is_none() && change.abs() > most * allowed {
+            (moving, most) = (Some(number), change.abs() / allowed);
+        }
+    }
+    Stretch {
+        samples: [from, to],
+        means: channels.iter().map(|c| mean(&c.values[from..to])).collect(),
+        errors: noise.iter().map(|n| n.error(to - from)).collect(),
+        moving,
+    }
+}
+
+/// What scatters within pieces of a channel.
+struct Noise {
+    deviation: f64,
+    /// So many samples tell as much as one.
+    redundancy: f64,
+}
+
+impl Noise {
+    fn of(values: &[f64], length: usize) -> Self {
+        let pieces: Vec<Vec<f64>> = values.chunks_exact(length).map(about_line).collect();
+        let size = |piece: &Vec<f64>| (piece.iter().map(|v| v * v).sum::<f64>() / (length - 2) as f64).sqrt();
+        let deviation = median(&pieces.iter().map(size).collect::<Vec<_>>());
+        // pieces in which something moves are no noise
+        let typical = pieces.iter().filter(|piece| size(piece) <= 2.0 * deviation);
+        let shares: Vec<f64> = typical.map(|piece| redundancy(piece)).collect();
+        Self { deviation, redundancy: median(&shares).max(1.0) }
+    }
+
+    /// Standard error of a mean of so many samples.
+    fn error(&self, samples: usize) -> f64 {
+        self.deviation * (self.redundancy / samples as f64).sqrt().min(1.0)
+    }
+}
+
+/// A piece less its line.
+fn about_line(piece: &[f64]) -> Vec<f64> {
+    let (level, slope) = even_line(piece);
+    piece.iter().enumerate().map(|(k, v)| v - level - slope * k as f64).collect()
+}
