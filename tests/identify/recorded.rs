@@ -145,6 +145,10 @@ fn what_is_missing_is_said_with_what_comes_nearest() {
     for word in ["aligning moment per camber", "nearest is springs from", "path_speed = 0.0000", "1 to 15"] {
         assert!(why.contains(word), "{why}");
     }
+    // nothing but a zero
+    let zero: Vec<Recording> = few.iter().filter(|r| r.source == "off-the-road").cloned().collect();
+    let refused = self::answer(&zero).unwrap_err().to_string();
+    assert!(refused.contains("identify nothing") && refused.contains("nearest is off-the-road"), "{refused}");
     // a load cell of which no zero is known
     few.retain(|r| r.source == "small-slips-at-2600-N");
     let refused = self::answer(&few).unwrap_err().to_string();
@@ -152,14 +156,22 @@ fn what_is_missing_is_said_with_what_comes_nearest() {
 }
 
 #[test]
-fn recordings_that_the_model_cannot_explain_are_refused() {
-    let mut wrong = recordings();
-    // newtons that are kilonewtons
-    for channel in wrong.iter_mut().flat_map(|r| &mut r.channels).filter(|c| c.name.starts_with("force")) {
-        channel.values.iter_mut().for_each(|v| *v *= 1e-3);
-    }
-    let refused = answer(&wrong).unwrap_err().to_string();
-    assert!(refused.contains("unit") && refused.contains("contact force"), "{refused}");
+fn recordings_that_the_model_cannot_explain_are_refused_with_the_likely_reason() {
+    let good = recordings();
+    let wrong = |is: fn(&str) -> bool, factor: f64| {
+        let mut wrong = good.clone();
+        for channel in wrong.iter_mut().flat_map(|r| &mut r.channels).filter(|c| is(&c.name)) {
+            channel.values.iter_mut().for_each(|v| *v *= factor);
+        }
+        answer(&wrong).unwrap_err().to_string()
+    };
+    let kilonewtons = wrong(|name| name.starts_with("force"), 1e-3);
+    assert!(kilonewtons.contains("force_z") && kilonewtons.contains("kN for N"), "{kilonewtons}");
+    let sign = wrong(|name| name == "force_y", -1.0);
+    assert!(sign.contains("force_y") && sign.contains("sign") && sign.contains("small-motions"), "{sign}");
+    // forces that no compliance within the plan's bounds gives
+    let stiff = wrong(|name| name == "force_y", 2.2);
+    assert!(stiff.contains("lateral force per slip angle") && stiff.contains("latsch diagnose"), "{stiff}");
 }
 
 #[test]

@@ -11,6 +11,9 @@ use serde::Serialize;
 /// Half an interval of this share of a parameter's value is what a vehicle simulation hardly feels.
 const GOOD: f64 = 0.1;
 
+/// An offset of so many standard deviations of what it may be is told.
+const UNLIKELY: f64 = 3.0;
+
 /// How far a parameter can be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -137,13 +140,24 @@ impl Search<'_> {
         let inputs = &self.evidence.signals.inputs;
         let looked = |name: &String| plan.recordings.as_ref().is_some_and(|r| r.offsets.contains_key(name));
         let offsets = inputs.iter().zip(&self.offsets).filter(|((name, _), _)| looked(name));
+        let mut notes = self.evidence.notes.clone();
+        for ((name, _), offset) in offsets.clone() {
+            let size =
+                plan.recordings.as_ref().and_then(|r| r.offsets.get(name)).copied().unwrap_or(f64::INFINITY);
+            if offset.abs() > UNLIKELY * size {
+                notes.push(format!(
+                    "the offset of {name}, {offset:.2e}, is more than one expects of a channel: is the rolling radius, the zero of the \
+                     angles, or the height of the rig right?"
+                ));
+            }
+        }
         Ok(Answer {
             parameters,
             values: self.changed()?,
             targets,
             offsets: offsets.map(|((name, _), offset)| (name.clone(), *offset)).collect(),
             zeros: self.evidence.zeros.clone(),
-            notes: self.evidence.notes.clone(),
+            notes,
             starts: self.stand.starts(),
         })
     }

@@ -32,6 +32,13 @@ pub struct Read {
     pub members: Vec<usize>,
 }
 
+impl Read {
+    /// Whether it is read while something moves.
+    pub fn is_ramp(&self, evidence: &Evidence) -> bool {
+        self.members.iter().any(|k| evidence.readings[*k].moved.is_some())
+    }
+}
+
 /// Everything that was found in recordings.
 pub struct Evidence {
     /// Names of the recordings.

@@ -19,6 +19,7 @@ mod reduced;
 mod response;
 mod search;
 mod stretches;
+mod suspicion;
 
 pub use answer::{Answer, Found, Light, Told};
 pub use estimate::{Estimate, Number, Point};

@@ -1,6 +1,7 @@
 //! What recordings fix of a plan's parameters, and the plan without the rest.
 
 use crate::identify::plan::Plan;
+use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector};
 
 /// An interval of half of this share of a parameter's range to each side fixes nothing.
@@ -48,6 +49,19 @@ impl Reduced {
             self.dropped.push((parameter.name.clone(), format!("\"{name}\" cannot be read: {why}")));
         }
         self.targets.drain(from..from + group.targets.len());
+    }
+
+    /// There is something left.
+    ///
+    /// # Errors
+    /// Recordings tell nothing: the first reason.
+    pub fn has_something(&self) -> Result<()> {
+        match self.dropped.first() {
+            Some((name, why)) if self.plan.groups.is_empty() => {
+                Err(Error::file(format!("these recordings identify nothing: {name}: {why}")))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Leaves out parameters that the targets do not fix, each with the target of its group without which the others are fixed

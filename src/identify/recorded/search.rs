@@ -4,6 +4,7 @@ use super::answer::Answer;
 use super::estimate::{Estimate, Point};
 use super::evidence::{Evidence, Read};
 use super::reduced::{Known, Reduced};
+use super::suspicion;
 use crate::identify::plan::Plan;
 use crate::identify::readings::Readings;
 use crate::identify::registry::{Numbers, Registry};
@@ -54,17 +55,18 @@ pub fn identify(
     let mut search =
         Search { stand, registry, evidence: &evidence, numbers: start.clone(), offsets: Vec::new() };
     search.offsets = vec![0.0; evidence.signals.inputs.len()];
-    let mut known = search.known(&reduced.plan)?;
-    reduced.drop_open(&known);
+    reduced.has_something()?;
+    search.check_channels(&reduced.plan)?;
+    reduced.drop_open(&search.known(&reduced.plan)?);
     loop {
+        reduced.has_something()?;
         let refused = search.solve(&reduced.plan)?;
-        known = search.known(&reduced.plan)?;
+        let known = search.known(&reduced.plan)?;
         if !reduced.drop_open(&known) {
             search.agrees(&reduced.plan, &known, refused)?;
-            break;
+            return search.answer(plan, &reduced, &known);
         }
     }
-    search.answer(plan, &reduced, &known)
 }
 
 #[derive(Clone)]
@@ -122,6 +124,16 @@ impl Search<'_> {
             points.push(Point { inputs: reading.point.inputs.clone(), outputs });
         }
         Ok(points)
+    }
+
+    /// Channels are what they are called.
+    fn check_channels(&self, plan: &Plan) -> Result<()> {
+        let model = self.model(plan)?;
+        let numbers = model.model_values(&model.sought_values(&self.numbers)?)?;
+        let reads: Vec<Read> = self.reads(plan)?.into_iter().filter(|r| !r.is_ramp(self.evidence)).collect();
+        let simulated =
+            reads.iter().map(|r| self.simulated(&model, r, &numbers)).collect::<Result<Vec<_>>>()?;
+        suspicion::check(self.evidence, &reads, &simulated)
     }
 
     /// What was measured.
