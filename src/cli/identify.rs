@@ -5,7 +5,7 @@ use super::{Format, check_outputs, print, print_json};
 use clap::ValueEnum;
 use latsch::fmi::Entry;
 use latsch::identify::benchmark::{Benchmark, kaden};
-use latsch::identify::recorded::{Answer, Light, identify};
+use latsch::identify::recorded::{Answer, Beforehand, Light, identify};
 use latsch::identify::{Numbers, Plan, Stand, number, ring_brush};
 use latsch::model::Settings;
 use latsch::recording::{Recording, read_csv, read_settings};
@@ -32,6 +32,9 @@ pub struct Args {
     /// Parameters that are known, and where the search begins: TOML with [parameters]
     #[arg(long, value_name = "F.toml", requires = "plan")]
     parameters: Option<PathBuf>,
+    /// What is known of a parameter should recordings not tell it: `sidewall_radial_stiffness=0.1` for within a tenth of its value; without, it may be anywhere in its range, and intervals of others count that
+    #[arg(long, value_name = "NAME=SHARE", requires = "plan")]
+    within: Vec<String>,
     /// A published benchmark: parameters are found from its target values, exact, rounded as printed, and as printed
     #[arg(long, value_enum, value_name = "NAME")]
     benchmark: Option<Name>,
@@ -60,7 +63,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let read: Vec<&Path> = args.parameters.iter().map(PathBuf::as_path).collect();
     check_outputs(&[output], &read)?;
-    let answer = from_recordings(plan, folder, args.parameters.as_deref())?;
+    let answer = from_recordings(plan, folder, args)?;
     let toml = parameter_file(&answer);
     std::fs::write(output, toml)
         .map_err(|e| Error::file(format!("{} cannot be written: {e}", output.display())))?;
@@ -70,13 +73,27 @@ pub fn run(args: &Args) -> Result<()> {
     }
 }
 
-fn from_recordings(plan: &str, folder: &Path, parameters: Option<&Path>) -> Result<Answer> {
+fn from_recordings(plan: &str, folder: &Path, args: &Args) -> Result<Answer> {
     let read = Plan::read(&plan_text(plan)?).map_err(|e| e.at(plan))?;
     let slave = Entry::find(MODELS, &read.model)?.slave(&Settings::default())?;
-    let own = read_settings(parameters)?;
-    let start: Numbers =
+    let own = read_settings(args.parameters.as_deref())?;
+    let values: Numbers =
         own.values.iter().filter_map(|v| Some((v.name.clone(), number(Some(&v.value))?))).collect();
-    identify(&read, &Stand::new(slave, &[]), ring_brush::REGISTRY, &start, &recordings(folder)?)
+    let within = args.within.iter().map(|text| share(text)).collect::<Result<_>>()?;
+    let beforehand = Beforehand { values, within };
+    identify(&read, &Stand::new(slave, &[]), ring_brush::REGISTRY, &beforehand, &recordings(folder)?)
+}
+
+/// `name=0.1`
+fn share(text: &str) -> Result<(String, f64)> {
+    let parsed =
+        text.rsplit_once('=').and_then(|(name, share)| Some((name.to_owned(), share.parse::<f64>().ok()?)));
+    let is_share = |share: f64| share > 0.0 && share.is_finite();
+    parsed.filter(|(_, share)| is_share(*share)).ok_or_else(|| {
+        Error::call(format!(
+            "--within {text}: a name and a positive share are needed, as in vertical_stiffness=0.1"
+        ))
+    })
 }
 
 /// All recordings of a folder, in the order of their names.

@@ -386,7 +386,7 @@ mod tests {
     #[test]
     fn of_every_shipped_model_it_is_known_what_is_fitted_and_why_not() {
         let filter = (FILTER, PASSED_BY);
-        check_tire("ring-brush-flat-track", &[], &[GRAVITY, filter], true);
+        check_tire("ring-brush-flat-track", &[], &[GRAVITY, filter, ("load_control_gain", DATA)], true);
         check_tire("ring-brush-tire", &[], &[GRAVITY], false);
         let hub = ["hub_mass", "hub_inertia"];
         let before = [GRAVITY, ("initial_speed", START), ("initial_load", START), filter];

@@ -1,7 +1,7 @@
 //! How a rig holds the vertical force: by its deflection.
 
 use super::Command;
-use crate::model::{Table, boolean_parameter, input, parameter};
+use crate::model::{Purpose, Table, boolean_parameter, input, parameter};
 use crate::{Error, Result, boolean, real};
 use serde::{Deserialize, Serialize};
 
@@ -28,7 +28,7 @@ impl LoadControl {
         Table::new([
             input("load", "N", real!(load), 4000.0, "Vertical force on the rim that is held with load_control; without it nothing depends on it").range(0.0, 1e5),
             boolean_parameter("load_control", boolean!(on), false, "What the rig holds: false, the deflection; true, the vertical force on the rim: deflection is then of no account, the start is the stationary state at that load, and afterwards a controller moves the rim up and down"),
-            parameter("load_control_gain", "m/(N.s)", real!(gain), 1e-4, "Speed of the commanded deflection per missing force. Times the vertical stiffness of the tire it is the corner of the control in rad/s: 20 for 200 N/mm; it oscillates where that comes near half the corner of the actuators").range(0.0, 1e-3),
+            parameter("load_control_gain", "m/(N.s)", real!(gain), 1e-4, "Speed of the commanded deflection per missing force. Times the vertical stiffness of the tire it is the corner of the control in rad/s: 20 for 200 N/mm; it oscillates where that comes near half the corner of the actuators").range(0.0, 1e-3).purpose(Purpose::Data),
         ])
     }
 

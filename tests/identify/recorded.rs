@@ -2,7 +2,7 @@
 //! know.
 
 use latsch::fmi::Entry;
-use latsch::identify::recorded::{Answer, Found, Light, identify};
+use latsch::identify::recorded::{Answer, Beforehand, Found, Light, identify};
 use latsch::identify::{Numbers, Plan, RigLimit, Stand, ring_brush};
 use latsch::model::{Settings, Slave, Value};
 use latsch::recording::Recording;
@@ -63,7 +63,14 @@ fn recordings() -> Vec<Recording> {
 }
 
 fn answer(recordings: &[Recording]) -> latsch::Result<Answer> {
-    identify(&plan(), &Stand::new(slave(), &[]), ring_brush::REGISTRY, &Numbers::new(), recordings)
+    answer_within(recordings, &[])
+}
+
+/// With what is known of some parameters, as a share of their values.
+fn answer_within(recordings: &[Recording], within: &[(&str, f64)]) -> latsch::Result<Answer> {
+    let within = within.iter().map(|(name, share)| ((*name).to_owned(), *share)).collect();
+    let beforehand = Beforehand { values: Numbers::new(), within };
+    identify(&plan(), &Stand::new(slave(), &[]), ring_brush::REGISTRY, &beforehand, recordings)
 }
 
 fn found<'a>(answer: &'a Answer, name: &str) -> &'a Found {
@@ -116,7 +123,6 @@ fn noise_widens_intervals_and_offsets_are_found() {
     assert!((angle - 8.7e-4).abs() < 1e-4, "{angle}");
     let zero = answer.zeros.iter().find(|(name, _)| name == "force_z").unwrap().1;
     assert!((zero + 90.0).abs() < 10.0, "{zero}");
-    // those before the groups in which something is held that is not as at the rig
     let truth = [
         ("vertical_stiffness", 165e3),
         ("vertical_stiffness_quadratic", 2.2e6),
@@ -126,6 +132,10 @@ fn noise_widens_intervals_and_offsets_are_found() {
         ("patch_compliance_twist", 9e-5),
         ("patch_compliance_y", 9e-7),
         ("friction_sliding_zero", 1.1),
+        ("patch_compliance_x", 2.6e-6),
+        // of a tire in which the share at high pressure is the other one
+        ("static friction at no pressure, share", 0.392),
+        ("sidewall_lateral_stiffness", 95e3),
     ];
     for (name, value) in truth {
         let row = found(&answer, name);
@@ -133,6 +143,13 @@ fn noise_widens_intervals_and_offsets_are_found() {
         assert!((row.value - value).abs() < 2.0 * half, "{row:?} instead of {value}");
         assert!(half > 1e-4 * value, "{row:?}");
     }
+    // two springs in series: who knows the one better knows the other better
+    let within = [("sidewall_radial_stiffness", 0.02)];
+    let [wide, narrow] = [&answer, &answer_within(&recordings, &within).unwrap()]
+        .map(|answer| found(answer, "vertical_stiffness").half_width.unwrap());
+    assert!(narrow < 0.5 * wide, "{narrow} {wide}");
+    let refused = answer_within(&recordings, &[("sidewall", 0.1)]).unwrap_err().to_string();
+    assert!(refused.contains("does not look for sidewall"), "{refused}");
 }
 
 #[test]

@@ -93,10 +93,13 @@ impl Search<'_> {
     }
 
     /// The answer, with the parameters as they are.
-    pub fn answer(&self, plan: &Plan, reduced: &Reduced, known: &Known) -> Result<Answer> {
+    pub fn answer(&self, plan: &Plan, reduced: &Reduced, known: &Known, within: &Numbers) -> Result<Answer> {
         let whole = self.model(plan)?;
         let sought = whole.sought_values(&self.numbers)?;
-        let half = known.half_widths();
+        let by_held = self.variances_by_held(plan, reduced, known, within)?;
+        let told = known.half_widths();
+        let half: Vec<f64> =
+            told.iter().zip(&by_held).map(|(own, held)| own.hypot(known.side * held.sqrt())).collect();
         let left: Vec<&String> =
             reduced.plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name).collect();
         let mut values = sought.iter();

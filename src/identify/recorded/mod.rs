@@ -25,4 +25,4 @@ pub use answer::{Answer, Found, Light, Told};
 pub use estimate::{Estimate, Number, Point};
 pub use evidence::{Evidence, Read};
 pub use matching::{Moved, Reading, Signals};
-pub use search::identify;
+pub use search::{Beforehand, identify};

@@ -34,8 +34,17 @@ const STEP: f64 = 1e-4;
 /// Steps of differences over an offset, in standard deviations of what it may be.
 const OFFSET_STEP: f64 = 0.1;
 
-/// Identifies what recordings tell of a plan's parameters. `start` are values of parameters that are known or guessed, in place of
-/// the model's own.
+/// What is known before anything is measured.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Beforehand {
+    /// Values of the model's parameters, known or guessed, in place of its own.
+    pub values: Numbers,
+    /// Of what is looked for, by name: the share of its value within which it is known, should recordings not tell it. Without,
+    /// it may be anywhere in its range.
+    pub within: Numbers,
+}
+
+/// Identifies what recordings tell of a plan's parameters.
 ///
 /// # Errors
 /// Recordings that cannot be understood or that the model cannot explain: which, and likely why.
@@ -43,9 +52,14 @@ pub fn identify(
     plan: &Plan,
     stand: &Stand,
     registry: Registry,
-    start: &Numbers,
+    beforehand: &Beforehand,
     recordings: &[Recording],
 ) -> Result<Answer> {
+    let start = &beforehand.values;
+    let sought: BTreeSet<&String> = plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name).collect();
+    if let Some(other) = beforehand.within.keys().find(|name| !sought.contains(name)) {
+        return Err(Error::variable(format!("the plan does not look for {other}")));
+    }
     let whole = Readings::new(plan, stand, registry, start)?;
     let evidence = Evidence::of(plan, &whole, &registry, stand.interface(), recordings, start)?;
     let mut reduced = Reduced::new(plan);
@@ -64,7 +78,7 @@ pub fn identify(
         let known = search.known(&reduced.plan)?;
         if !reduced.drop_open(&known) {
             search.agrees(&reduced.plan, &known, refused)?;
-            return search.answer(plan, &reduced, &known);
+            return search.answer(plan, &reduced, &known, &beforehand.within);
         }
     }
 }
@@ -338,6 +352,44 @@ impl Search<'_> {
         }
         let size = |square: &f64| (square / freedom).sqrt().max(f64::MIN_POSITIVE);
         Ok(Scatter { sizes: squares.iter().map(size).collect(), freedom })
+    }
+
+    /// Variances of what is looked for in a reduced plan that come from what is held and may be elsewhere: as far as `within` says,
+    /// or evenly anywhere in its range.
+    pub fn variances_by_held(
+        &self,
+        plan: &Plan,
+        reduced: &Reduced,
+        known: &Known,
+        within: &Numbers,
+    ) -> Result<Vec<f64>> {
+        let whole = self.model(plan)?;
+        let reads = self.reads(&reduced.plan)?;
+        let sought = whole.sought_values(&self.numbers)?;
+        let names = plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name);
+        let factor = known.jacobian.clone().lu();
+        let mut variances = vec![0.0; known.at.len()];
+        for (k, name) in names.enumerate() {
+            if !reduced.dropped.iter().any(|(dropped, _)| dropped == name) {
+                continue;
+            }
+            let [low, high] = whole.bounds()[k];
+            // the standard deviation of what is even between two ends
+            let half = within.get(name).map_or(0.5 * (high - low), |share| share * sought[k].abs());
+            let deviation = half / 3f64.sqrt();
+            let value = |x: f64| {
+                let mut moved = sought.clone();
+                moved[k] = x.clamp(low, high);
+                let values = self.modelled(&whole, &reads, &whole.model_values(&moved)?)?;
+                Ok::<_, Error>((moved[k], DVector::from_vec(values)))
+            };
+            let step = STEP * (high - low);
+            let ((below, less), (above, more)) = (value(sought[k] - step)?, value(sought[k] + step)?);
+            let moves = factor.solve(&((more - less) / (above - below)));
+            let moves = moves.ok_or_else(|| Error::numeric("the readings do not fix the parameters"))?;
+            variances.iter_mut().zip(&moves).for_each(|(sum, moved)| *sum += (moved * deviation).powi(2));
+        }
+        Ok(variances)
     }
 
     /// What the readings fix, with the parameters as they are.
