@@ -162,6 +162,27 @@ impl<'a> Readings<'a> {
         Ok(sought)
     }
 
+    /// Names of the model's parameters that the plan gives values, each with the last group that does.
+    ///
+    /// # Errors
+    /// A transform that is not registered.
+    pub fn given(&self) -> Result<Vec<(String, String)>> {
+        let mut given: Vec<(String, String)> = Vec::new();
+        for group in &self.plan.groups {
+            let names: Vec<String> = match self.transform(group)? {
+                Some(transform) => {
+                    let whole = (transform.from_model)(&self.base);
+                    let changed = (transform.to_model)(&whole, &self.base);
+                    changed.into_iter().map(|(name, _)| name.to_owned()).collect()
+                }
+                None => group.parameters.iter().map(|p| p.name.clone()).collect(),
+            };
+            given.retain(|(name, _)| !names.contains(name));
+            given.extend(names.into_iter().map(|name| (name, group.name.clone())));
+        }
+        Ok(given)
+    }
+
     /// Identifies all parameters, group after group.
     ///
     /// # Errors

@@ -127,14 +127,13 @@ fn noise_widens_intervals_and_offsets_are_found() {
         ("vertical_stiffness", 165e3),
         ("vertical_stiffness_quadratic", 2.2e6),
         ("cross_section_radius", 0.675),
-        ("shear stiffness times squared length factor", 3.6e4 * 0.64),
+        ("bristle_stiffness", 3.6e4),
         ("stripe_length_factor", 0.8),
         ("patch_compliance_twist", 9e-5),
         ("patch_compliance_y", 9e-7),
         ("friction_sliding_zero", 1.1),
         ("patch_compliance_x", 2.6e-6),
-        // of a tire in which the share at high pressure is the other one
-        ("static friction at no pressure, share", 0.392),
+        ("friction_static_zero", 1.45),
         ("sidewall_lateral_stiffness", 95e3),
     ];
     for (name, value) in truth {

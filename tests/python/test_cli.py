@@ -25,7 +25,7 @@ def test_models_and_describe():
         assert words in done.stdout
     model = json.loads(latsch("describe", MODEL, "--format", "json").stdout)
     variables = {v["name"]: v for v in model["variables"]}
-    assert [n for n, v in variables.items() if v["causality"] == "input"] == [*INPUTS, "friction_factor"]
+    assert [n for n, v in variables.items() if v["causality"] == "input"] == [*INPUTS, "friction_factor", "load"]
     assert variables["stripes"]["default"] == 6 and variables["stripes"]["max"] == 64
 
 

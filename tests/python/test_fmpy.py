@@ -40,7 +40,7 @@ def test_description_has_what_masters_ask_for(fmu):
     description = fmpy.read_model_description(str(fmu), validate=True)
     variables = {v.name: v for v in description.modelVariables}
     inputs = [v.name for v in description.modelVariables if v.causality == "input"]
-    assert inputs == [*INPUTS, "friction_factor"]
+    assert inputs == [*INPUTS, "friction_factor", "load"]
     assert variables["slip_angle"].unit == "rad" and variables["moment_z"].unit == "N.m"
     assert variables["belt_mass"].variability == "fixed" and float(variables["belt_mass"].start) == 8.8
     assert description.coSimulation.providesDirectionalDerivative

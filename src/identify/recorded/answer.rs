@@ -26,16 +26,16 @@ pub enum Light {
     Red,
 }
 
-/// What became of a parameter that is looked for.
+/// What became of a parameter of the model that a plan gives a value.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Found {
-    /// Name: a parameter of the model, or what a transform makes some of.
+    /// Its name.
     pub name: String,
-    /// Group.
+    /// The group that gives it, the last one if there are several.
     pub group: String,
     /// Its value.
     pub value: f64,
-    /// Half of its interval, if it was identified.
+    /// Half of its interval (90 %), if it was identified: by what scatters, and by what is held and may be elsewhere.
     pub half_width: Option<f64>,
     /// How far it can be trusted.
     pub light: Light,
@@ -63,7 +63,7 @@ pub struct Told {
 /// Parameters from recordings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Answer {
-    /// What was looked for.
+    /// The model's parameters that the plan gives values.
     pub parameters: Vec<Found>,
     /// Values of the model's parameters that are not those that it starts with.
     pub values: Numbers,
@@ -94,36 +94,28 @@ impl Search<'_> {
 
     /// The answer, with the parameters as they are.
     pub fn answer(&self, plan: &Plan, reduced: &Reduced, known: &Known, within: &Numbers) -> Result<Answer> {
-        let whole = self.model(plan)?;
-        let sought = whole.sought_values(&self.numbers)?;
-        let by_held = self.variances_by_held(plan, reduced, known, within)?;
-        let told = known.half_widths();
-        let half: Vec<f64> =
-            told.iter().zip(&by_held).map(|(own, held)| own.hypot(known.side * held.sqrt())).collect();
-        let left: Vec<&String> =
-            reduced.plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name).collect();
-        let mut values = sought.iter();
-        let mut parameters = Vec::new();
-        for group in &plan.groups {
-            for parameter in &group.parameters {
-                let value = values.next().copied().unwrap_or(f64::NAN);
-                let half_width = left.iter().position(|name| **name == parameter.name).map(|k| half[k]);
-                let why = reduced.dropped.iter().find(|(name, _)| *name == parameter.name);
-                let light = match half_width {
+        let names: Vec<&String> = plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name).collect();
+        let parameters = self.given(plan, reduced, known, within)?.into_iter().map(|given| {
+            let held = given.by_held.and_then(|k| reduced.dropped.iter().find(|(name, _)| name == names[k]));
+            let half_width = held.is_none().then_some(known.side * given.deviation);
+            Found {
+                light: match half_width {
                     None => Light::Red,
-                    Some(half) if half <= GOOD * value.abs() => Light::Green,
+                    Some(half) if half <= GOOD * given.value.abs() => Light::Green,
                     Some(_) => Light::Yellow,
-                };
-                parameters.push(Found {
-                    name: parameter.name.clone(),
-                    group: group.name.clone(),
-                    value,
-                    half_width,
-                    light,
-                    why: why.map(|(_, why)| why.clone()),
-                });
+                },
+                half_width,
+                why: held.map(
+                    |(name, why)| {
+                        if *name == given.name { why.clone() } else { format!("{name}: {why}") }
+                    },
+                ),
+                name: given.name,
+                group: given.group,
+                value: given.value,
             }
-        }
+        });
+        let parameters = parameters.collect();
         let model = self.model(&reduced.plan)?;
         let numbers = model.model_values(&model.sought_values(&self.numbers)?)?;
         let reads = self.reads(&reduced.plan)?;

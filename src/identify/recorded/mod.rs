@@ -20,6 +20,7 @@ mod response;
 mod search;
 mod stretches;
 mod suspicion;
+mod uncertainty;
 
 pub use answer::{Answer, Found, Light, Told};
 pub use estimate::{Estimate, Number, Point};

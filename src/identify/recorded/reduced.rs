@@ -130,9 +130,9 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// Half intervals of the parameters. Each is known beforehand to within its range, as one standard deviation: that tells next
-    /// to nothing where the readings tell something, and keeps what they do not fix finite.
-    pub fn half_widths(&self) -> Vec<f64> {
+    /// Covariance of the parameters, if there is one. Each is known beforehand to within its range, as one standard deviation:
+    /// that tells next to nothing where the readings tell something, and keeps what they do not fix finite.
+    pub fn variance(&self) -> Option<DMatrix<f64>> {
         let n = self.ranges.len();
         let sizes = DVector::from_fn(n, |i, _| self.covariance[(i, i)].sqrt().max(f64::MIN_POSITIVE));
         let scaled = DMatrix::from_fn(n, n, |i, k| self.jacobian[(i, k)] * self.ranges[k] / sizes[i]);
@@ -140,12 +140,18 @@ impl Known {
             let rounding = if i == k { ROUNDING } else { 0.0 };
             self.covariance[(i, k)] / sizes[i] / sizes[k] + rounding
         });
-        let Some(factor) = correlation.cholesky() else { return vec![f64::INFINITY; n] };
-        let told = factor.l().solve_lower_triangular(&scaled).unwrap_or_else(|| DMatrix::zeros(n, n));
+        let told = correlation.cholesky()?.l().solve_lower_triangular(&scaled)?;
         let information = told.tr_mul(&told) + DMatrix::identity(n, n);
-        let Some(factor) = information.cholesky() else { return vec![f64::INFINITY; n] };
-        let variance = factor.inverse();
-        (0..n).map(|k| self.side * self.ranges[k] * variance[(k, k)].sqrt()).collect()
+        let variance = information.cholesky()?.inverse();
+        Some(DMatrix::from_fn(n, n, |i, k| self.ranges[i] * self.ranges[k] * variance[(i, k)]))
+    }
+
+    /// Half intervals of the parameters.
+    fn half_widths(&self) -> Vec<f64> {
+        match self.variance() {
+            Some(variance) => variance.diagonal().iter().map(|v| self.side * v.sqrt()).collect(),
+            None => vec![f64::INFINITY; self.ranges.len()],
+        }
     }
 
     /// The parameter that is least fixed, if it is not fixed at all.

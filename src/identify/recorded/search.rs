@@ -254,15 +254,9 @@ impl Search<'_> {
     /// Derivatives of the model's readings (rows) by what is looked for (columns).
     fn jacobian(&self, model: &Readings<'_>, reads: &[Read], at: &[f64]) -> Result<DMatrix<f64>> {
         let mut jacobian = DMatrix::zeros(reads.len(), at.len());
-        for (k, [low, high]) in model.bounds().iter().enumerate() {
-            let value = |x: f64| {
-                let mut moved = at.to_vec();
-                moved[k] = x.clamp(*low, *high);
-                let values = self.modelled(model, reads, &model.model_values(&moved)?)?;
-                Ok::<_, Error>((moved[k], DVector::from_vec(values)))
-            };
-            let step = STEP * (high - low);
-            let ((below, less), (above, more)) = (value(at[k] - step)?, value(at[k] + step)?);
+        for k in 0..at.len() {
+            let [(below, less), (above, more)] =
+                beside(model, at, k, |numbers| Ok(DVector::from_vec(self.modelled(model, reads, numbers)?)))?;
             jacobian.set_column(k, &((more - less) / (above - below)));
         }
         Ok(jacobian)
@@ -354,44 +348,6 @@ impl Search<'_> {
         Ok(Scatter { sizes: squares.iter().map(size).collect(), freedom })
     }
 
-    /// Variances of what is looked for in a reduced plan that come from what is held and may be elsewhere: as far as `within` says,
-    /// or evenly anywhere in its range.
-    pub fn variances_by_held(
-        &self,
-        plan: &Plan,
-        reduced: &Reduced,
-        known: &Known,
-        within: &Numbers,
-    ) -> Result<Vec<f64>> {
-        let whole = self.model(plan)?;
-        let reads = self.reads(&reduced.plan)?;
-        let sought = whole.sought_values(&self.numbers)?;
-        let names = plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name);
-        let factor = known.jacobian.clone().lu();
-        let mut variances = vec![0.0; known.at.len()];
-        for (k, name) in names.enumerate() {
-            if !reduced.dropped.iter().any(|(dropped, _)| dropped == name) {
-                continue;
-            }
-            let [low, high] = whole.bounds()[k];
-            // the standard deviation of what is even between two ends
-            let half = within.get(name).map_or(0.5 * (high - low), |share| share * sought[k].abs());
-            let deviation = half / 3f64.sqrt();
-            let value = |x: f64| {
-                let mut moved = sought.clone();
-                moved[k] = x.clamp(low, high);
-                let values = self.modelled(&whole, &reads, &whole.model_values(&moved)?)?;
-                Ok::<_, Error>((moved[k], DVector::from_vec(values)))
-            };
-            let step = STEP * (high - low);
-            let ((below, less), (above, more)) = (value(sought[k] - step)?, value(sought[k] + step)?);
-            let moves = factor.solve(&((more - less) / (above - below)));
-            let moves = moves.ok_or_else(|| Error::numeric("the readings do not fix the parameters"))?;
-            variances.iter_mut().zip(&moves).for_each(|(sum, moved)| *sum += (moved * deviation).powi(2));
-        }
-        Ok(variances)
-    }
-
     /// What the readings fix, with the parameters as they are.
     fn known(&self, plan: &Plan) -> Result<Known> {
         let reads = self.reads(plan)?;
@@ -475,4 +431,20 @@ fn side(freedom: f64) -> f64 {
         if student(middle, freedom) > 1.0 - PROBABILITY { low = middle } else { high = middle }
     }
     0.5 * (low + high)
+}
+
+/// What depends on the parameters, a step to both sides of one of those that are looked for, and where that is.
+pub(super) fn beside<T>(
+    whole: &Readings<'_>,
+    sought: &[f64],
+    k: usize,
+    mut of: impl FnMut(&Numbers) -> Result<T>,
+) -> Result<[(f64, T); 2]> {
+    let [low, high] = whole.bounds()[k];
+    let mut at = |step: f64| {
+        let mut moved = sought.to_vec();
+        moved[k] = (moved[k] + step * (high - low)).clamp(low, high);
+        Ok::<_, Error>((moved[k], of(&whole.model_values(&moved)?)?))
+    };
+    Ok([at(-STEP)?, at(STEP)?])
 }

@@ -1,6 +1,7 @@
 //! Writes cases and answers.
 
 use crate::draw::draw;
+use crate::flat_track::rig::session;
 use crate::recording::{Recorded, record};
 use serde::Serialize;
 use std::path::Path;
@@ -38,6 +39,18 @@ pub fn write_answer(seed: u64, number: usize, folder: &Path) -> Result<(), Strin
     let name = &recorded.answer.case;
     write_json(&folder.join(format!("{name}.json")), &recorded.answer)?;
     write_json(&folder.join(format!("{name}.reference.json")), &recorded.reference)
+}
+
+/// Writes what a rig records of a tire along a measurement programme, and the truth beside it.
+///
+/// # Errors
+/// A programme that cannot be read, a tire that cannot be driven, or a folder that cannot be written.
+pub fn write_session(seed: u64, number: u64, programme: &Path, folder: &Path) -> Result<(), String> {
+    let session = session(seed, number, programme)?;
+    for (name, content) in session.files {
+        write(&folder.join("recordings").join(name), &content)?;
+    }
+    write_json(&folder.join("truth.json"), &session.truth)
 }
 
 fn write_json(path: &Path, value: &impl Serialize) -> Result<(), String> {

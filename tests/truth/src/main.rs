@@ -29,6 +29,19 @@ enum Command {
         #[command(flatten)]
         seed: Seed,
     },
+    /// Write what a rig records of a tire along the measurement programme of an identification
+    Rig {
+        /// Number of the tire
+        number: u64,
+        /// Folder that `latsch rig-program` wrote
+        #[arg(long)]
+        programme: PathBuf,
+        /// Folder of the recordings, with the truth beside them
+        #[arg(long)]
+        output: PathBuf,
+        #[command(flatten)]
+        seed: Seed,
+    },
     /// Say how many cases there are
     Count {
         #[command(flatten)]
@@ -78,6 +91,9 @@ fn run(command: &Command) -> Result<(), String> {
                 files::write_answer(seed.seed, index(*number)?, output)?;
             }
             Ok(())
+        }
+        Command::Rig { number, programme, output, seed } => {
+            files::write_session(seed.seed, *number, programme, output)
         }
         Command::Count { seed } => {
             println!("{}", study(seed.seed).len());

@@ -8,6 +8,7 @@
 
 mod offers;
 mod programme;
+pub mod rig;
 
 pub use offers::{Concealed, draw_cases};
 pub(crate) use offers::{OFFERS, OUTSIDE};
@@ -83,11 +84,11 @@ struct Tire {
 }
 
 impl Tire {
-    fn new(parameters: &[f64], step: f64) -> Result<Self> {
+    fn new<'a>(parameters: impl IntoIterator<Item = (&'a str, f64)>, step: f64) -> Result<Self> {
         let mut slave = Native::new(&Settings::default())?;
-        for (row, value) in PARAMETERS.iter().zip(parameters) {
-            let variable = slave.find(row.0)?;
-            slave.set(variable, *value)?;
+        for (name, value) in parameters {
+            let variable = slave.find(name)?;
+            slave.set(variable, value)?;
         }
         let variable = slave.find("step_size")?;
         slave.set(variable, step)?;
@@ -200,7 +201,8 @@ fn commanded(u: &[f64], by: &Influence) -> Vec<f64> {
 
 fn simulate(world: &World, run: &Run, number: u64, longest: f64) -> Result<Ideal> {
     let own = if longest < COARSE { FINE } else { COARSE };
-    let mut tire = Tire::new(&world.parameters, own)?;
+    let names = PARAMETERS.iter().map(|row| row.0);
+    let mut tire = Tire::new(names.zip(world.parameters.iter().copied()), own)?;
     let raw = |k: usize| -> Vec<f64> { run.inputs.iter().map(|values| values[k]).collect() };
     let still = Ports { speed: raw(0)[0], slip_angle: raw(0)[2], ..Ports::default() };
     let mut beside = Beside::start(world, &still, number);
