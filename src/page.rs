@@ -247,6 +247,7 @@ figcaption b { font-weight: 600; margin-right: .9rem; }
 .key { display: inline-block; margin-right: 1rem; color: #37434c; }
 .key i { display: inline-block; width: 1.5rem; margin-right: .35rem; border-top: 3px solid; vertical-align: middle; }
 .key i.measured { border-top-width: 2px; border-top-style: dashed; }
+.key i.dot { width: .6rem; height: .6rem; border: 3px solid; border-radius: 50%; }
 .grid { display: grid; grid-template-columns: 1fr 1fr; gap: 0 1.6rem; align-items: end; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; margin: .4rem 0 1rem; font-size: .9rem; font-variant-numeric: tabular-nums; }

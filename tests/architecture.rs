@@ -64,7 +64,7 @@ const ORDER: &[(&str, &str)] = &[
         "diagnose",
         "page stats model effect fmi fmi/entry fmi/import shipped recording simulate cosimulate fit",
     ),
-    ("report", "page stats model tire rig recording diagnose"),
+    ("report", "page stats model tire rig recording identify diagnose"),
     (
         "cli",
         "page stats model tire tir rig control effect fmi fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \

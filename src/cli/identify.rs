@@ -1,7 +1,7 @@
 //! `latsch identify`: sequential identification.
 
 use super::rig_program::plan_text;
-use super::{Format, check_outputs, print, print_json};
+use super::{Format, check_outputs, files_in, print, print_json};
 use clap::ValueEnum;
 use latsch::fmi::Entry;
 use latsch::identify::benchmark::{Benchmark, kaden};
@@ -9,6 +9,7 @@ use latsch::identify::recorded::{Answer, Beforehand, Light, identify};
 use latsch::identify::{Numbers, Plan, Stand, number, ring_brush};
 use latsch::model::Settings;
 use latsch::recording::{Recording, read_csv, read_settings};
+use latsch::report::{identification_report, write_html};
 use latsch::shipped::MODELS;
 use latsch::{Error, Result};
 use std::fmt::Write as _;
@@ -29,6 +30,9 @@ pub struct Args {
     /// Parameters to write: TOML for `latsch export` and `latsch simulate`
     #[arg(long, short, value_name = "F.toml", requires = "plan")]
     output: Option<PathBuf>,
+    /// Page to write: how well each parameter is known, and what it was read from
+    #[arg(long, value_name = "F.html", requires = "plan")]
+    report: Option<PathBuf>,
     /// Parameters that are known, and where the search begins: TOML with [parameters]
     #[arg(long, value_name = "F.toml", requires = "plan")]
     parameters: Option<PathBuf>,
@@ -62,8 +66,17 @@ pub fn run(args: &Args) -> Result<()> {
         return Err(Error::call("a plan, --recordings and --output are needed"));
     };
     let read: Vec<&Path> = args.parameters.iter().map(PathBuf::as_path).collect();
-    check_outputs(&[output], &read)?;
-    let answer = from_recordings(plan, folder, args)?;
+    let outputs: Vec<&Path> = std::iter::once(output).chain(&args.report).map(PathBuf::as_path).collect();
+    check_outputs(&outputs, &read)?;
+    let stated = Plan::read(&plan_text(plan)?).map_err(|e| e.at(plan))?;
+    let stand = Stand::new(Entry::find(MODELS, &stated.model)?.slave(&Settings::default())?, &[]);
+    let answer = from_recordings(&stated, &stand, folder, args)?;
+    if let Some(report) = &args.report {
+        let interface = stand.interface();
+        let unit = |name: &str| interface.index(name).and_then(|i| interface.variables[i].unit.clone());
+        let page = identification_report(&stated.title, &answer, |name| unit(name).unwrap_or_default());
+        write_html(report, &page)?;
+    }
     let toml = parameter_file(&answer);
     std::fs::write(output, toml)
         .map_err(|e| Error::file(format!("{} cannot be written: {e}", output.display())))?;
@@ -73,15 +86,13 @@ pub fn run(args: &Args) -> Result<()> {
     }
 }
 
-fn from_recordings(plan: &str, folder: &Path, args: &Args) -> Result<Answer> {
-    let read = Plan::read(&plan_text(plan)?).map_err(|e| e.at(plan))?;
-    let slave = Entry::find(MODELS, &read.model)?.slave(&Settings::default())?;
+fn from_recordings(plan: &Plan, stand: &Stand, folder: &Path, args: &Args) -> Result<Answer> {
     let own = read_settings(args.parameters.as_deref())?;
     let values: Numbers =
         own.values.iter().filter_map(|v| Some((v.name.clone(), number(Some(&v.value))?))).collect();
     let within = args.within.iter().map(|text| share(text)).collect::<Result<_>>()?;
     let beforehand = Beforehand { values, within };
-    identify(&read, &Stand::new(slave, &[]), ring_brush::REGISTRY, &beforehand, &recordings(folder)?)
+    identify(plan, stand, ring_brush::REGISTRY, &beforehand, &recordings(folder)?)
 }
 
 /// `name=0.1`
@@ -98,17 +109,7 @@ fn share(text: &str) -> Result<(String, f64)> {
 
 /// All recordings of a folder, in the order of their names.
 fn recordings(folder: &Path) -> Result<Vec<Recording>> {
-    let entries = std::fs::read_dir(folder)
-        .map_err(|e| Error::file(format!("{} cannot be read: {e}", folder.display())))?;
-    let mut files: Vec<PathBuf> = entries
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|file| file.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")))
-        .collect();
-    files.sort();
-    if files.is_empty() {
-        return Err(Error::file(format!("{} has no recordings: CSV files are needed", folder.display())));
-    }
-    files.iter().map(|file| read_csv(file)).collect()
+    files_in(folder, &["csv"])?.iter().map(|file| read_csv(file)).collect()
 }
 
 fn parameter_file(answer: &Answer) -> String {

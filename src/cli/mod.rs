@@ -16,7 +16,7 @@ mod tire;
 use clap::{Parser, Subcommand, ValueEnum};
 use latsch::temporary::{before_the_end, clean_up_on_signals};
 use latsch::{Error, ErrorKind, Result, one_line, printable, printable_json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Physical tire and rig models as FMI 2.0 co-simulation units
@@ -141,4 +141,27 @@ fn check_outputs(outputs: &[&Path], read: &[&Path]) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// The files of a folder with some endings, in the order of their names.
+///
+/// # Errors
+/// A folder that cannot be read, or without any.
+fn files_in(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(folder)
+        .map_err(|e| Error::file(format!("{} cannot be read: {e}", folder.display())))?;
+    let is_one = |file: &PathBuf| {
+        file.extension().is_some_and(|own| endings.iter().any(|ending| own.eq_ignore_ascii_case(ending)))
+    };
+    let mut files: Vec<PathBuf> =
+        entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_one).collect();
+    files.sort();
+    if files.is_empty() {
+        return Err(Error::file(format!(
+            "{} has no recordings: files are needed that end in .{}",
+            folder.display(),
+            endings.join(", .")
+        )));
+    }
+    Ok(files)
 }

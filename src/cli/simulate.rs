@@ -1,11 +1,11 @@
 //! `latsch simulate`: a model or FMU along recorded inputs.
 
-use super::{check_outputs, print, warn};
+use super::{check_outputs, files_in, print, warn};
 use indicatif::{ProgressBar, ProgressStyle};
 use latsch::fmi::import::ImportedFmu;
 use latsch::fmi::{Entry, guid};
 use latsch::model::{Causality, Interface, Kind, Model, Native, Settings, Slave, Value};
-use latsch::recording::{Recording, profile_value, read_csv, read_settings, write_csv};
+use latsch::recording::{Recording, add_noise, profile_value, read_csv, read_settings, write_csv};
 use latsch::report::{PatchFrame, patch_caption, simulation_report, write_html};
 use latsch::rig::RingBrushFlatTrack;
 use latsch::shipped::MODELS;
@@ -13,6 +13,7 @@ use latsch::simulate::{
     Experiment, Outcome, Schedule, follow_recorded_motions, motions_are_followed, simulate,
 };
 use latsch::{Error, Result, VERSION};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Run a model, or any FMI 2.0 co-simulation FMU, along recorded inputs
@@ -24,8 +25,9 @@ pub struct Args {
     #[arg(value_name = "MODEL|F.fmu")]
     model: String,
     /// Recorded inputs: CSV with the columns `time [s]` and `name [unit]`; columns named like outputs
-    /// are shown beside the simulation
-    #[arg(long, value_name = "F.csv")]
+    /// are shown beside the simulation. A folder, such as `latsch rig-program` writes, is run file by file, each with the values in
+    /// the TOML of its name
+    #[arg(long, value_name = "F.csv|DIR")]
     inputs: Option<PathBuf>,
     /// A column of the recording that is left out
     #[arg(long, value_name = "COLUMN")]
@@ -45,9 +47,15 @@ pub struct Args {
     /// Communication step [s] [default: the model's]
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     step: Option<f64>,
-    /// Results to write: CSV with the inputs and outputs
-    #[arg(long, short, value_name = "F.csv")]
+    /// Results to write: CSV with the inputs and outputs; a folder of them, which is made, if --inputs is one
+    #[arg(long, short, value_name = "F.csv|DIR")]
     output: PathBuf,
+    /// White noise on the outputs, as a share of what each of them ranges over in all that is run: 0.01 for 1 %
+    #[arg(long, value_name = "SHARE")]
+    noise: Option<f64>,
+    /// Seed of the noise
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "noise")]
+    seed: u64,
     /// Also write the internal quantities
     #[arg(long)]
     all: bool,
@@ -57,52 +65,145 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<()> {
+    if args.noise.is_some_and(|share| !(share > 0.0 && share < 1.0)) {
+        return Err(Error::call("--noise is a share of a range, above 0 and below 1: 0.01 for 1 %"));
+    }
+    match &args.inputs {
+        Some(folder) if folder.is_dir() => every_file(args, folder),
+        _ => one_file(args),
+    }
+}
+
+/// Runs what `--inputs` names, or the model without any.
+fn one_file(args: &Args) -> Result<()> {
     let mut read: Vec<&Path> = vec![Path::new(&args.model)];
     read.extend(args.inputs.iter().chain(&args.parameters).map(PathBuf::as_path));
     let outputs: Vec<&Path> =
         std::iter::once(&args.output).chain(&args.report).map(PathBuf::as_path).collect();
     check_outputs(&outputs, &read)?;
-    let mut inputs = args.inputs.as_deref().map(read_csv).transpose()?;
-    for name in &args.ignore {
-        let recording = inputs.as_mut().ok_or_else(|| Error::call("--ignore goes with --inputs"))?;
-        recording.channel(name)?;
-        recording.channels.retain(|c| c.name != *name);
-    }
-    let mut subject = Subject::load(&args.model, args.parameters.as_deref())?;
-    let mut experiment = Experiment {
-        inputs: inputs.as_ref(),
-        values: Vec::new(),
-        start: args.start,
-        stop: args.stop,
-        step: args.step,
-    };
-    for assignment in &args.set {
-        let value = parse_assignment(subject.slave.interface(), assignment)?;
-        if experiment.values.iter().any(|(index, _)| *index == value.0) {
-            return Err(Error::variable(format!("--set {assignment}: the variable is set twice")));
-        }
-        experiment.values.push(value);
-    }
-    let settings = read_settings(args.parameters.as_deref())?;
-    let switched = {
-        let interface = subject.slave.interface();
-        let is_given = |variable: usize| {
-            experiment.values.iter().any(|(v, _)| *v == variable)
-                || settings.values.iter().any(|s| s.name == interface.variables[variable].name)
-        };
-        follow_recorded_motions(interface, &recorded(interface, inputs.as_ref()), is_given)
-    };
-    for (variable, _) in &switched {
-        eprintln!("note: {}", motions_are_followed(&subject.slave.interface().variables[*variable].name));
-    }
-    experiment.values.extend(switched);
-    let outcome = subject.run(&experiment, &args.model)?;
-    write_csv(&args.output, &selected(subject.slave.interface(), &outcome.recording, args.all))?;
+    let inputs = args.inputs.as_deref().map(|file| read_inputs(args, file)).transpose()?;
+    let Ran { subject, experiment, mut outcome, notes } =
+        one_run(args, inputs.as_ref(), &Settings::default())?;
+    notes.iter().for_each(|note| eprintln!("note: {note}"));
+    let interface = subject.slave.interface();
+    sense(args, interface, std::slice::from_mut(&mut outcome.recording));
+    write_csv(&args.output, &selected(interface, &outcome.recording, args.all))?;
     if let Some(report) = &args.report {
         let page = subject.report(&experiment, &outcome)?;
         write_html(report, &page)?;
     }
     finish(&args.output, outcome)
+}
+
+/// Runs every recording of a folder, each with the values in the TOML of its name.
+fn every_file(args: &Args, folder: &Path) -> Result<()> {
+    if args.report.is_some() {
+        return Err(Error::call("--report shows one run: name one of the folder's files as --inputs"));
+    }
+    let files = files_in(folder, &["csv"])?;
+    std::fs::create_dir_all(&args.output)
+        .map_err(|e| Error::file(format!("{} cannot be made: {e}", args.output.display())))?;
+    let outputs: Vec<PathBuf> =
+        files.iter().filter_map(|file| Some(args.output.join(file.file_name()?))).collect();
+    let read: Vec<&Path> = files.iter().chain(&args.parameters).map(PathBuf::as_path).collect();
+    check_outputs(&outputs.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &read)?;
+    let (mut recordings, mut interface, mut said) = (Vec::new(), None, BTreeSet::new());
+    for file in &files {
+        let inputs = read_inputs(args, file)?;
+        let switches = Some(file.with_extension("toml")).filter(|toml| toml.is_file());
+        let switches = read_settings(switches.as_deref())?;
+        let Ran { subject, outcome, notes, .. } = one_run(args, Some(&inputs), &switches)?;
+        for note in notes {
+            if said.insert(note.clone()) {
+                eprintln!("note: {note}");
+            }
+        }
+        if let Some(error) = outcome.stopped {
+            return Err(Error::numeric(format!(
+                "{}: stopped at {error}; nothing is written",
+                file.display()
+            )));
+        }
+        recordings.push(selected(subject.slave.interface(), &outcome.recording, args.all));
+        interface = Some(subject.slave.interface().clone());
+    }
+    if let Some(interface) = &interface {
+        sense(args, interface, &mut recordings);
+    }
+    for (file, recording) in outputs.iter().zip(&recordings) {
+        write_csv(file, recording)?;
+    }
+    let samples: usize = recordings.iter().map(|r| r.time.len()).sum();
+    print(&format!("{}: {} runs, {samples} samples", args.output.display(), recordings.len()))
+}
+
+/// A recording without what is to be left out.
+fn read_inputs(args: &Args, file: &Path) -> Result<Recording> {
+    let mut inputs = read_csv(file)?;
+    for name in &args.ignore {
+        inputs.channel(name)?;
+        inputs.channels.retain(|c| c.name != *name);
+    }
+    Ok(inputs)
+}
+
+/// The noise of sensors, where it is asked for.
+fn sense(args: &Args, interface: &Interface, recordings: &mut [Recording]) {
+    let is_output = |name: &str| {
+        interface.index(name).is_some_and(|i| interface.variables[i].causality == Causality::Output)
+    };
+    if let Some(share) = args.noise {
+        add_noise(recordings, is_output, share, args.seed);
+    }
+}
+
+/// A run: what ran, along what, and what came of it.
+struct Ran<'a> {
+    subject: Subject,
+    experiment: Experiment<'a>,
+    outcome: Outcome,
+    /// What its user may not expect.
+    notes: Vec<String>,
+}
+
+/// Runs the model along some inputs, with values of their own.
+fn one_run<'a>(args: &Args, inputs: Option<&'a Recording>, switches: &Settings) -> Result<Ran<'a>> {
+    if inputs.is_none() && !args.ignore.is_empty() {
+        return Err(Error::call("--ignore goes with --inputs"));
+    }
+    let mut subject = Subject::load(&args.model, args.parameters.as_deref())?;
+    let mut experiment =
+        Experiment { inputs, values: Vec::new(), start: args.start, stop: args.stop, step: args.step };
+    let interface = subject.slave.interface();
+    for assignment in &args.set {
+        let value = parse_assignment(interface, assignment)?;
+        if experiment.values.iter().any(|(index, _)| *index == value.0) {
+            return Err(Error::variable(format!("--set {assignment}: the variable is set twice")));
+        }
+        experiment.values.push(value);
+    }
+    for switch in &switches.values {
+        let index = interface.find(&switch.name).map_err(|e| e.at(&switch.place))?;
+        if experiment.values.iter().any(|(given, _)| *given == index) {
+            return Err(Error::variable(format!("{}: {} is set by --set, too", switch.place, switch.name)));
+        }
+        let value = interface.variables[index].accept(&switch.value).map_err(|e| e.at(&switch.place))?;
+        experiment.values.push((index, value));
+    }
+    let settings = read_settings(args.parameters.as_deref())?;
+    let switched = {
+        let is_given = |variable: usize| {
+            experiment.values.iter().any(|(v, _)| *v == variable)
+                || settings.values.iter().any(|s| s.name == interface.variables[variable].name)
+        };
+        follow_recorded_motions(interface, &recorded(interface, inputs), is_given)
+    };
+    let notes =
+        switched.iter().map(|(variable, _)| motions_are_followed(&interface.variables[*variable].name));
+    let notes = notes.collect();
+    experiment.values.extend(switched);
+    let outcome = subject.run(&experiment, &args.model)?;
+    Ok(Ran { subject, experiment, outcome, notes })
 }
 
 /// The inputs that a recording holds.

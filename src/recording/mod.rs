@@ -1,12 +1,14 @@
 //! Recordings: measured or simulated channels over time, with units, and the CSV files that hold them.
 
 mod csv;
+mod noise;
 mod profile;
 mod shortest;
 mod smooth;
 
 pub(crate) use csv::{Defect, read_csv_with_defects};
 pub use csv::{parse_csv, read_csv, to_csv, write_csv};
+pub use noise::add_noise;
 pub use profile::{profile_from_csv, profile_value, read_settings};
 pub use smooth::Smooth;
 

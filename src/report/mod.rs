@@ -1,11 +1,13 @@
 //! Reports: one HTML file each that opens without a network, prints, and carries its plots inside.
 //!
 //! A [`Page`] has sections, a section has parts: text, [`Table`], [`Plot`], [`patch_frames`].
-//! [`simulation_report`] makes the page of a run, [`diagnosis_report`] that of a diagnosis. Whoever makes a page of
+//! [`simulation_report`] makes the page of a run, [`diagnosis_report`] that of a
+//! diagnosis, [`identification_report`] that of an identification. Whoever makes a page of
 //! their own with drawings of patches has their scales in [`Picture`].
 
 mod diagnosis;
 mod heat;
+mod identification;
 mod patch;
 mod plot;
 mod simulation;
@@ -13,6 +15,7 @@ mod simulation;
 pub use crate::page::{Html, Page, Section, Table, escape};
 pub use diagnosis::{CheckRun, diagnosis_report};
 pub use heat::{HeatCell, HeatMap};
+pub use identification::identification_report;
 pub use patch::{PULLING, PatchFrame, Picture, SLIDING, patch_caption, patch_frames, pressure_color};
 pub use plot::{Axis, Plot, Size, Tone};
 pub use simulation::simulation_report;

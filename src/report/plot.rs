@@ -1,6 +1,7 @@
 //! Line plots as inline SVG.
 
 use crate::page::{Html, escape};
+use crate::stats::extent;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use std::ops::Range;
@@ -74,7 +75,19 @@ struct Series {
     name: String,
     points: Vec<(f64, f64)>,
     color: RGBColor,
-    measured: bool,
+    look: Look,
+}
+
+/// How a series is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Look {
+    Line,
+    /// Thin and dashed.
+    Measured,
+    /// A dot at each point.
+    Dots,
+    /// A ring at each point.
+    Rings,
 }
 
 /// What a line in a comparison shows: the same colours on the whole page.
@@ -134,9 +147,26 @@ impl Plot {
     /// coordinate is not finite.
     #[must_use]
     pub fn line(mut self, name: &str, x: &[f64], y: &[f64]) -> Self {
-        let color = PALETTE[self.series.iter().filter(|s| !s.measured).count() % PALETTE.len()];
-        self.push(name, x, y, color, false);
+        self.push(name, x, y, self.next_color(), Look::Line);
         self
+    }
+
+    /// The same with a dot at each point (x, y).
+    #[must_use]
+    pub fn dots(mut self, name: &str, x: &[f64], y: &[f64]) -> Self {
+        self.push(name, x, y, self.next_color(), Look::Dots);
+        self
+    }
+
+    /// The same with a ring at each point (x, y), around what dots show.
+    #[must_use]
+    pub fn rings(mut self, name: &str, x: &[f64], y: &[f64]) -> Self {
+        self.push(name, x, y, self.next_color(), Look::Rings);
+        self
+    }
+
+    fn next_color(&self) -> RGBColor {
+        PALETTE[self.series.iter().filter(|s| s.look != Look::Measured).count() % PALETTE.len()]
     }
 
     /// The same with a measured line, thin, dashed and in a greyed shade of the colour of the line
@@ -145,14 +175,14 @@ impl Plot {
     pub fn measured(mut self, name: &str, x: &[f64], y: &[f64]) -> Self {
         let RGBColor(r, g, b) = self.series.last().map_or(PALETTE[6], |s| s.color);
         let mix = |c: u8| (0.35 * f64::from(c) + 0.65 * 120.0) as u8;
-        self.push(name, x, y, RGBColor(mix(r), mix(g), mix(b)), true);
+        self.push(name, x, y, RGBColor(mix(r), mix(g), mix(b)), Look::Measured);
         self
     }
 
     /// The same with one more line in the colour of its tone.
     #[must_use]
     pub fn toned(mut self, name: &str, tone: Tone, x: &[f64], y: &[f64]) -> Self {
-        self.push(name, x, y, tone.color(), false);
+        self.push(name, x, y, tone.color(), Look::Line);
         self
     }
 
@@ -175,9 +205,9 @@ impl Plot {
         self
     }
 
-    fn push(&mut self, name: &str, x: &[f64], y: &[f64], color: RGBColor, measured: bool) {
+    fn push(&mut self, name: &str, x: &[f64], y: &[f64], color: RGBColor, look: Look) {
         let points = x.iter().copied().zip(y.iter().copied()).collect();
-        self.series.push(Series { name: name.into(), points, color, measured });
+        self.series.push(Series { name: name.into(), points, color, look });
     }
 
     /// True without lines.
@@ -193,7 +223,11 @@ impl Plot {
         }
         for series in &self.series {
             let RGBColor(r, g, b) = series.color;
-            let class = if series.measured { " class=\"measured\"" } else { "" };
+            let class = match series.look {
+                Look::Line => "",
+                Look::Measured => " class=\"measured\"",
+                Look::Dots | Look::Rings => " class=\"dot\"",
+            };
             html.push_str(&format!(
                 "<span class=\"key\"><i{class} style=\"border-color:#{r:02x}{g:02x}{b:02x}\"></i>{}</span>",
                 escape(&series.name)
@@ -249,9 +283,24 @@ impl Plot {
                 chart.draw_series(std::iter::once(Polygon::new(outline.clone(), style)))?;
             }
             // measured lines come last: they are thin and would vanish below the others
-            for measured in [false, true] {
-                for series in self.series.iter().filter(|s| s.measured == measured) {
-                    let style = series.color.stroke_width(if measured { 3 } else { 4 });
+            for look in [Look::Line, Look::Dots, Look::Rings, Look::Measured] {
+                for series in self.series.iter().filter(|s| s.look == look) {
+                    let size = letters / 3;
+                    let finite = series.points.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
+                    let style = match look {
+                        Look::Line => series.color.stroke_width(4),
+                        Look::Measured => series.color.stroke_width(3),
+                        Look::Dots => {
+                            let style = series.color.mix(0.6).filled();
+                            chart.draw_series(finite.map(|point| Circle::new(*point, size, style)))?;
+                            continue;
+                        }
+                        Look::Rings => {
+                            let style = series.color.stroke_width(4);
+                            chart.draw_series(finite.map(|point| Circle::new(*point, size * 2, style)))?;
+                            continue;
+                        }
+                    };
                     for run in series.points.split(|(x, y)| !x.is_finite() || !y.is_finite()) {
                         let points = thin_out(run, x.low, x.high, self.columns.unwrap_or(COLUMNS));
                         chart.draw_series(LineSeries::new(points, style))?;
@@ -287,8 +336,7 @@ struct Scale {
 impl Scale {
     /// A scale over finite values with about `count` labels; `round` widens it to the next labels.
     fn new(values: impl Iterator<Item = f64>, count: usize, round: bool) -> Self {
-        let (mut low, mut high) =
-            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        let (mut low, mut high) = extent(values);
         let size = low.abs().max(high.abs());
         if high - low <= (ROUNDING * size).max(NOTHING) {
             let margin = if size > NOTHING { 0.1 * size } else { 1.0 };

@@ -4,6 +4,7 @@ use super::patch::{PatchFrame, patch_frames};
 use super::plot::{Axis, Plot, Size};
 use crate::page::{Html, Page, Section, Table, number};
 use crate::recording::{Channel, Recording, interpolate};
+use crate::stats::extent;
 use std::collections::BTreeSet;
 
 /// Commands of a rig and the unit to show them in.
@@ -352,8 +353,7 @@ impl<'a> Group<'a> {
 
 /// True if the values vary by more than rounding.
 fn spread(values: &[f64]) -> bool {
-    let (low, high) =
-        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    let (low, high) = extent(values.iter().copied());
     high - low > 1e-6 * low.abs().max(high.abs()) && high - low > 1e-9
 }
 

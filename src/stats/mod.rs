@@ -44,6 +44,6 @@ pub use lines::{Line, about_line, even_line};
 pub use moments::{about_mean, correlation, deviation, mean, mean_or_zero, root_mean_square};
 pub use random::SplitMix64;
 #[cfg(feature = "host")]
-pub use robust::{amplitude, median, noise, quantile, quantile_below, spread};
+pub use robust::{amplitude, extent, median, noise, quantile, quantile_below, spread};
 #[cfg(feature = "host")]
 pub use spectrum::{Spectrum, over_angle, over_time, spectrum};

@@ -32,6 +32,11 @@ pub fn spread(values: &[f64]) -> f64 {
     MAD_TO_SIGMA * median(&values.iter().map(|v| (v - middle).abs()).collect::<Vec<_>>())
 }
 
+/// The lowest and the highest value; of nothing infinite, the wrong way round.
+pub fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    values.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+}
+
 /// Half the range from the lowest to the highest hundredth: the size of a signal, single samples apart.
 pub fn amplitude(values: &[f64]) -> f64 {
     (quantile(values, 0.99) - quantile(values, 0.01)) / 2.0

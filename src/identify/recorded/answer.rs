@@ -1,5 +1,6 @@
 //! What an identification from recordings answers.
 
+use super::figures::{Characteristic, Response};
 use super::reduced::{Known, Reduced};
 use super::search::Search;
 use crate::Result;
@@ -61,7 +62,7 @@ pub struct Told {
 }
 
 /// Parameters from recordings.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Answer {
     /// The model's parameters that the plan gives values.
     pub parameters: Vec<Found>,
@@ -69,6 +70,10 @@ pub struct Answer {
     pub values: Numbers,
     /// What was read.
     pub targets: Vec<Told>,
+    /// What was read, over what it was read at, beside the model.
+    pub characteristics: Vec<Characteristic>,
+    /// How targets depend on what they fix.
+    pub responses: Vec<Response>,
     /// Offsets of inputs that were found: channel less what it was.
     pub offsets: Vec<(String, f64)>,
     /// Offsets of outputs that were found off the road.
@@ -150,6 +155,8 @@ impl Search<'_> {
             parameters,
             values: self.changed()?,
             targets,
+            characteristics: self.characteristics(&reduced.plan)?,
+            responses: self.responses(&reduced.plan, known)?,
             offsets: offsets.map(|((name, _), offset)| (name.clone(), *offset)).collect(),
             zeros: self.evidence.zeros.clone(),
             notes,

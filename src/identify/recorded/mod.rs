@@ -14,6 +14,7 @@
 mod answer;
 mod estimate;
 mod evidence;
+mod figures;
 mod matching;
 mod reduced;
 mod response;
@@ -25,5 +26,6 @@ mod uncertainty;
 pub use answer::{Answer, Found, Light, Told};
 pub use estimate::{Estimate, Number, Point};
 pub use evidence::{Evidence, Read};
+pub use figures::{Characteristic, Quantity, Response};
 pub use matching::{Moved, Reading, Signals};
 pub use search::{Beforehand, identify};

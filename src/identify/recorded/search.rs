@@ -114,7 +114,7 @@ impl Search<'_> {
     }
 
     /// The points of a target as the model has them.
-    fn simulated(&self, model: &Readings<'_>, read: &Read, numbers: &Numbers) -> Result<Vec<Point>> {
+    pub fn simulated(&self, model: &Readings<'_>, read: &Read, numbers: &Numbers) -> Result<Vec<Point>> {
         self.simulated_once(model, read, numbers, &mut BTreeMap::new())
     }
 

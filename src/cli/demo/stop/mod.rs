@@ -9,6 +9,7 @@ pub use figures::StopFigures;
 use self::film::Film;
 use latsch::recording::Recording;
 use latsch::report::{Axis, Html, Page, PatchFrame, Plot, Section, Size, Table, escape};
+use latsch::stats::extent;
 use latsch::{Error, Result};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -120,8 +121,7 @@ fn summary(scenes: &[StopScene]) -> Section {
     }
     bars.push_str("</div></figure>\n");
     let range = |f: &dyn Fn(&StopScene) -> f64, unit: &str| {
-        let (low, high) =
-            scenes.iter().map(f).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        let (low, high) = extent(scenes.iter().map(f));
         match unit.strip_prefix('±') {
             Some(unit) => format!("{low:+.1} to {high:+.1} {unit}"),
             None => format!("{low:.0} to {high:.0} {unit}"),
