@@ -137,6 +137,7 @@ impl Search<'_> {
                 modelled: modelled[k],
             });
         }
+        let outputs = self.evidence.signals.outputs.iter();
         let inputs = &self.evidence.signals.inputs;
         let looked = |name: &String| plan.recordings.as_ref().is_some_and(|r| r.offsets.contains_key(name));
         let offsets = inputs.iter().zip(&self.offsets).filter(|((name, _), _)| looked(name));
@@ -158,7 +159,10 @@ impl Search<'_> {
             characteristics: self.characteristics(&reduced.plan)?,
             responses: self.responses(&reduced.plan, known)?,
             offsets: offsets.map(|((name, _), offset)| (name.clone(), *offset)).collect(),
-            zeros: self.evidence.zeros.clone(),
+            zeros: outputs
+                .zip(&self.evidence.zeros.offsets)
+                .map(|((n, _), zero)| (n.clone(), *zero))
+                .collect(),
             notes,
             starts: self.stand.starts(),
         })

@@ -2,7 +2,8 @@
 
 use super::estimate::{Estimate, Number, Point};
 use super::matching::{Reading, Signals, Track, nearest};
-use crate::identify::plan::{Condition, Plan, Recordings, Target};
+use super::zeros::Zeros;
+use crate::identify::plan::{Condition, Plan, Target};
 use crate::identify::readings::Readings;
 use crate::identify::registry::{Numbers, Registry};
 use crate::model::Interface;
@@ -52,7 +53,7 @@ pub struct Evidence {
     /// The others: number, and what is missing.
     pub missing: Vec<(usize, String)>,
     /// Offsets that were taken off the outputs.
-    pub zeros: Vec<(String, f64)>,
+    pub zeros: Zeros,
     /// What was assumed or left out.
     pub notes: Vec<String>,
 }
@@ -95,8 +96,8 @@ impl Evidence {
             tracks.push(track);
         }
         let ranges = ranges(&tracks, signals.outputs.len());
-        let zeros = zeros(plan, how, model, &signals, &tracks, &ranges, parameters)?;
-        tracks.iter_mut().for_each(|track| track.correct(&zeros));
+        let zeros = Zeros::of(plan, how, model, &signals, &tracks, &ranges, parameters)?;
+        tracks.iter_mut().for_each(|track| track.correct(&zeros.offsets));
         let mut readings = Vec::new();
         for (number, track) in tracks.iter().enumerate() {
             for reading in track.stretches(number, &signals, plan, &ranges) {
@@ -118,11 +119,16 @@ impl Evidence {
                 }
             }
         }
-        let named =
-            signals.outputs.iter().zip(&zeros).map(|((name, _), zero)| (name.clone(), *zero)).collect();
+        if zeros.recordings == 1 {
+            notes.push(
+                "the zero of the load cell was measured in one recording only: how far it drifts is not known, and intervals do not \
+                 count it"
+                    .to_owned(),
+            );
+        }
         let names = recordings.iter().map(|r| r.source.clone()).collect();
         let (targets, missing) = (Vec::new(), Vec::new());
-        let mut evidence = Self { names, signals, readings, targets, missing, zeros: named, notes };
+        let mut evidence = Self { names, signals, readings, targets, missing, zeros, notes };
         for (number, target) in plan.groups.iter().flat_map(|g| &g.targets).enumerate() {
             match evidence.read(target, plan, model, registry, parameters) {
                 Ok(read) => evidence.targets.push(read),
@@ -315,40 +321,4 @@ fn ranges(tracks: &[Track<'_>], outputs: usize) -> Vec<f64> {
         }
     }
     all.into_iter().map(|[low, high]| high - low).collect()
-}
-
-/// The offsets of the outputs, from readings of which the model says what they are.
-fn zeros(
-    plan: &Plan,
-    how: &Recordings,
-    model: &Readings<'_>,
-    signals: &Signals,
-    tracks: &[Track<'_>],
-    ranges: &[f64],
-    parameters: &Numbers,
-) -> Result<Vec<f64>> {
-    let condition = plan.condition(&how.zero)?;
-    let mut sums = vec![0.0; signals.outputs.len()];
-    let (mut count, mut all) = (0, Vec::new());
-    for (number, track) in tracks.iter().enumerate() {
-        for reading in track.stretches(number, signals, plan, ranges) {
-            if condition.is_met(&reading, signals).is_ok() && reading.moving.is_none() {
-                let known = model.respond(condition, &reading, signals, &[], parameters)?;
-                for (sum, (value, known)) in sums.iter_mut().zip(reading.point.outputs.iter().zip(known)) {
-                    *sum += value - known;
-                }
-                count += 1;
-            }
-            all.push(reading);
-        }
-    }
-    if count == 0 {
-        let names: Vec<String> = tracks.iter().map(|t| t.recording.source.clone()).collect();
-        return Err(Error::file(format!(
-            "the zero of the load cell is not known: no recording is one of \"{}\": {}",
-            how.zero,
-            nearest(condition, &all, signals, &names)
-        )));
-    }
-    Ok(sums.into_iter().map(|sum| sum / f64::from(count)).collect())
 }

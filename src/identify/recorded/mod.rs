@@ -18,10 +18,12 @@ mod figures;
 mod matching;
 mod reduced;
 mod response;
+mod scatter;
 mod search;
 mod stretches;
 mod suspicion;
 mod uncertainty;
+mod zeros;
 
 pub use answer::{Answer, Found, Light, Told};
 pub use estimate::{Estimate, Number, Point};

@@ -4,6 +4,7 @@ use super::answer::Answer;
 use super::estimate::{Estimate, Point};
 use super::evidence::{Evidence, Read};
 use super::reduced::{Known, Reduced};
+use super::scatter::side;
 use super::suspicion;
 use crate::identify::plan::Plan;
 use crate::identify::readings::Readings;
@@ -11,13 +12,10 @@ use crate::identify::registry::{Numbers, Registry};
 use crate::identify::solve::{Goal, Targets};
 use crate::identify::stand::Stand;
 use crate::recording::Recording;
-use crate::stats::chance::student;
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Intervals hold the true value with this probability, where the model is right and what scatters does so normally.
-const PROBABILITY: f64 = 0.9;
 /// Rounds of corrections; one takes off a power of ten or two.
 const ROUNDS: usize = 30;
 /// They have come to rest where parameters move by less than this share of their range.
@@ -322,32 +320,6 @@ impl Search<'_> {
         Ok(offsets)
     }
 
-    /// What is left of readings of one kind beside what their estimates read of them.
-    fn scatter(&self, model: &Readings<'_>, reads: &[Read], numbers: &Numbers) -> Result<Scatter> {
-        let count = self.evidence.signals.outputs.len();
-        let (mut squares, mut freedom) = (vec![0.0; count], 0.0);
-        let mut seen = BTreeSet::new();
-        for read in reads {
-            if !seen.insert(read.members.clone()) {
-                continue;
-            }
-            let (measured, simulated) = (self.evidence.points(read), self.simulated(model, read, numbers)?);
-            let design = read.estimate.design(&measured);
-            let unknowns = design.ncols();
-            let svd = design.clone().svd(true, true);
-            for (output, square) in squares.iter_mut().enumerate() {
-                let rest = DVector::from_fn(measured.len(), |k, _| {
-                    measured[k].outputs[output] - simulated[k].outputs[output]
-                });
-                let found = svd.solve(&rest, 1e-10).map_err(|e| Error::numeric(e.to_owned()))?;
-                *square += (&rest - &design * found).norm_squared();
-            }
-            freedom += (measured.len() - unknowns) as f64;
-        }
-        let size = |square: &f64| (square / freedom).sqrt().max(f64::MIN_POSITIVE);
-        Ok(Scatter { sizes: squares.iter().map(size).collect(), freedom })
-    }
-
     /// What the readings fix, with the parameters as they are.
     fn known(&self, plan: &Plan) -> Result<Known> {
         let reads = self.reads(plan)?;
@@ -360,77 +332,6 @@ impl Search<'_> {
         let covariance = self.covariance(&model, &reads, &numbers, &scatter)?;
         Ok(Known { jacobian, covariance, at, ranges, side: side(scatter.freedom) })
     }
-
-    /// Covariance of what is measured less what the model says at the inputs that were measured.
-    fn covariance(
-        &self,
-        model: &Readings<'_>,
-        reads: &[Read],
-        numbers: &Numbers,
-        scatter: &Scatter,
-    ) -> Result<DMatrix<f64>> {
-        let signals = &self.evidence.signals;
-        // an input that an output measures is as wrong as that
-        let measured_by = signals.measured_by(model.plan());
-        let mut all: BTreeMap<(usize, usize), DVector<f64>> = BTreeMap::new();
-        let outputs = signals.outputs.len();
-        for (row, read) in reads.iter().enumerate() {
-            let condition = &model.plan().conditions[read.condition];
-            let (own, simulated) = (self.evidence.points(read), self.simulated(model, read, numbers)?);
-            let base = read.estimate.of(&own) - read.estimate.of(&simulated);
-            for (place, number) in read.members.iter().enumerate() {
-                let reading = &self.evidence.readings[*number];
-                let errors = scatter.sizes.iter().copied().chain(reading.errors.iter().copied());
-                for (channel, error) in errors.enumerate() {
-                    let input = channel.checked_sub(outputs);
-                    if input.is_some_and(|k| measured_by[k].is_some()) {
-                        continue;
-                    }
-                    let mut moved = reading.clone();
-                    match input {
-                        Some(k) => moved.point.inputs[k] += error,
-                        None => {
-                            moved.point.outputs[channel] += error;
-                            let follows = (0..measured_by.len()).filter(|k| measured_by[*k] == Some(channel));
-                            follows.for_each(|k| moved.point.inputs[k] += error);
-                        }
-                    }
-                    let (mut own, mut simulated) = (own.clone(), simulated.clone());
-                    if moved.point.inputs != reading.point.inputs {
-                        simulated[place] = Point {
-                            inputs: moved.point.inputs.clone(),
-                            outputs: model.respond(condition, &moved, signals, &self.offsets, numbers)?,
-                        };
-                    }
-                    own[place] = moved.point;
-                    let change = read.estimate.of(&own) - read.estimate.of(&simulated) - base;
-                    let column = all.entry((*number, channel)).or_insert_with(|| DVector::zeros(reads.len()));
-                    column[row] = read.factor * change;
-                }
-            }
-        }
-        let mut covariance = DMatrix::zeros(reads.len(), reads.len());
-        all.values().for_each(|column| covariance += column * column.transpose());
-        Ok(covariance)
-    }
-}
-
-/// How readings scatter.
-struct Scatter {
-    /// Standard deviation of each output.
-    sizes: Vec<f64>,
-    /// From so many readings more than there are unknowns.
-    freedom: f64,
-}
-
-/// Student's t for half an interval.
-fn side(freedom: f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1e3);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if student(middle, freedom) > 1.0 - PROBABILITY { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
 }
 
 /// What depends on the parameters, a step to both sides of one of those that are looked for, and where that is.

@@ -1,0 +1,157 @@
+//! How readings scatter, and how sure that leaves what is read from them.
+
+use super::estimate::Point;
+use super::evidence::Read;
+use super::search::Search;
+use crate::identify::readings::Readings;
+use crate::identify::registry::Numbers;
+use crate::stats::chance::student;
+use crate::{Error, Result};
+use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeSet;
+
+/// Intervals hold the true value with this probability, where the model is right and what scatters does so normally.
+const PROBABILITY: f64 = 0.9;
+
+/// How readings scatter.
+pub(super) struct Scatter {
+    /// Standard deviation of each output.
+    pub sizes: Vec<f64>,
+    /// From so many readings more than there are unknowns.
+    pub freedom: f64,
+}
+
+/// Student's t for half an interval.
+pub(super) fn side(freedom: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1e3);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if student(middle, freedom) > 1.0 - PROBABILITY { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// An error that several readings have in common.
+struct Shared {
+    /// The readings.
+    readings: BTreeSet<usize>,
+    /// The output, or after all outputs the input.
+    channel: usize,
+    /// Its standard deviation.
+    size: f64,
+}
+
+impl Search<'_> {
+    /// What is left of readings of one kind beside what their estimates read of them.
+    pub fn scatter(&self, model: &Readings<'_>, reads: &[Read], numbers: &Numbers) -> Result<Scatter> {
+        let count = self.evidence.signals.outputs.len();
+        let (mut squares, mut freedom) = (vec![0.0; count], 0.0);
+        let mut seen = BTreeSet::new();
+        for read in reads {
+            if !seen.insert(read.members.clone()) {
+                continue;
+            }
+            let (measured, simulated) = (self.evidence.points(read), self.simulated(model, read, numbers)?);
+            let design = read.estimate.design(&measured);
+            let unknowns = design.ncols();
+            let svd = design.clone().svd(true, true);
+            for (output, square) in squares.iter_mut().enumerate() {
+                let rest = DVector::from_fn(measured.len(), |k, _| {
+                    measured[k].outputs[output] - simulated[k].outputs[output]
+                });
+                let found = svd.solve(&rest, 1e-10).map_err(|e| Error::numeric(e.to_owned()))?;
+                *square += (&rest - &design * found).norm_squared();
+            }
+            freedom += (measured.len() - unknowns) as f64;
+        }
+        let size = |square: &f64| (square / freedom).sqrt().max(f64::MIN_POSITIVE);
+        Ok(Scatter { sizes: squares.iter().map(size).collect(), freedom })
+    }
+
+    /// The errors that readings have: each its own, those of a recording the drift of the zeros in common, and all the error of
+    /// the zeros.
+    fn errors(&self, reads: &[Read], scatter: &Scatter) -> Vec<Shared> {
+        let used: BTreeSet<usize> = reads.iter().flat_map(|read| read.members.iter().copied()).collect();
+        let mut all = Vec::new();
+        for number in &used {
+            let inputs = self.evidence.readings[*number].errors.iter();
+            for (channel, size) in scatter.sizes.iter().chain(inputs).enumerate() {
+                all.push(Shared { readings: BTreeSet::from([*number]), channel, size: *size });
+            }
+        }
+        let zeros = &self.evidence.zeros;
+        let recordings: BTreeSet<usize> = used.iter().map(|k| self.evidence.readings[*k].recording).collect();
+        // few recordings tell less well how zeros drift than many readings how they scatter
+        let freedom = (zeros.recordings.max(2) - 1) as f64;
+        let unsure = side(freedom) / side(scatter.freedom);
+        for (channel, drift) in zeros.drift.iter().enumerate() {
+            for recording in &recordings {
+                let of = |k: &usize| self.evidence.readings[*k].recording == *recording;
+                let readings = used.iter().copied().filter(of).collect();
+                all.push(Shared { readings, channel, size: unsure * drift });
+            }
+            let size = unsure * drift / (zeros.recordings as f64).sqrt();
+            all.push(Shared { readings: used.clone(), channel, size });
+        }
+        all
+    }
+
+    /// Covariance of what is measured less what the model says at the inputs that were measured.
+    pub fn covariance(
+        &self,
+        model: &Readings<'_>,
+        reads: &[Read],
+        numbers: &Numbers,
+        scatter: &Scatter,
+    ) -> Result<DMatrix<f64>> {
+        let signals = &self.evidence.signals;
+        // an input that an output measures is as wrong as that
+        let measured_by = signals.measured_by(model.plan());
+        let outputs = signals.outputs.len();
+        let mut before = Vec::new();
+        for read in reads {
+            let (own, simulated) = (self.evidence.points(read), self.simulated(model, read, numbers)?);
+            let base = read.estimate.of(&own) - read.estimate.of(&simulated);
+            before.push((own, simulated, base));
+        }
+        let mut covariance = DMatrix::zeros(reads.len(), reads.len());
+        for error in self.errors(reads, scatter) {
+            let input = error.channel.checked_sub(outputs);
+            if error.size == 0.0 || input.is_some_and(|k| measured_by[k].is_some()) {
+                continue;
+            }
+            let moves = |k: usize| input == Some(k) || measured_by[k] == Some(error.channel);
+            let mut change = DVector::zeros(reads.len());
+            for (row, (read, (own, simulated, base))) in reads.iter().zip(&before).enumerate() {
+                let condition = &model.plan().conditions[read.condition];
+                let (mut own, mut simulated) = (own.clone(), simulated.clone());
+                let mut any = false;
+                for (place, number) in read.members.iter().enumerate() {
+                    if !error.readings.contains(number) {
+                        continue;
+                    }
+                    any = true;
+                    let mut moved = self.evidence.readings[*number].clone();
+                    if input.is_none() {
+                        moved.point.outputs[error.channel] += error.size;
+                    }
+                    let moving: Vec<usize> = (0..measured_by.len()).filter(|k| moves(*k)).collect();
+                    moving.iter().for_each(|k| moved.point.inputs[*k] += error.size);
+                    if !moving.is_empty() {
+                        simulated[place] = Point {
+                            inputs: moved.point.inputs.clone(),
+                            outputs: model.respond(condition, &moved, signals, &self.offsets, numbers)?,
+                        };
+                    }
+                    own[place] = moved.point;
+                }
+                if any {
+                    change[row] =
+                        read.factor * (read.estimate.of(&own) - read.estimate.of(&simulated) - base);
+                }
+            }
+            covariance += &change * change.transpose();
+        }
+        Ok(covariance)
+    }
+}
