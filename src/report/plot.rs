@@ -22,6 +22,8 @@ const AXES: RGBColor = RGBColor(150, 158, 164);
 
 /// A long series is drawn with up to four points for each of so many columns.
 const COLUMNS: usize = 800;
+/// What is beside dots on every side, as a share of what they span.
+const DOTS: f64 = 0.04;
 /// Spans below this, relative to the size of the values or absolute, are rounding: a constant.
 const ROUNDING: f64 = 1e-10;
 const NOTHING: f64 = 1e-13;
@@ -242,6 +244,14 @@ impl Plot {
         Html::raw(html)
     }
 
+    /// Values, and two more beside them where dots at the ends would be cut off.
+    fn with_margin(&self, values: impl Iterator<Item = f64> + Clone) -> impl Iterator<Item = f64> + Clone {
+        let (low, high) = extent(values.clone());
+        let is_dot = |series: &Series| matches!(series.look, Look::Dots | Look::Rings);
+        let margin = if self.series.iter().any(is_dot) { DOTS * (high - low) } else { 0.0 };
+        values.chain([low - margin, high + margin])
+    }
+
     fn svg(&self) -> Result<String, Box<dyn std::error::Error>> {
         let (width, height, letters) = self.size.drawing();
         let points =
@@ -252,8 +262,8 @@ impl Plot {
         }
         // the labels of the other axis are to the left of it
         let room = f64::from(width) / f64::from(letters) - 7.0;
-        let x = Scale::beside(finite().map(|p| p.0), room);
-        let y = Scale::new(finite().map(|p| p.1), (height as usize) / 120, true);
+        let x = Scale::beside(self.with_margin(finite().map(|p| p.0)), room);
+        let y = Scale::new(self.with_margin(finite().map(|p| p.1)), (height as usize) / 120, true);
 
         let mut svg = String::new();
         let area;
@@ -554,6 +564,33 @@ mod tests {
         let plot = Plot::new("", Axis::time(), Axis::new("force", "kN")).line("a", &[0.0, 1.0], &[0.0, 2.0]);
         let html = plot.html();
         assert!(html.as_str().contains("time [s]") && html.as_str().contains("force [kN]"));
+    }
+
+    #[test]
+    fn dots_at_the_ends_are_whole() {
+        let plot = Plot::new("", Axis::time(), Axis::new("force", "N"));
+        let html = plot.dots("a", &[0.0, 1.0], &[0.0, 10.0]).html();
+        let ends = html.as_str().split("data-x=\"").nth(1).unwrap().split('"').next().unwrap();
+        let ends: Vec<f64> = ends.split(' ').map(|n| n.parse().unwrap()).collect();
+        // left and right of the area in the drawing, and what is there
+        let place = |x: f64| ends[0] + (x - ends[2]) / (ends[3] - ends[2]) * (ends[1] - ends[0]);
+        let circles: Vec<&str> = html.as_str().split("<circle").skip(1).collect();
+        assert_eq!(circles.len(), 2);
+        for (circle, x) in circles.iter().zip([0.0, 1.0]) {
+            let read = |name: &str| -> f64 {
+                circle
+                    .split(&format!(" {name}=\""))
+                    .nth(1)
+                    .unwrap()
+                    .split('"')
+                    .next()
+                    .unwrap()
+                    .parse()
+                    .unwrap()
+            };
+            assert!((read("cx") - place(x)).abs() <= 1.0);
+            assert!(read("cx") - read("r") > ends[0] && read("cx") + read("r") < ends[1]);
+        }
     }
 
     #[test]

@@ -278,3 +278,61 @@ fn drift(random: &mut Random, duration: f64) -> Course {
     }
     course
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn friction_falls_with_the_pressure_and_rises_as_a_force() {
+        for seed in 0..300 {
+            let drawn = parameters(&mut Random::new(seed, 1));
+            for kind in ["sliding", "static"] {
+                let [zero, at] = ["zero", "reference"]
+                    .map(|pressure| drawn[format!("friction_{kind}_{pressure}").as_str()]);
+                let at_highest = zero + (at - zero) * PRESSURES[1] / PRESSURES[0];
+                assert!(at_highest <= zero - FALL + 1e-12 && zero <= MOST, "{drawn:?}");
+                // mu p rises with p up to where mu has fallen by half
+                assert!(2.0 * at_highest >= zero - 1e-12, "{drawn:?}");
+            }
+            assert!(drawn["friction_static_zero"] >= drawn["friction_sliding_zero"]);
+        }
+    }
+
+    #[test]
+    fn the_rig_holds_the_load_and_its_sensors_are_off() {
+        let folder = tempfile::tempdir().unwrap();
+        let run = "time [s],load [N],path_speed [m/s],slip_angle [rad]\n0,3000,10,0\n2,3000,10,0\n3,4000,10,0.02\n6,4000,10,0.02\n";
+        std::fs::write(folder.path().join("a.csv"), run).unwrap();
+        std::fs::write(folder.path().join("a.toml"), "[parameters]\nload_control = true\n").unwrap();
+        let session = session(3, 1, folder.path()).unwrap();
+        let (name, text) = &session.files[0];
+        assert_eq!(name, "a.csv");
+        let mut lines = text.lines();
+        let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let rows: Vec<Vec<f64>> =
+            lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+        // 200 Hz
+        assert_eq!(rows.len(), 1201);
+        let of = |name: &str, from: f64, to: f64| -> Vec<f64> {
+            let column = names.iter().position(|n| *n == name).unwrap();
+            rows.iter().filter(|row| row[0] >= from && row[0] <= to).map(|row| row[column]).collect()
+        };
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let loads = [(0.5, 2.0), (5.0, 6.0)].map(|(from, to)| of("force_z [N]", from, to));
+        let zero = session.truth.offsets["force_z"];
+        for (values, load) in loads.iter().zip([3000.0, 4000.0]) {
+            // noise of 10 N on a thousand samples' mean, drift of a few
+            assert!((mean(values) - zero - load).abs() < 15.0, "{} {zero}", mean(values));
+            let deviation =
+                (values.iter().map(|v| (v - mean(values)).powi(2)).sum::<f64>() / values.len() as f64).sqrt();
+            assert!((8.0..16.0).contains(&deviation), "{deviation}");
+        }
+        let angle = mean(&of("slip_angle [rad]", 5.0, 6.0)) - 0.02;
+        assert!(
+            (angle.abs() - ANGLE).abs() < 1e-6 && (angle - session.truth.offsets["slip_angle"]).abs() < 1e-6
+        );
+        std::fs::write(folder.path().join("a.csv"), "time [s],steer [rad]\n0,0.1\n1,0.1\n").unwrap();
+        assert!(super::session(3, 1, folder.path()).err().unwrap().contains("no steer"));
+    }
+}
