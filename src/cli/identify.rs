@@ -1,16 +1,13 @@
 //! `latsch identify`: sequential identification.
 
-use super::rig_program::plan_text;
+use super::planned::{numbers, plan, slave};
 use super::{Format, check_outputs, files_in, print, print_json};
 use clap::ValueEnum;
-use latsch::fmi::Entry;
 use latsch::identify::benchmark::{Benchmark, kaden};
 use latsch::identify::recorded::{Answer, Beforehand, Light, identify};
-use latsch::identify::{Numbers, Plan, Stand, number, ring_brush};
-use latsch::model::Settings;
-use latsch::recording::{Recording, read_csv, read_settings};
+use latsch::identify::{Plan, Stand, ring_brush};
+use latsch::recording::{Recording, read_csv};
 use latsch::report::{identification_report, write_html};
-use latsch::shipped::MODELS;
 use latsch::{Error, Result};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -27,9 +24,12 @@ pub struct Args {
     /// Folder with the recordings: CSV with the columns `time [s]` and `name [unit]`, inputs and outputs of the plan's model
     #[arg(long, value_name = "DIR", requires = "plan")]
     recordings: Option<PathBuf>,
-    /// Parameters to write: TOML for `latsch export` and `latsch simulate`
+    /// Parameters to write: TOML for `latsch export` and `latsch simulate`, with intervals, within which `latsch diagnose` then looks
     #[arg(long, short, value_name = "F.toml", requires = "plan")]
     output: Option<PathBuf>,
+    /// The FMU whose parameters are looked for, in place of the plan's model
+    #[arg(long, value_name = "F.fmu", requires = "plan")]
+    model: Option<PathBuf>,
     /// Page to write: how well each parameter is known, and what it was read from
     #[arg(long, value_name = "F.html", requires = "plan")]
     report: Option<PathBuf>,
@@ -62,14 +62,14 @@ pub fn run(args: &Args) -> Result<()> {
             Format::Text => print(&text(&answer)),
         };
     }
-    let (Some(plan), Some(folder), Some(output)) = (&args.plan, &args.recordings, &args.output) else {
+    let (Some(name), Some(folder), Some(output)) = (&args.plan, &args.recordings, &args.output) else {
         return Err(Error::call("a plan, --recordings and --output are needed"));
     };
     let read: Vec<&Path> = args.parameters.iter().map(PathBuf::as_path).collect();
     let outputs: Vec<&Path> = std::iter::once(output).chain(&args.report).map(PathBuf::as_path).collect();
     check_outputs(&outputs, &read)?;
-    let stated = Plan::read(&plan_text(plan)?).map_err(|e| e.at(plan))?;
-    let stand = Stand::new(Entry::find(MODELS, &stated.model)?.slave(&Settings::default())?, &[]);
+    let stated = plan(name)?;
+    let stand = Stand::new(slave(&stated, args.model.as_deref())?, &[]);
     let answer = from_recordings(&stated, &stand, folder, args)?;
     if let Some(report) = &args.report {
         let interface = stand.interface();
@@ -87,9 +87,7 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn from_recordings(plan: &Plan, stand: &Stand, folder: &Path, args: &Args) -> Result<Answer> {
-    let own = read_settings(args.parameters.as_deref())?;
-    let values: Numbers =
-        own.values.iter().filter_map(|v| Some((v.name.clone(), number(Some(&v.value))?))).collect();
+    let values = numbers(args.parameters.as_deref(), stand.interface())?;
     let within = args.within.iter().map(|text| share(text)).collect::<Result<_>>()?;
     let beforehand = Beforehand { values, within };
     identify(plan, stand, ring_brush::REGISTRY, &beforehand, &recordings(folder)?)
@@ -112,10 +110,32 @@ fn recordings(folder: &Path) -> Result<Vec<Recording>> {
     files_in(folder, &["csv"])?.iter().map(|file| read_csv(file)).collect()
 }
 
+/// How far beyond its interval (90 %) a diagnosis may move a parameter, in half intervals: what scatters normally is outside of
+/// this once in a thousand times.
+const BEYOND: f64 = 2.0;
+
+/// The parameters, and what a diagnosis may move them to: what is not identified is free.
 fn parameter_file(answer: &Answer) -> String {
     let mut text = String::from("[parameters]\n");
+    let known = |name: &str| answer.parameters.iter().find(|p| p.name == name).and_then(|p| p.half_width);
     for (name, value) in &answer.values {
-        let _ = writeln!(text, "{name} = {value:?}");
+        let _ = match known(name) {
+            Some(half) => {
+                let (low, high) = (value - half, value + half);
+                writeln!(text, "{name} = {{ value = {value:?}, low = {low:?}, high = {high:?} }}")
+            }
+            None => writeln!(text, "{name} = {value:?}"),
+        };
+    }
+    text += "\n# what `latsch diagnose` may change\n[fit]\n";
+    for row in &answer.parameters {
+        let _ = match row.half_width {
+            Some(half) => {
+                let [min, max] = [-BEYOND, BEYOND].map(|side| row.value + side * half);
+                writeln!(text, "{} = {{ min = {min:?}, max = {max:?} }}", row.name)
+            }
+            None => writeln!(text, "{} = true", row.name),
+        };
     }
     text
 }
@@ -149,6 +169,9 @@ fn told(answer: &Answer) -> String {
     }
     for (name, offset) in answer.offsets.iter().chain(&answer.zeros) {
         let _ = writeln!(text, "offset of {name}: {offset:.3e}");
+    }
+    for misfit in &answer.misfits {
+        let _ = writeln!(text, "contradiction: {}", misfit.words());
     }
     for note in &answer.notes {
         let _ = writeln!(text, "note: {note}");

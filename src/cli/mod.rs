@@ -9,6 +9,7 @@ mod export;
 mod identify;
 mod models;
 mod plan;
+mod planned;
 mod rig_program;
 mod simulate;
 mod tire;

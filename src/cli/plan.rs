@@ -1,14 +1,9 @@
 //! `latsch plan`: what a plan of a sequential identification relies on.
 
-use super::rig_program::plan_text;
+use super::planned::{numbers, plan, slave};
 use super::{Format, print, print_json};
-use latsch::fmi::Entry;
-use latsch::fmi::import::ImportedFmu;
 use latsch::identify::check::{Sampling, check};
-use latsch::identify::{Numbers, Plan, Readings, Stand, number, ring_brush};
-use latsch::model::{Settings, Slave};
-use latsch::recording::read_settings;
-use latsch::shipped::MODELS;
+use latsch::identify::{Readings, Stand, ring_brush};
 use latsch::{Error, Result};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -58,16 +53,9 @@ struct Check {
 
 pub fn run(args: &Args) -> Result<ExitCode> {
     let Command::Check(args) = &args.command;
-    let text = plan_text(&args.plan)?;
-    let plan = Plan::read(&text).map_err(|e| e.at(&args.plan))?;
-    let slave: Box<dyn Slave> = match &args.model {
-        Some(file) => Box::new(ImportedFmu::load(file)?),
-        None => Entry::find(MODELS, &plan.model)?.slave(&Settings::default())?,
-    };
-    let stand = Stand::new(slave, &[]);
-    let own = read_settings(args.parameters.as_deref())?;
-    let start: Numbers =
-        own.values.iter().filter_map(|v| Some((v.name.clone(), number(Some(&v.value))?))).collect();
+    let plan = plan(&args.plan)?;
+    let stand = Stand::new(slave(&plan, args.model.as_deref())?, &[]);
+    let start = numbers(args.parameters.as_deref(), stand.interface())?;
     let readings = Readings::new(&plan, &stand, ring_brush::REGISTRY, &start)?;
     let Check { constants, draws, seed, tolerance, .. } = *args;
     let sampling = Sampling { constants, draws, seed, tolerance };

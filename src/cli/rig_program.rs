@@ -1,10 +1,11 @@
 //! `latsch rig-program`: what a rig has to do for an identification.
 
+use super::planned::{plan, slave};
 use super::{check_outputs, print};
-use latsch::identify::{Plan, RigLimit, RigRun, ring_brush};
-use latsch::model::{Interface, Kind, Settings};
+use latsch::identify::{RigLimit, RigRun};
+use latsch::model::{Interface, Kind};
 use latsch::recording::write_csv;
-use latsch::{Error, Result, fmi::Entry, read_text, shipped::MODELS};
+use latsch::{Error, Result, read_text};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -25,17 +26,9 @@ pub struct Args {
     limits: Option<PathBuf>,
 }
 
-/// The text of a plan that is shipped, or in a file.
-pub fn plan_text(plan: &str) -> Result<String> {
-    match plan {
-        "ring-brush-flat-track" => Ok(ring_brush::PLAN.to_owned()),
-        file => read_text(Path::new(file)),
-    }
-}
-
 pub fn run(args: &Args) -> Result<()> {
-    let plan = Plan::read(&plan_text(&args.plan)?).map_err(|e| e.at(&args.plan))?;
-    let slave = Entry::find(MODELS, &plan.model)?.slave(&Settings::default())?;
+    let plan = plan(&args.plan)?;
+    let slave = slave(&plan, None)?;
     let limits: BTreeMap<String, RigLimit> = match &args.limits {
         None => BTreeMap::new(),
         Some(file) => {

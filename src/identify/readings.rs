@@ -169,18 +169,49 @@ impl<'a> Readings<'a> {
     pub fn given(&self) -> Result<Vec<(String, String)>> {
         let mut given: Vec<(String, String)> = Vec::new();
         for group in &self.plan.groups {
-            let names: Vec<String> = match self.transform(group)? {
-                Some(transform) => {
-                    let whole = (transform.from_model)(&self.base);
-                    let changed = (transform.to_model)(&whole, &self.base);
-                    changed.into_iter().map(|(name, _)| name.to_owned()).collect()
-                }
-                None => group.parameters.iter().map(|p| p.name.clone()).collect(),
-            };
+            let names = self.given_by(group)?;
             given.retain(|(name, _)| !names.contains(name));
             given.extend(names.into_iter().map(|name| (name, group.name.clone())));
         }
         Ok(given)
+    }
+
+    /// Names of the model's parameters that a group gives values.
+    fn given_by(&self, group: &GroupPlan) -> Result<Vec<String>> {
+        let Some(transform) = self.transform(group)? else {
+            return Ok(group.parameters.iter().map(|p| p.name.clone()).collect());
+        };
+        let whole = (transform.from_model)(&self.base);
+        let changed = (transform.to_model)(&whole, &self.base);
+        Ok(changed.into_iter().map(|(name, _)| name.to_owned()).collect())
+    }
+
+    /// Parameters that were found, with those of groups of which nothing was looked for as they were before, or as near to that as
+    /// what was found admits. `is_held` knows what was not looked for.
+    ///
+    /// # Errors
+    /// A transform that is not registered.
+    pub fn with_what_is_held(&self, found: &Numbers, is_held: impl Fn(&str) -> bool) -> Result<Numbers> {
+        let mut all = self.base.clone();
+        all.extend(found.iter().map(|(name, value)| (name.clone(), *value)));
+        let (held, others): (Vec<&GroupPlan>, Vec<&GroupPlan>) =
+            self.plan.groups.iter().partition(|g| g.parameters.iter().all(|p| is_held(&p.name)));
+        let mut known = Vec::new();
+        for group in others {
+            let assumed = self.transform(group)?.map_or(&[][..], |t| t.assumes);
+            known.extend(self.given_by(group)?.into_iter().filter(|name| !assumed.contains(&name.as_str())));
+        }
+        for group in held {
+            for name in self.given_by(group)?.into_iter().filter(|name| !known.contains(name)) {
+                all.extend(self.base.get(&name).map(|value| (name, *value)));
+            }
+            let Some(transform) = self.transform(group)? else { continue };
+            let sought = (transform.from_model)(&all).into_iter().zip(&group.parameters);
+            let sought: Vec<f64> = sought.map(|(x, p)| x.clamp(p.bounds[0], p.bounds[1])).collect();
+            let values = (transform.to_model)(&sought, &all);
+            all.extend(values.into_iter().map(|(name, value)| (name.to_owned(), value)));
+        }
+        Ok(all)
     }
 
     /// Identifies all parameters, group after group.

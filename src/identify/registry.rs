@@ -29,6 +29,8 @@ pub struct Transform {
     pub name: &'static str,
     /// The model's parameters from the values that are looked for and from all parameters as they are known.
     pub to_model: fn(&[f64], &Numbers) -> Changed,
+    /// Those of them that it gives a value only until a later group does.
+    pub assumes: &'static [&'static str],
     /// What is looked for, from the model's parameters.
     pub from_model: fn(&Numbers) -> Vec<f64>,
 }

@@ -54,6 +54,7 @@ fn value(numbers: &Numbers, name: &str) -> f64 {
 /// Cross-section radius, and shear stiffness times squared length factor: what straight rolling tells (group 2).
 const SHEAR: Transform = Transform {
     name: "shear stiffness times squared length factor",
+    assumes: &[],
     to_model: |sought, known| {
         let factor = value(known, "stripe_length_factor");
         vec![("cross_section_radius", sought[0]), ("bristle_stiffness", sought[1] / (factor * factor))]
@@ -67,6 +68,7 @@ const SHEAR: Transform = Transform {
 /// The length factor, with shear stiffness times its square as it was (group 4).
 const LENGTH_FACTOR: Transform = Transform {
     name: "length factor of a known shear stiffness",
+    assumes: &[],
     to_model: |sought, known| {
         let ratio = value(known, "stripe_length_factor") / sought[0];
         let stiffness = value(known, "bristle_stiffness") * ratio * ratio;
@@ -80,6 +82,7 @@ const LENGTH_FACTOR: Transform = Transform {
 /// sticks is not known yet; nothing does.
 const SLIDING_FRICTION: Transform = Transform {
     name: "sliding friction",
+    assumes: &["friction_static_zero", "friction_static_reference"],
     to_model: |sought, known| {
         let [least, most] = falls(sought[0], known);
         let reference = sought[0] - (least + sought[1] * (most - least));
@@ -119,6 +122,7 @@ const HIGHEST: f64 = 5.23e5;
 /// rise as a force with it (4.103), (4.104).
 const STATIC_FRICTION: Transform = Transform {
     name: "static friction in the unit square",
+    assumes: &[],
     to_model: |sought, known| {
         let square = Square::of(known);
         let at_zero = square.at_zero(sought[1]);

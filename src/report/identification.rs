@@ -145,7 +145,9 @@ fn offsets(answer: &Answer) -> Section {
 }
 
 fn notes(answer: &Answer) -> Section {
-    answer.notes.iter().fold(Section::new("Notes"), |section, note| section.with(Html::text(note)))
+    let contradictions = answer.misfits.iter().map(|misfit| format!("Contradiction: {}", misfit.words()));
+    let notes = contradictions.chain(answer.notes.iter().cloned());
+    notes.fold(Section::new("Notes"), |section, note| section.with(Html::text(&note)))
 }
 
 #[cfg(test)]

@@ -171,23 +171,119 @@ fn what_is_missing_is_said_with_what_comes_nearest() {
     assert!(refused.contains("zero of the load cell") && refused.contains("off the road"), "{refused}");
 }
 
+/// Recordings with the channels whose names `is` knows times a factor, in the runs that `run` is part of the name of.
+fn scaled(good: &[Recording], run: &str, is: impl Fn(&str) -> bool, factor: f64) -> Vec<Recording> {
+    let mut wrong = good.to_vec();
+    let own = wrong.iter_mut().filter(|r| r.source.contains(run)).flat_map(|r| &mut r.channels);
+    for channel in own.filter(|c| is(&c.name)) {
+        channel.values.iter_mut().for_each(|v| *v *= factor);
+    }
+    wrong
+}
+
 #[test]
 fn recordings_that_the_model_cannot_explain_are_refused_with_the_likely_reason() {
     let good = recordings();
-    let wrong = |is: fn(&str) -> bool, factor: f64| {
-        let mut wrong = good.clone();
-        for channel in wrong.iter_mut().flat_map(|r| &mut r.channels).filter(|c| is(&c.name)) {
-            channel.values.iter_mut().for_each(|v| *v *= factor);
-        }
-        answer(&wrong).unwrap_err().to_string()
+    let refused = |run, channel: &str, factor| {
+        answer(&scaled(&good, run, |name| name.starts_with(channel), factor)).unwrap_err().to_string()
     };
-    let kilonewtons = wrong(|name| name.starts_with("force"), 1e-3);
-    assert!(kilonewtons.contains("force_z") && kilonewtons.contains("kN for N"), "{kilonewtons}");
-    let sign = wrong(|name| name == "force_y", -1.0);
-    assert!(sign.contains("force_y") && sign.contains("sign") && sign.contains("small-motions"), "{sign}");
+    let degree = 180.0 / std::f64::consts::PI;
+    for (channel, factor, words) in [
+        ("force", 1e-3, ["\"force_z\"", "kN for N"]),
+        ("force_y", -1.0, ["\"force_y\"", "the other sign"]),
+        ("force_y", -1.0, ["small-motions", "or that of slip_angle"]),
+        ("slip_angle", degree, ["\"slip_angle\"", "degrees for radians"]),
+        ("slip_angle", 1.0 / degree, ["\"slip_angle\"", "radians for degrees"]),
+        ("path_speed", 3.6, ["\"path_speed\"", "km/h for m/s"]),
+        ("deflection", 1e3, ["\"deflection\"", "mm for m"]),
+        ("deflection", -1.0, ["\"deflection\"", "the other sign"]),
+        ("slip", 100.0, ["\"slip", "per cent"]),
+        ("camber", -1.0, ["\"camber\"", "other sign of one of the two"]),
+    ] {
+        // the slip, and not the slip angle with it
+        let is = |name: &str| if channel == "slip" { name == channel } else { name.starts_with(channel) };
+        let refused = answer(&scaled(&good, "", is, factor)).unwrap_err().to_string();
+        for word in words {
+            assert!(refused.contains(word), "{channel} times {factor}: {refused}");
+        }
+    }
     // forces that no compliance within the plan's bounds gives
-    let stiff = wrong(|name| name == "force_y", 2.2);
+    let stiff = refused("", "force_y", 2.2);
     assert!(stiff.contains("lateral force per slip angle") && stiff.contains("latsch diagnose"), "{stiff}");
+    let other = refused("driven", "force_x", 1.3);
+    assert!(other.contains("force driven at 6000 N") && other.contains("driven-and-braked"), "{other}");
+}
+
+/// What no target reads tells whether the model is right: as many targets as parameters are always met.
+#[test]
+fn outputs_that_contradict_the_model_are_told() {
+    let good = recordings();
+    let clean = answer(&good).unwrap();
+    assert!(clean.misfits.is_empty(), "{:?}", clean.misfits);
+    let odd = answer(&scaled(&good, "driven", |name| name == "moment_z", -30.0)).unwrap();
+    let [misfit] = &odd.misfits[..] else { panic!("{:?}", odd.misfits) };
+    assert!(misfit.recording == "driven-and-braked" && misfit.output == "moment_z", "{misfit:?}");
+    assert!(misfit.words().contains("latsch diagnose"), "{}", misfit.words());
+    let row = found(&odd, "patch_compliance_x");
+    assert!(row.light == Light::Yellow && row.why.as_ref().unwrap().contains("moment_z"), "{row:?}");
+}
+
+#[test]
+fn nothing_is_read_across_gaps_nor_where_nothing_comes_to_rest() {
+    let mut recordings = recordings();
+    let own = recordings.iter_mut().find(|r| r.source == "small-motions-at-5000-N").unwrap();
+    // 12 s are lost, among them two of the three visits of each camber
+    let kept: Vec<usize> = (0..own.time.len()).filter(|k| !(20.0..32.0).contains(&own.time[*k])).collect();
+    own.time = kept.iter().map(|k| own.time[*k]).collect();
+    for channel in &mut own.channels {
+        channel.values = kept.iter().map(|k| channel.values[*k]).collect();
+    }
+    let with_gap = answer(&recordings).unwrap();
+    let note = with_gap.notes.iter().find(|n| n.contains("nothing is recorded from")).unwrap();
+    assert!(note.contains("small-motions") && note.contains("from 20.00 to 32.0"), "{note}");
+    for (name, value) in TRUTH {
+        let most = if name == "patch_compliance_y" { 0.03 } else { 0.006 };
+        assert!((with_gap.values[name] / value - 1.0).abs() < most, "{name}: {}", with_gap.values[name]);
+    }
+    // a force that creeps all the time
+    let own = recordings.iter_mut().find(|r| r.source == "dragged-sideways").unwrap();
+    let time = own.time.clone();
+    let force = own.channels.iter_mut().find(|c| c.name == "force_y").unwrap();
+    force.values.iter_mut().zip(time).for_each(|(v, t)| *v += 100.0 * t);
+    let restless = answer(&recordings).unwrap();
+    let row = found(&restless, "friction_sliding_zero");
+    let why = row.why.as_ref().unwrap();
+    assert!(
+        row.light == Light::Red
+            && why.contains("dragged-sideways")
+            && why.contains("force_y does not come to rest"),
+        "{why}"
+    );
+}
+
+/// What is not identified keeps its value, also where an earlier group has to assume one; a ramp that begins in contact is none.
+#[test]
+fn what_cannot_be_read_keeps_its_value() {
+    let mut recordings = recordings();
+    recordings.retain(|r| r.source != "driven-and-braked");
+    let own = recordings.iter_mut().find(|r| r.source == "pressed-down-at-a-slip-angle").unwrap();
+    let up = own.channels.iter_mut().find(|c| c.name == "deflection").unwrap();
+    up.values.iter_mut().for_each(|v| *v = v.max(1e-3));
+    let answer = answer(&recordings).unwrap();
+    for (name, value) in
+        [("friction_static_zero", 1.5), ("friction_static_reference", 1.4), ("patch_compliance_x", 3e-6)]
+    {
+        let row = found(&answer, name);
+        assert!(row.light == Light::Red && (row.value / value - 1.0).abs() < 1e-12, "{row:?}");
+        assert!(
+            answer.values.get(name).is_none_or(|v| (v / value - 1.0).abs() < 1e-12),
+            "{:?}",
+            answer.values
+        );
+    }
+    let row = found(&answer, "sidewall_lateral_stiffness");
+    assert!(row.light == Light::Red && row.why.as_ref().unwrap().contains("begins"), "{row:?}");
+    assert!(found(&answer, "friction_sliding_zero").light != Light::Red);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! What an identification from recordings answers.
 
 use super::figures::{Characteristic, Response};
+use super::misfit::Misfit;
 use super::reduced::{Known, Reduced};
 use super::search::Search;
 use crate::Result;
@@ -21,7 +22,7 @@ const UNLIKELY: f64 = 3.0;
 pub enum Light {
     /// Known within a tenth.
     Green,
-    /// Known, but not so well.
+    /// Known, but not so well, or from recordings that contradict the model.
     Yellow,
     /// Not known: it has the value that it had.
     Red,
@@ -40,7 +41,7 @@ pub struct Found {
     pub half_width: Option<f64>,
     /// How far it can be trusted.
     pub light: Light,
-    /// Why it was not identified.
+    /// Why it was not identified, or what speaks against it.
     pub why: Option<String>,
 }
 
@@ -78,6 +79,8 @@ pub struct Answer {
     pub offsets: Vec<(String, f64)>,
     /// Offsets of outputs that were found off the road.
     pub zeros: Vec<(String, f64)>,
+    /// Recordings that contradict the model with these parameters.
+    pub misfits: Vec<Misfit>,
     /// What was assumed, left out, or is missing.
     pub notes: Vec<String>,
     /// Starts of the model.
@@ -100,21 +103,29 @@ impl Search<'_> {
     /// The answer, with the parameters as they are.
     pub fn answer(&self, plan: &Plan, reduced: &Reduced, known: &Known, within: &Numbers) -> Result<Answer> {
         let names: Vec<&String> = plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name).collect();
+        let misfits = self.misfits(plan, reduced, known, within)?;
+        let contradicted = |group: &String| misfits.iter().find(|m| m.groups.contains(group));
         let parameters = self.given(plan, reduced, known, within)?.into_iter().map(|given| {
             let held = given.by_held.and_then(|k| reduced.dropped.iter().find(|(name, _)| name == names[k]));
             let half_width = held.is_none().then_some(known.side * given.deviation);
             Found {
                 light: match half_width {
                     None => Light::Red,
-                    Some(half) if half <= GOOD * given.value.abs() => Light::Green,
+                    Some(half)
+                        if half <= GOOD * given.value.abs() && contradicted(&given.group).is_none() =>
+                    {
+                        Light::Green
+                    }
                     Some(_) => Light::Yellow,
                 },
                 half_width,
-                why: held.map(
-                    |(name, why)| {
-                        if *name == given.name { why.clone() } else { format!("{name}: {why}") }
-                    },
-                ),
+                why: match (held, contradicted(&given.group)) {
+                    (Some((name, why)), _) if *name == given.name => Some(why.clone()),
+                    (Some((name, why)), _) => Some(format!("{name}: {why}")),
+                    (None, misfit) => {
+                        misfit.map(|m| format!("{} contradicts the model in {}", m.output, m.recording))
+                    }
+                },
                 name: given.name,
                 group: given.group,
                 value: given.value,
@@ -142,6 +153,7 @@ impl Search<'_> {
         let looked = |name: &String| plan.recordings.as_ref().is_some_and(|r| r.offsets.contains_key(name));
         let offsets = inputs.iter().zip(&self.offsets).filter(|((name, _), _)| looked(name));
         let mut notes = self.evidence.notes.clone();
+        notes.extend(self.notes.iter().cloned());
         for ((name, _), offset) in offsets.clone() {
             let size =
                 plan.recordings.as_ref().and_then(|r| r.offsets.get(name)).copied().unwrap_or(f64::INFINITY);
@@ -163,6 +175,7 @@ impl Search<'_> {
                 .zip(&self.evidence.zeros.offsets)
                 .map(|((n, _), zero)| (n.clone(), *zero))
                 .collect(),
+            misfits,
             notes,
             starts: self.stand.starts(),
         })

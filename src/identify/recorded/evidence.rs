@@ -2,6 +2,7 @@
 
 use super::estimate::{Estimate, Number, Point};
 use super::matching::{Reading, Signals, Track, nearest};
+use super::suspicion;
 use super::zeros::Zeros;
 use crate::identify::plan::{Condition, Plan, Target};
 use crate::identify::readings::Readings;
@@ -48,10 +49,14 @@ pub struct Evidence {
     pub signals: Signals,
     /// All readings, less the offsets of the outputs.
     pub readings: Vec<Reading>,
+    /// Stretches in which the tire does not come to rest.
+    restless: Vec<Reading>,
     /// The targets that can be read.
     pub targets: Vec<Read>,
     /// The others: number, and what is missing.
     pub missing: Vec<(usize, String)>,
+    /// The range of each output over all recordings.
+    pub ranges: Vec<f64>,
     /// Offsets that were taken off the outputs.
     pub zeros: Zeros,
     /// What was assumed or left out.
@@ -93,32 +98,24 @@ impl Evidence {
                     track.assumed.join(", ")
                 ));
             }
+            notes.extend(track.gaps().iter().map(|[from, to]| {
+                format!(
+                    "{}: nothing is recorded from {from:.2} to {to:.2} s: nothing is read across",
+                    recording.source
+                )
+            }));
             tracks.push(track);
         }
         let ranges = ranges(&tracks, signals.outputs.len());
+        let touches = touches(plan, model, parameters)?;
+        suspicion::check_inputs(plan, &signals, &tracks, |tracks| {
+            readings_of(plan, &signals, tracks, &ranges, &touches)
+        })?;
         let zeros = Zeros::of(plan, how, model, &signals, &tracks, &ranges, parameters)?;
+        notes.extend(zeros.notes.iter().cloned());
         tracks.iter_mut().for_each(|track| track.correct(&zeros.offsets));
-        let mut readings = Vec::new();
-        for (number, track) in tracks.iter().enumerate() {
-            for reading in track.stretches(number, &signals, plan, &ranges) {
-                match reading.moving {
-                    None => readings.push(reading),
-                    Some(output) => notes.push(format!(
-                        "{}: {} does not come to rest from {:.2} to {:.2} s: not read",
-                        recordings[number].source,
-                        signals.outputs[output].0,
-                        reading.time[0],
-                        reading.time[1]
-                    )),
-                }
-            }
-            for condition in &plan.conditions {
-                if let (Some(ramp), Some(_)) = (&condition.ramp, &condition.from_touch) {
-                    let touch = model.touch(condition, parameters)?;
-                    readings.extend(track.ramps(number, &signals, ramp, touch));
-                }
-            }
-        }
+        let readings = readings_of(plan, &signals, &tracks, &ranges, &touches);
+        let (readings, restless): (Vec<_>, Vec<_>) = readings.into_iter().partition(|r| r.moving.is_none());
         if zeros.recordings == 1 {
             notes.push(
                 "the zero of the load cell was measured in one recording only: how far it drifts is not known, and intervals do not \
@@ -128,7 +125,11 @@ impl Evidence {
         }
         let names = recordings.iter().map(|r| r.source.clone()).collect();
         let (targets, missing) = (Vec::new(), Vec::new());
-        let mut evidence = Self { names, signals, readings, targets, missing, zeros, notes };
+        let mut evidence =
+            Self { names, signals, readings, restless, targets, missing, ranges, zeros, notes };
+        let restless = evidence.restless.iter().filter_map(|r| Some(evidence.unrest(r)? + ": not read"));
+        let restless: Vec<String> = restless.collect();
+        evidence.notes.extend(restless);
         for (number, target) in plan.groups.iter().flat_map(|g| &g.targets).enumerate() {
             match evidence.read(target, plan, model, registry, parameters) {
                 Ok(read) => evidence.targets.push(read),
@@ -141,6 +142,24 @@ impl Evidence {
     /// The points of a target.
     pub fn points(&self, read: &Read) -> Vec<Point> {
         read.members.iter().map(|k| self.readings[*k].point.clone()).collect()
+    }
+
+    /// The recordings that a target is read from.
+    pub fn files(&self, read: &Read) -> String {
+        let files: BTreeSet<usize> = read.members.iter().map(|k| self.readings[*k].recording).collect();
+        suspicion::listed(files.iter().map(|k| &self.names[*k]))
+    }
+
+    /// Where a reading is.
+    pub fn place(&self, reading: &Reading) -> String {
+        let [from, to] = reading.time;
+        format!("{} from {from:.2} to {to:.2} s", self.names[reading.recording])
+    }
+
+    /// What moves in a stretch in which nothing should.
+    fn unrest(&self, reading: &Reading) -> Option<String> {
+        let output = &self.signals.outputs.get(reading.moving?)?.0;
+        Some(format!("{}: {output} does not come to rest", self.place(reading)))
     }
 
     fn read(
@@ -175,7 +194,10 @@ impl Evidence {
             .filter(|k| condition.is_met(&self.readings[*k], &self.signals).is_ok())
             .collect();
         if members.is_empty() {
-            return Err(Error::file(nearest(condition, &of_kind, &self.signals, &self.names)));
+            let near = self.restless.iter().find(|r| !is_ramp && condition.is_met(r, &self.signals).is_ok());
+            let why = near.and_then(|reading| self.unrest(reading));
+            let why = why.unwrap_or_else(|| nearest(condition, &of_kind, &self.signals, &self.names));
+            return Err(Error::file(why));
         }
         let output = |name: &str| {
             self.signals.output(name).ok_or_else(|| Error::file(format!("{name} is not recorded")))
@@ -310,6 +332,35 @@ fn outputs_of(plan: &Plan, registry: &Registry) -> BTreeSet<String> {
         }
     }
     outputs
+}
+
+/// Of each condition with a ramp, where the tire touches the road.
+fn touches(plan: &Plan, model: &Readings<'_>, parameters: &Numbers) -> Result<Vec<Option<f64>>> {
+    let touch = |condition: &Condition| {
+        let has_both = condition.ramp.is_some() && condition.from_touch.is_some();
+        has_both.then(|| model.touch(condition, parameters)).transpose()
+    };
+    plan.conditions.iter().map(touch).collect()
+}
+
+/// All readings of recordings, those that do not come to rest among them. `touches` is for each condition with a ramp.
+fn readings_of(
+    plan: &Plan,
+    signals: &Signals,
+    tracks: &[Track<'_>],
+    ranges: &[f64],
+    touches: &[Option<f64>],
+) -> Vec<Reading> {
+    let mut readings = Vec::new();
+    for (number, track) in tracks.iter().enumerate() {
+        readings.extend(track.stretches(number, signals, plan, ranges));
+        for (condition, touch) in plan.conditions.iter().zip(touches) {
+            if let (Some(ramp), Some(touch)) = (&condition.ramp, touch) {
+                readings.extend(track.ramps(number, signals, ramp, *touch));
+            }
+        }
+    }
+    readings
 }
 
 /// The range of each output over all recordings.

@@ -1,16 +1,19 @@
 //! Which stretches of which recordings meet which condition of a plan.
 
 use super::estimate::Point;
-use super::stretches::{Watched, stretches};
+use super::stretches::{Noise, Watched, piece_length, sections, stretches};
 use crate::Result;
 use crate::identify::plan::{Condition, Plan, Ramp};
 use crate::model::Interface;
 use crate::recording::Recording;
 use crate::stats::{even_line, mean, median_interval};
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// A ramp may be so much faster or slower than the plan's, as a share.
 const OTHER_RATE: f64 = 0.3;
+/// A ramp goes back to where the input is this share of its window beside the line: so far it cannot be said where it began.
+const BESIDE: f64 = 0.25;
 
 /// What recordings are made of: the inputs and outputs that a plan speaks of.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,6 +68,8 @@ pub struct Reading {
     pub point: Point,
     /// Standard errors of the inputs, from what scatters within.
     pub errors: Vec<f64>,
+    /// And of the outputs.
+    pub noise: Vec<f64>,
     /// How the input moves, of a ramp.
     pub moved: Option<Moved>,
     /// The output that has not come to rest, if there is one.
@@ -78,9 +83,14 @@ pub struct Moved {
     pub rate: f64,
     /// Where it is when the reading begins and ends.
     pub window: [f64; 2],
+    /// Where the ramp began.
+    pub begins: f64,
+    /// Where the tire touches the road, by the model.
+    pub touch: f64,
 }
 
 /// A recording in the units of the model.
+#[derive(Clone)]
 pub struct Track<'a> {
     /// The recording.
     pub recording: &'a Recording,
@@ -152,6 +162,7 @@ impl<'a> Track<'a> {
                 time: [time[s.samples[0]], time[s.samples[1] - 1]],
                 point: Point { inputs: s.means[..n].to_vec(), outputs: s.means[n..].to_vec() },
                 errors: s.errors[..n].to_vec(),
+                noise: s.errors[n..].to_vec(),
                 moved: None,
                 moving: s.moving.and_then(|m| m.checked_sub(n)),
             })
@@ -160,46 +171,89 @@ impl<'a> Track<'a> {
 
     /// All ramps of a condition, of which the tire touches the road where the input has the value `touch`.
     pub fn ramps(&self, number: usize, signals: &Signals, ramp: &Ramp, touch: f64) -> Vec<Reading> {
-        let (Some(input), Some([from, to])) = (signals.input(&ramp.input), ramp.window) else {
+        let (Some(input), Some(window)) = (signals.input(&ramp.input), ramp.window) else {
             return Vec::new();
         };
         let time = &self.recording.time;
-        let step = median_interval(time);
+        let noise =
+            |all: &[Vec<f64>]| all.iter().map(|v| Noise::of(v, piece_length(time))).collect::<Vec<_>>();
+        let noise = [noise(&self.inputs), noise(&self.outputs)];
+        let mut found = Vec::new();
+        for section in sections(time) {
+            self.ramps_within(section, input, (ramp.rate, window), touch, |samples, moved| {
+                let means = |all: &[Vec<f64>]| all.iter().map(|v| mean(&v[samples.clone()])).collect();
+                let [errors, noise] =
+                    [0, 1].map(|k| noise[k].iter().map(|n| n.error(samples.len())).collect::<Vec<_>>());
+                found.push(Reading {
+                    recording: number,
+                    time: [time[samples.start], time[samples.end - 1]],
+                    point: Point { inputs: means(&self.inputs), outputs: means(&self.outputs) },
+                    errors,
+                    noise,
+                    moved: Some(moved),
+                    moving: None,
+                });
+            });
+        }
+        found
+    }
+
+    /// Hands on those among some samples: an input passes a window, which counts from `touch` on, at about a rate.
+    fn ramps_within(
+        &self,
+        section: Range<usize>,
+        input: usize,
+        (usual, [from, to]): (f64, [f64; 2]),
+        touch: f64,
+        mut found: impl FnMut(Range<usize>, Moved),
+    ) {
+        let step = median_interval(&self.recording.time);
         let values = &self.inputs[input];
         // the window as it is at the plan's rate, and where its middle is passed
-        let length = (to - from) / ramp.rate.abs();
+        let length = (to - from) / usual.abs();
         let half = ((0.5 * length / step).round() as usize).max(2);
         let middle = touch + 0.5 * (from + to);
-        let side = ramp.rate.signum();
-        let mut found = Vec::new();
-        let mut k = half;
-        while k + half < values.len() {
+        let side = usual.signum();
+        let mut k = section.start + half;
+        while k + half < section.end {
             let near = &values[k - half..=k + half];
             let (level, slope) = even_line(near);
             let centre = level + slope * half as f64;
             let rate = slope / step;
             let passes = side * (centre - middle) >= 0.0 && side * (centre - slope - middle) < 0.0;
-            if !passes || (rate / ramp.rate - 1.0).abs() > OTHER_RATE {
+            if !passes || (rate / usual - 1.0).abs() > OTHER_RATE {
                 k += 1;
                 continue;
             }
             let span = (0.5 * (to - from) / slope).abs().round() as usize;
-            let (first, last) = (k.saturating_sub(span), (k + span + 1).min(values.len()));
-            let means = |all: &[Vec<f64>]| all.iter().map(|v| mean(&v[first..last])).collect();
-            found.push(Reading {
-                recording: number,
-                time: [time[first], time[last - 1]],
-                point: Point { inputs: means(&self.inputs), outputs: means(&self.outputs) },
-                errors: vec![0.0; self.inputs.len()],
-                moved: Some(Moved {
-                    rate,
-                    window: [-1.0, 1.0].map(|side| centre + side * slope * span as f64),
-                }),
-                moving: None,
-            });
-            k = last + half;
+            let samples = k.saturating_sub(span).max(section.start)..(k + span + 1).min(section.end);
+            let on_line = |j: &usize| {
+                let line = centre + slope * (*j as f64 - k as f64);
+                (values[*j] - line).abs() <= BESIDE * (to - from)
+            };
+            let begin = (section.start..samples.start).rev().take_while(on_line).last();
+            let window = [-1.0, 1.0].map(|side| centre + side * slope * span as f64);
+            let begins = values[begin.unwrap_or(samples.start)];
+            k = samples.end + half;
+            found(samples, Moved { rate, window, begins, touch });
         }
-        found
+    }
+
+    /// What it was between, of each gap \[s\].
+    pub fn gaps(&self) -> Vec<[f64; 2]> {
+        let time = &self.recording.time;
+        let sections = sections(time);
+        sections.windows(2).map(|two| [time[two[0].end - 1], time[two[1].start]]).collect()
+    }
+
+    /// The same with an input, and the output that measures it, times a factor.
+    pub fn with_scaled(&self, input: usize, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        scaled.inputs[input].iter_mut().for_each(|v| *v *= factor);
+        if let Some(output) = self.measured_by[input] {
+            scaled.outputs[output].iter_mut().for_each(|v| *v *= factor);
+        }
+        scaled
     }
 
     /// Least and largest value of each output.
@@ -259,5 +313,9 @@ pub fn nearest(condition: &Condition, readings: &[Reading], signals: &Signals, n
             best = Some((beyond, text));
         }
     }
-    best.map_or_else(|| "there is no stretch in which nothing moves".to_owned(), |(_, text)| text)
+    let none = || match &condition.ramp {
+        Some(ramp) => format!("there is no ramp of {} at about {} per second", ramp.input, ramp.rate),
+        None => "there is no stretch in which nothing moves".to_owned(),
+    };
+    best.map_or_else(none, |(_, text)| text)
 }

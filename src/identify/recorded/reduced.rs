@@ -10,6 +10,7 @@ const OPEN: f64 = 0.5;
 const ROUNDING: f64 = 1e-10;
 
 /// A plan less what recordings do not tell.
+#[derive(Clone)]
 pub(super) struct Reduced {
     /// What is left of it.
     pub plan: Plan,
@@ -23,6 +24,11 @@ impl Reduced {
     pub fn new(plan: &Plan) -> Self {
         let count = plan.groups.iter().map(|g| g.targets.len()).sum();
         Self { plan: plan.clone(), targets: (0..count).collect(), dropped: Vec::new() }
+    }
+
+    /// Whether a parameter is not looked for.
+    pub fn drops(&self, name: &str) -> bool {
+        self.dropped.iter().any(|(dropped, _)| dropped == name)
     }
 
     /// Group, and place in it, of a number among what is left.

@@ -47,7 +47,7 @@ impl Readings<'_> {
         let [from, to] = moved.window.map(|x| x - offset);
         let inside = (((to - from) / moved.rate / ramp.step).round() as usize).max(2);
         let step = (to - from) / moved.rate / inside as f64;
-        let way = ramp.window.map_or(0.0, |[from, _]| from) + OFF_THE_ROAD;
+        let way = (from - moved.touch) * moved.rate.signum() + OFF_THE_ROAD;
         let before = (way / moved.rate.abs() / step).ceil() as usize;
         values.push((input, from - before as f64 * step * moved.rate));
         let steps = before + inside;

@@ -15,10 +15,28 @@ const PROBABILITY: f64 = 0.9;
 
 /// How readings scatter.
 pub(super) struct Scatter {
-    /// Standard deviation of each output.
-    pub sizes: Vec<f64>,
+    /// Standard deviation of each output: of means over stretches, and of the shorter ones over ramps.
+    sizes: [Vec<f64>; 2],
     /// From so many readings more than there are unknowns.
-    pub freedom: f64,
+    freedom: [f64; 2],
+}
+
+impl Scatter {
+    /// Standard deviation of each output, of readings of ramps or of stretches.
+    pub fn sizes(&self, of_ramps: bool) -> &[f64] {
+        &self.sizes[usize::from(of_ramps)]
+    }
+
+    /// From so many readings more than there are unknowns.
+    pub fn freedom(&self) -> f64 {
+        self.freedom.iter().sum()
+    }
+
+    /// By how much an interval has to be wider for what is known from readings of one kind only.
+    fn unsure(&self, of_ramps: bool) -> f64 {
+        let own = self.freedom[usize::from(of_ramps)];
+        if own > 0.0 { side(own) / side(self.freedom()) } else { 1.0 }
+    }
 }
 
 /// Student's t for half an interval.
@@ -45,7 +63,7 @@ impl Search<'_> {
     /// What is left of readings of one kind beside what their estimates read of them.
     pub fn scatter(&self, model: &Readings<'_>, reads: &[Read], numbers: &Numbers) -> Result<Scatter> {
         let count = self.evidence.signals.outputs.len();
-        let (mut squares, mut freedom) = (vec![0.0; count], 0.0);
+        let (mut squares, mut freedom) = ([vec![0.0; count], vec![0.0; count]], [0.0; 2]);
         let mut seen = BTreeSet::new();
         for read in reads {
             if !seen.insert(read.members.clone()) {
@@ -54,18 +72,22 @@ impl Search<'_> {
             let (measured, simulated) = (self.evidence.points(read), self.simulated(model, read, numbers)?);
             let design = read.estimate.design(&measured);
             let unknowns = design.ncols();
+            let kind = usize::from(read.is_ramp(self.evidence));
             let svd = design.clone().svd(true, true);
-            for (output, square) in squares.iter_mut().enumerate() {
+            for (output, square) in squares[kind].iter_mut().enumerate() {
                 let rest = DVector::from_fn(measured.len(), |k, _| {
                     measured[k].outputs[output] - simulated[k].outputs[output]
                 });
                 let found = svd.solve(&rest, 1e-10).map_err(|e| Error::numeric(e.to_owned()))?;
                 *square += (&rest - &design * found).norm_squared();
             }
-            freedom += (measured.len() - unknowns) as f64;
+            freedom[kind] += (measured.len() - unknowns) as f64;
         }
-        let size = |square: &f64| (square / freedom).sqrt().max(f64::MIN_POSITIVE);
-        Ok(Scatter { sizes: squares.iter().map(size).collect(), freedom })
+        let sizes = [0, 1].map(|kind| {
+            let size = |square: &f64| (square / freedom[kind].max(1.0)).sqrt().max(f64::MIN_POSITIVE);
+            squares[kind].iter().map(size).collect()
+        });
+        Ok(Scatter { sizes, freedom })
     }
 
     /// The errors that readings have: each its own, those of a recording the drift of the zeros in common, and all the error of
@@ -74,16 +96,18 @@ impl Search<'_> {
         let used: BTreeSet<usize> = reads.iter().flat_map(|read| read.members.iter().copied()).collect();
         let mut all = Vec::new();
         for number in &used {
-            let inputs = self.evidence.readings[*number].errors.iter();
-            for (channel, size) in scatter.sizes.iter().chain(inputs).enumerate() {
-                all.push(Shared { readings: BTreeSet::from([*number]), channel, size: *size });
+            let reading = &self.evidence.readings[*number];
+            let of_ramps = reading.moved.is_some();
+            let outputs = scatter.sizes(of_ramps).iter().map(|size| scatter.unsure(of_ramps) * size);
+            for (channel, size) in outputs.chain(reading.errors.iter().copied()).enumerate() {
+                all.push(Shared { readings: BTreeSet::from([*number]), channel, size });
             }
         }
         let zeros = &self.evidence.zeros;
         let recordings: BTreeSet<usize> = used.iter().map(|k| self.evidence.readings[*k].recording).collect();
         // few recordings tell less well how zeros drift than many readings how they scatter
         let freedom = (zeros.recordings.max(2) - 1) as f64;
-        let unsure = side(freedom) / side(scatter.freedom);
+        let unsure = side(freedom) / side(scatter.freedom());
         for (channel, drift) in zeros.drift.iter().enumerate() {
             for recording in &recordings {
                 let of = |k: &usize| self.evidence.readings[*k].recording == *recording;

@@ -3,6 +3,7 @@
 use super::answer::Answer;
 use super::estimate::{Estimate, Point};
 use super::evidence::{Evidence, Read};
+use super::matching::Moved;
 use super::reduced::{Known, Reduced};
 use super::scatter::side;
 use super::suspicion;
@@ -26,11 +27,18 @@ const NEAR: f64 = 0.02;
 const SERVES: f64 = 0.3;
 /// A target that is missed by more than so many half intervals contradicts the others.
 const CONTRADICTS: f64 = 2.0;
+/// What rounding and a search that has come to rest leave of a target, as a share.
+const MISSED: f64 = 1e-4;
+/// Where a parameter is on a bound up to this share of its range, targets that are missed within their intervals are told.
+const ON_BOUND: f64 = 1e-6;
 /// Steps of differences, as a share of a parameter's range: far above what rounding leaves of a stationary state, far below what
 /// curves.
 const STEP: f64 = 1e-4;
 /// Steps of differences over an offset, in standard deviations of what it may be.
 const OFFSET_STEP: f64 = 0.1;
+
+/// What it may be when nothing fits.
+const LIKELY: &str = "Recordings of another tire, a wrong unit or sign, or physics that the model does not have: run `latsch diagnose` on them";
 
 /// What is known before anything is measured.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -64,21 +72,47 @@ pub fn identify(
     for (target, why) in &evidence.missing {
         reduced.without_group_of(*target, why);
     }
-    let mut search =
-        Search { stand, registry, evidence: &evidence, numbers: start.clone(), offsets: Vec::new() };
+    let mut search = Search {
+        stand,
+        registry,
+        evidence: &evidence,
+        numbers: start.clone(),
+        offsets: Vec::new(),
+        notes: Vec::new(),
+    };
     search.offsets = vec![0.0; evidence.signals.inputs.len()];
     reduced.has_something()?;
     search.check_channels(&reduced.plan)?;
+    let mut can_be_read = reduced.clone();
     reduced.drop_open(&search.known(&reduced.plan)?);
-    loop {
+    let mut is_reopened = false;
+    let known = loop {
         reduced.has_something()?;
         let refused = search.solve(&reduced.plan)?;
-        let known = search.known(&reduced.plan)?;
-        if !reduced.drop_open(&known) {
-            search.agrees(&reduced.plan, &known, refused)?;
-            return search.answer(plan, &reduced, &known, &beforehand.within);
+        if let Some((target, why)) = search.begins_in_contact(plan, &reduced.plan)? {
+            can_be_read.without_group_of(target, &why);
+            reduced.without_group_of(target, &why);
+            continue;
         }
-    }
+        let known = search.known(&reduced.plan)?;
+        if reduced.drop_open(&known) {
+            continue;
+        }
+        if !std::mem::replace(&mut is_reopened, true) {
+            // what is not fixed where the search began may be where it ended
+            let mut now = can_be_read.clone();
+            now.drop_open(&search.known(&now.plan)?);
+            if now.dropped.len() < reduced.dropped.len() {
+                reduced = now;
+                continue;
+            }
+        }
+        let notes = search.agrees(&reduced.plan, &known, refused)?;
+        search.notes.extend(notes);
+        break known;
+    };
+    search.numbers = whole.with_what_is_held(&search.numbers, |name| reduced.drops(name))?;
+    search.answer(plan, &reduced, &known, &beforehand.within)
 }
 
 #[derive(Clone)]
@@ -92,6 +126,8 @@ pub(super) struct Search<'a> {
     pub numbers: Numbers,
     /// Offsets of the inputs.
     pub offsets: Vec<f64>,
+    /// What is to be said of the answer.
+    pub notes: Vec<String>,
 }
 
 impl Search<'_> {
@@ -130,7 +166,9 @@ impl Search<'_> {
             let reading = &self.evidence.readings[*k];
             let outputs = match asked.get(&(read.condition, *k)) {
                 Some(outputs) => outputs.clone(),
-                None => model.respond(condition, reading, &self.evidence.signals, &self.offsets, numbers)?,
+                None => model
+                    .respond(condition, reading, &self.evidence.signals, &self.offsets, numbers)
+                    .map_err(|e| e.at(self.evidence.place(reading)))?,
             };
             asked.insert((read.condition, *k), outputs.clone());
             points.push(Point { inputs: reading.point.inputs.clone(), outputs });
@@ -145,7 +183,7 @@ impl Search<'_> {
         let reads: Vec<Read> = self.reads(plan)?.into_iter().filter(|r| !r.is_ramp(self.evidence)).collect();
         let simulated =
             reads.iter().map(|r| self.simulated(&model, r, &numbers)).collect::<Result<Vec<_>>>()?;
-        suspicion::check(self.evidence, &reads, &simulated)
+        suspicion::check_outputs(self.evidence, &reads, &simulated)
     }
 
     /// What was measured.
@@ -201,8 +239,8 @@ impl Search<'_> {
                 let goal: Vec<f64> =
                     (0..at.len()).map(|k| measured[k] - (modelled[k] - nominal[k])).collect();
                 let found = model.identify(&Goal::new(&goal));
-                let found =
-                    found.map_err(|why| Error::numeric(format!("no answer: {}", model.words(&why))))?;
+                let found = found
+                    .map_err(|why| Error::numeric(format!("no answer: {}. {LIKELY}", model.words(&why))))?;
                 // the first corrections may ask for what cannot be; the last ones must not
                 refused = found.unsolved.first().map(|(_, why)| model.words(why));
                 found.parameters
@@ -227,26 +265,71 @@ impl Search<'_> {
         )))
     }
 
-    /// What was measured is what the model has, up to what scatters.
-    fn agrees(&self, plan: &Plan, known: &Known, refused: Option<String>) -> Result<()> {
-        let Some(why) = refused else { return Ok(()) };
+    /// A target that is read from ramps of which one began where the tire touched the road already, if there is one: by number,
+    /// and which ramp. The model begins off the road.
+    fn begins_in_contact(&self, plan: &Plan, reduced: &Plan) -> Result<Option<(usize, String)>> {
+        for read in self.reads(reduced)? {
+            let Some(ramp) = &reduced.conditions[read.condition].ramp else { continue };
+            let input = self.evidence.signals.input(&ramp.input);
+            let offset = input.map_or(0.0, |k| self.offsets[k]);
+            for reading in read.members.iter().map(|k| &self.evidence.readings[*k]) {
+                let Some(Moved { rate, begins, touch, .. }) = &reading.moved else { continue };
+                let behind = (begins - offset - touch) * rate.signum();
+                let mut names = plan.groups.iter().flat_map(|g| &g.targets);
+                if let (true, Some(number)) = (behind > 0.0, names.position(|t| t.name == read.name)) {
+                    let place = self.evidence.place(reading);
+                    return Ok(Some((
+                        number,
+                        format!(
+                            "the ramp in {place} begins {behind:.1e} behind where the tire touches the road"
+                        ),
+                    )));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// What was measured is what the model has, up to what scatters. Returns what is missed within that, and why.
+    fn agrees(&self, plan: &Plan, known: &Known, refused: Option<String>) -> Result<Vec<String>> {
         let model = self.model(plan)?;
-        let numbers = model.model_values(&model.sought_values(&self.numbers)?)?;
+        let at = model.sought_values(&self.numbers)?;
+        let names: Vec<&String> = plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name).collect();
+        let is_on_bound = |k: &usize| {
+            let [low, high] = model.bounds()[*k];
+            (at[*k] - low).min(high - at[*k]) <= ON_BOUND * (high - low)
+        };
+        let on_bound: Vec<String> =
+            (0..at.len()).filter(is_on_bound).map(|k| format!("{} = {:.4e}", names[k], at[k])).collect();
+        let why = refused.unwrap_or_else(|| match &on_bound[..] {
+            [] => "no parameter is on a bound".to_owned(),
+            some => format!("{} is as far as it goes", some.join(", ")),
+        });
+        let mut notes = Vec::new();
+        let numbers = model.model_values(&at)?;
         let reads = self.reads(plan)?;
         let modelled = self.modelled(&model, &reads, &numbers)?;
         let groups = plan.groups.iter().flat_map(|g| g.targets.iter().map(|_| &g.name));
         for (k, (read, group)) in reads.iter().zip(groups).enumerate() {
             let (measured, half) = (self.measured(read)?, known.side * known.covariance[(k, k)].sqrt());
-            if (measured - modelled[k]).abs() > CONTRADICTS * half {
+            let missed = (measured - modelled[k]).abs();
+            if missed > CONTRADICTS * half {
                 return Err(Error::numeric(format!(
-                    "group \"{group}\": \"{}\" was measured to be {measured:.5e} +- {half:.1e}, and no parameters within their bounds \
-                     give more or less than {:.5e} together with the other targets ({why}). Recordings of another tire, a wrong unit or \
-                     sign, or physics that the model does not have: run `latsch diagnose` on them",
-                    read.name, modelled[k]
+                    "group \"{group}\": \"{}\" was measured to be {measured:.5e} +- {half:.1e} (in {}), and no parameters within their \
+                     bounds give more or less than {:.5e} together with the other targets ({why}). {LIKELY}",
+                    read.name,
+                    self.evidence.files(read),
+                    modelled[k]
                 )));
             }
+            if missed > MISSED * measured.abs() {
+                notes.push(format!(
+                    "\"{}\" was measured to be {measured:.5e} +- {half:.1e}, the model gives {:.5e}: {why}",
+                    read.name, modelled[k]
+                ));
+            }
         }
-        Ok(())
+        Ok(notes)
     }
 
     /// Derivatives of the model's readings (rows) by what is looked for (columns).
@@ -270,6 +353,7 @@ impl Search<'_> {
         let model = self.model(plan)?;
         let numbers = model.model_values(&model.sought_values(&self.numbers)?)?;
         let scatter = self.scatter(&model, reads, &numbers)?;
+        let sizes = scatter.sizes(false);
         let (mut rows, mut rest): (Vec<Vec<f64>>, Vec<f64>) = (Vec::new(), Vec::new());
         let mut offsets = self.offsets.clone();
         let mut seen = BTreeSet::new();
@@ -294,7 +378,7 @@ impl Search<'_> {
                             moved.iter().zip(&own).map(|(b, a)| (b - a) / OFFSET_STEP).collect::<Vec<f64>>(),
                         );
                     }
-                    for (output, size) in scatter.sizes.iter().enumerate() {
+                    for (output, size) in sizes.iter().enumerate() {
                         let size = size / (read.members.len() as f64).sqrt();
                         rows.push(slopes.iter().map(|s| s[output] / size).collect());
                         rest.push((measured[output] - own[output]) / size);
@@ -330,7 +414,7 @@ impl Search<'_> {
         let jacobian = self.jacobian(&model, &reads, &at)?;
         let scatter = self.scatter(&model, &reads, &numbers)?;
         let covariance = self.covariance(&model, &reads, &numbers, &scatter)?;
-        Ok(Known { jacobian, covariance, at, ranges, side: side(scatter.freedom) })
+        Ok(Known { jacobian, covariance, at, ranges, side: side(scatter.freedom()) })
     }
 }
 

@@ -1,6 +1,7 @@
 //! Stretches of a recording in which the rig holds everything, and whether the tire has come to rest there.
 
-use crate::stats::{even_line, mean, median, redundancy};
+use crate::stats::{even_line, mean, median, median_interval, redundancy};
+use std::ops::Range;
 
 /// Recordings are looked at in pieces of this length \[s\]: a tire at walking pace and above settles within a few of them.
 const PIECE: f64 = 0.1;
@@ -13,6 +14,22 @@ const SIDE: f64 = 4.0;
 /// A response that changes by less than this share of its range in all recordings is taken for steady: without noise, the end of
 /// an exponential is never reached.
 const STEADY: f64 = 5e-4;
+
+/// An interval this many times the usual one is a gap: a lost sample or two make 2 or 3, and a mean hardly feels them.
+const GAP: f64 = 5.0;
+
+/// So many samples are a piece.
+pub fn piece_length(time: &[f64]) -> usize {
+    ((PIECE / median_interval(time)).round() as usize).max(LEAST)
+}
+
+/// The samples between gaps.
+pub fn sections(time: &[f64]) -> Vec<Range<usize>> {
+    let longest = GAP * median_interval(time);
+    let ends = (1..time.len()).filter(|k| time[*k] - time[k - 1] > longest).chain([time.len()]);
+    let mut from = 0;
+    ends.map(|to| std::mem::replace(&mut from, to)..to).collect()
+}
 
 /// A channel that tells whether something moves.
 pub struct Watched<'a> {
@@ -37,20 +54,33 @@ pub struct Stretch {
     pub moving: Option<usize>,
 }
 
-/// All stretches of a recording.
+/// All stretches of a recording; none goes over a gap.
 pub fn stretches(time: &[f64], channels: &[Watched<'_>]) -> Vec<Stretch> {
-    let (Some(first), Some(last)) = (time.first(), time.last()) else { return Vec::new() };
-    let step = (last - first) / (time.len().max(2) - 1) as f64;
-    let length = ((PIECE / step).round() as usize).max(LEAST);
-    let pieces = time.len() / length;
-    let of = |values: &[f64], piece: usize| mean(&values[piece * length..(piece + 1) * length]);
+    if time.len() < LEAST {
+        return Vec::new();
+    }
+    let length = piece_length(time);
     let noise: Vec<Noise> = channels.iter().map(|c| Noise::of(c.values, length)).collect();
+    let within = |section: Range<usize>| between_gaps(section, length, channels, &noise);
+    sections(time).into_iter().flat_map(within).collect()
+}
+
+/// The stretches of samples between two gaps, with pieces of `length` samples.
+fn between_gaps(
+    section: Range<usize>,
+    length: usize,
+    channels: &[Watched<'_>],
+    noise: &[Noise],
+) -> Vec<Stretch> {
+    let pieces = section.len() / length;
+    let sample = |piece: usize| section.start + piece * length;
+    let of = |values: &[f64], piece: usize| mean(&values[sample(piece)..sample(piece + 1)]);
     let mut found = Vec::new();
     let mut from = 0;
     while from < pieces {
         // as long as all that is held stays within its tolerance of where it was
         let stays = |piece: usize| {
-            channels.iter().zip(&noise).all(|(channel, noise)| {
+            channels.iter().zip(noise).all(|(channel, noise)| {
                 channel.held_within.is_none_or(|tolerance| {
                     let change = of(channel.values, piece) - of(channel.values, from);
                     change.abs() <= tolerance + SIDE * 2f64.sqrt() * noise.error(length)
@@ -61,7 +91,7 @@ pub fn stretches(time: &[f64], channels: &[Watched<'_>]) -> Vec<Stretch> {
         // a move that begins in a piece may not show in its mean
         let end = if to < pieces { to - 1 } else { to };
         if end - from >= PIECES {
-            found.push(second_half(from * length, end * length, channels, &noise));
+            found.push(second_half(sample(from), sample(end), channels, noise));
         }
         from = to.max(from + 1);
     }
@@ -88,14 +118,15 @@ fn second_half(from: usize, to: usize, channels: &[Watched<'_>], noise: &[Noise]
 }
 
 /// What scatters within pieces of a channel.
-struct Noise {
+pub struct Noise {
     deviation: f64,
     /// So many samples tell as much as one.
     redundancy: f64,
 }
 
 impl Noise {
-    fn of(values: &[f64], length: usize) -> Self {
+    /// Of a channel, in pieces of so many samples.
+    pub fn of(values: &[f64], length: usize) -> Self {
         let pieces: Vec<Vec<f64>> = values.chunks_exact(length).map(about_line).collect();
         let size = |piece: &Vec<f64>| (piece.iter().map(|v| v * v).sum::<f64>() / (length - 2) as f64).sqrt();
         let deviation = median(&pieces.iter().map(size).collect::<Vec<_>>());
@@ -106,7 +137,7 @@ impl Noise {
     }
 
     /// Standard error of a mean of so many samples.
-    fn error(&self, samples: usize) -> f64 {
+    pub fn error(&self, samples: usize) -> f64 {
         self.deviation * (self.redundancy / samples as f64).sqrt().min(1.0)
     }
 }

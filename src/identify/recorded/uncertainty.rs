@@ -64,7 +64,7 @@ impl Search<'_> {
 
     /// Covariance of all that a plan looks for. What is held may be as far away as `within` says, or evenly anywhere in its range;
     /// what is found then moves with it, so that the readings stay what they are.
-    fn covariance_of_sought(
+    pub fn covariance_of_sought(
         &self,
         whole: &Readings<'_>,
         sought: &[f64],
@@ -107,7 +107,7 @@ impl Search<'_> {
 /// Which of all that a plan looks for is held.
 fn held(plan: &Plan, reduced: &Reduced) -> Vec<bool> {
     let names = plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name);
-    names.map(|name| reduced.dropped.iter().any(|(dropped, _)| dropped == name)).collect()
+    names.map(|name| reduced.drops(name)).collect()
 }
 
 /// For each of what is looked for: derivatives of the model's parameters by it.

@@ -8,6 +8,7 @@
 use super::{INPUTS, OUTPUTS, Tire};
 use crate::random::Random;
 use crate::simulate::Filter;
+use latsch::Result;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -91,7 +92,7 @@ struct Commands {
 ///
 /// # Errors
 /// A programme that cannot be read, or a tire that leaves what its equations are good for.
-pub fn session(seed: u64, number: u64, programme: &Path) -> Result<Session, String> {
+pub fn session(seed: u64, number: u64, programme: &Path) -> std::result::Result<Session, String> {
     let mut random = Random::new(seed, number);
     let parameters = parameters(&mut random);
     let mut files: Vec<_> = std::fs::read_dir(programme)
@@ -100,10 +101,10 @@ pub fn session(seed: u64, number: u64, programme: &Path) -> Result<Session, Stri
         .filter(|file| file.extension().is_some_and(|e| e == "csv"))
         .collect();
     files.sort();
-    let runs = files.iter().map(|file| read(file)).collect::<Result<Vec<_>, _>>()?;
+    let runs = files.iter().map(|file| read(file)).collect::<std::result::Result<Vec<_>, _>>()?;
     let drive =
         |run: &Commands| drive(&parameters, run).map_err(|e| format!("tire {number}, {}: {e}", run.name));
-    let recorded = runs.iter().map(drive).collect::<Result<Vec<_>, _>>()?;
+    let recorded = runs.iter().map(drive).collect::<std::result::Result<Vec<_>, _>>()?;
     Ok(sense(&parameters, &runs, &recorded, &mut random))
 }
 
@@ -123,7 +124,7 @@ fn parameters(random: &mut Random) -> Parameters {
     parameters
 }
 
-fn read(file: &Path) -> Result<Commands, String> {
+fn read(file: &Path) -> std::result::Result<Commands, String> {
     let text = |file: &Path| std::fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()));
     let table = text(file)?;
     let mut lines = table.lines();
@@ -150,7 +151,7 @@ fn read(file: &Path) -> Result<Commands, String> {
 }
 
 /// What ideal sensors behind a filter record: inputs, then outputs.
-fn drive(parameters: &Parameters, run: &Commands) -> latsch::Result<Vec<Vec<f64>>> {
+fn drive(parameters: &Parameters, run: &Commands) -> Result<Vec<Vec<f64>>> {
     const DEFLECTION: usize = 1;
     let mut tire = new_tire(parameters)?;
     let at = |course: &[f64], time: f64| course_at(&run.time, course, time);
@@ -187,12 +188,12 @@ fn drive(parameters: &Parameters, run: &Commands) -> latsch::Result<Vec<Vec<f64>
     Ok(recorded)
 }
 
-fn new_tire(parameters: &Parameters) -> latsch::Result<Tire> {
+fn new_tire(parameters: &Parameters) -> Result<Tire> {
     Tire::new(parameters.iter().map(|(name, value)| (*name, *value)), STEPS[1])
 }
 
 /// The deflection at which the tire starts with a load.
-fn deflection_at(parameters: &Parameters, commands: &[f64], load: f64) -> latsch::Result<f64> {
+fn deflection_at(parameters: &Parameters, commands: &[f64], load: f64) -> Result<f64> {
     let (mut low, mut high) = (0.0, 0.1);
     for _ in 0..30 {
         let middle = 0.5 * (low + high);
