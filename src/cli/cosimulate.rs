@@ -6,7 +6,7 @@ use latsch::cosimulate::{
     Experiment, Outcome, PortName, System, Until, cosimulate_until, energy_warnings, read_system,
 };
 use latsch::model::{Kind, Value};
-use latsch::recording::{Recording, profile_value, read_csv, write_csv};
+use latsch::recording::{Recording, profile_value, read_recording, write_recording};
 use latsch::report::{simulation_report, write_html};
 use latsch::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ pub struct Args {
     /// The system: TOML, an SSP System Structure Description (.ssd) beside its FMUs, or an SSP archive (.ssp)
     #[arg(value_name = "F.toml|F.ssd|F.ssp")]
     system: PathBuf,
-    /// Results to write: CSV with the columns `component.variable [unit]`
+    /// Results to write: CSV with the columns `component.variable [unit]`, or TYDEX (.tdx)
     #[arg(long, short, value_name = "F.csv")]
     output: PathBuf,
     /// Page with plots to write
@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     plan.iterate = args.iterate.unwrap_or(plan.iterate);
     plan.halvings = args.halvings.unwrap_or(plan.halvings);
-    let replay = args.replay.as_deref().map(read_csv).transpose()?;
+    let replay = args.replay.as_deref().map(read_recording).transpose()?;
     let mut system = plan.load()?;
     for assignment in &args.set {
         set(&mut system, assignment).map_err(|e| e.at(format!("--set {assignment}")))?;
@@ -106,7 +106,7 @@ pub fn run(args: &Args) -> Result<()> {
     for warning in &warnings {
         warn(warning);
     }
-    write_csv(&args.output, &outcome.recording)?;
+    write_recording(&args.output, &outcome.recording)?;
     if let Some(report) = &args.report {
         let facts = facts(&system, &experiment, &outcome, &opened, &warnings);
         let measured = replay.as_ref().map(|r| comparable(r, &outcome.recording, &opened));

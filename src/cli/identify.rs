@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use latsch::identify::benchmark::{Benchmark, kaden};
 use latsch::identify::recorded::{Answer, Beforehand, Light, identify};
 use latsch::identify::{Plan, Stand, ring_brush};
-use latsch::recording::{Recording, read_csv};
+use latsch::recording::{Recording, read_recording, recording_endings};
 use latsch::report::{identification_report, write_html};
 use latsch::{Error, Result};
 use std::fmt::Write as _;
@@ -21,7 +21,8 @@ pub struct Args {
     /// The plan, or the name of one that is shipped: ring-brush-flat-track
     #[arg(value_name = "PLAN|F.toml", requires_all = ["recordings", "output"])]
     plan: Option<String>,
-    /// Folder with the recordings: CSV with the columns `time [s]` and `name [unit]`, inputs and outputs of the plan's model
+    /// Folder with the recordings: CSV with the columns `time [s]` and `name [unit]`, inputs and outputs of the plan's model, or
+    /// TYDEX (.tdx, .tda, .tdb)
     #[arg(long, value_name = "DIR", requires = "plan")]
     recordings: Option<PathBuf>,
     /// Parameters to write: TOML for `latsch export` and `latsch simulate`, with intervals, within which `latsch diagnose` then looks
@@ -107,7 +108,7 @@ fn share(text: &str) -> Result<(String, f64)> {
 
 /// All recordings of a folder, in the order of their names.
 fn recordings(folder: &Path) -> Result<Vec<Recording>> {
-    files_in(folder, &["csv"])?.iter().map(|file| read_csv(file)).collect()
+    files_in(folder, &recording_endings())?.iter().map(|file| read_recording(file)).collect()
 }
 
 /// How far beyond its interval (90 %) a diagnosis may move a parameter, in half intervals: what scatters normally is outside of

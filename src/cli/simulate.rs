@@ -5,7 +5,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use latsch::fmi::import::ImportedFmu;
 use latsch::fmi::{Entry, guid};
 use latsch::model::{Causality, Interface, Kind, Model, Native, Settings, Slave, Value};
-use latsch::recording::{Recording, add_noise, profile_value, read_csv, read_settings, write_csv};
+use latsch::recording::{
+    Recording, add_noise, profile_value, read_recording, read_settings, recording_endings, write_recording,
+};
 use latsch::report::{PatchFrame, patch_caption, simulation_report, write_html};
 use latsch::rig::RingBrushFlatTrack;
 use latsch::shipped::MODELS;
@@ -24,7 +26,7 @@ pub struct Args {
     /// Name of a shipped model (see `latsch models`) or an FMU file
     #[arg(value_name = "MODEL|F.fmu")]
     model: String,
-    /// Recorded inputs: CSV with the columns `time [s]` and `name [unit]`; columns named like outputs
+    /// Recorded inputs: CSV with the columns `time [s]` and `name [unit]`, or TYDEX (.tdx, .tda, .tdb); columns named like outputs
     /// are shown beside the simulation. A folder, such as `latsch rig-program` writes, is run file by file, each with the values in
     /// the TOML of its name
     #[arg(long, value_name = "F.csv|DIR")]
@@ -47,7 +49,7 @@ pub struct Args {
     /// Communication step [s] [default: the model's]
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     step: Option<f64>,
-    /// Results to write: CSV with the inputs and outputs; a folder of them, which is made, if --inputs is one
+    /// Results to write: CSV with the inputs and outputs, or TYDEX if the name ends like that; a folder of them, which is made, if --inputs is one
     #[arg(long, short, value_name = "F.csv|DIR")]
     output: PathBuf,
     /// White noise on the outputs, as a share of what each of them ranges over in all that is run: 0.01 for 1 %
@@ -87,7 +89,7 @@ fn one_file(args: &Args) -> Result<()> {
     notes.iter().for_each(|note| eprintln!("note: {note}"));
     let interface = subject.slave.interface();
     sense(args, interface, std::slice::from_mut(&mut outcome.recording));
-    write_csv(&args.output, &selected(interface, &outcome.recording, args.all))?;
+    write_recording(&args.output, &selected(interface, &outcome.recording, args.all))?;
     if let Some(report) = &args.report {
         let page = subject.report(&experiment, &outcome)?;
         write_html(report, &page)?;
@@ -100,7 +102,7 @@ fn every_file(args: &Args, folder: &Path) -> Result<()> {
     if args.report.is_some() {
         return Err(Error::call("--report shows one run: name one of the folder's files as --inputs"));
     }
-    let files = files_in(folder, &["csv"])?;
+    let files = files_in(folder, &recording_endings())?;
     std::fs::create_dir_all(&args.output)
         .map_err(|e| Error::file(format!("{} cannot be made: {e}", args.output.display())))?;
     let outputs: Vec<PathBuf> =
@@ -131,7 +133,7 @@ fn every_file(args: &Args, folder: &Path) -> Result<()> {
         sense(args, interface, &mut recordings);
     }
     for (file, recording) in outputs.iter().zip(&recordings) {
-        write_csv(file, recording)?;
+        write_recording(file, recording)?;
     }
     let samples: usize = recordings.iter().map(|r| r.time.len()).sum();
     print(&format!("{}: {} runs, {samples} samples", args.output.display(), recordings.len()))
@@ -139,7 +141,7 @@ fn every_file(args: &Args, folder: &Path) -> Result<()> {
 
 /// A recording without what is to be left out.
 fn read_inputs(args: &Args, file: &Path) -> Result<Recording> {
-    let mut inputs = read_csv(file)?;
+    let mut inputs = read_recording(file)?;
     for name in &args.ignore {
         inputs.channel(name)?;
         inputs.channels.retain(|c| c.name != *name);

@@ -186,30 +186,44 @@ impl<'a> Readings<'a> {
         Ok(changed.into_iter().map(|(name, _)| name.to_owned()).collect())
     }
 
+    /// Names of the model's parameters to which only groups give values of which nothing is looked for, as `is_held` knows.
+    ///
+    /// # Errors
+    /// A transform that is not registered.
+    pub fn held_names(&self, is_held: impl Fn(&str) -> bool) -> Result<Vec<String>> {
+        let (mut held, mut known) = (Vec::new(), Vec::new());
+        for group in &self.plan.groups {
+            let given = self.given_by(group)?;
+            if group.parameters.iter().all(|p| is_held(&p.name)) {
+                held.extend(given);
+            } else {
+                let assumed = self.transform(group)?.map_or(&[][..], |t| t.assumes);
+                known.extend(given.into_iter().filter(|name| !assumed.contains(&name.as_str())));
+            }
+        }
+        held.retain(|name| !known.contains(name));
+        Ok(held)
+    }
+
     /// Parameters that were found, with those of groups of which nothing was looked for as they were before, or as near to that as
     /// what was found admits. `is_held` knows what was not looked for.
     ///
     /// # Errors
-    /// A transform that is not registered.
+    /// As [`held_names`](Self::held_names).
     pub fn with_what_is_held(&self, found: &Numbers, is_held: impl Fn(&str) -> bool) -> Result<Numbers> {
         let mut all = self.base.clone();
         all.extend(found.iter().map(|(name, value)| (name.clone(), *value)));
-        let (held, others): (Vec<&GroupPlan>, Vec<&GroupPlan>) =
-            self.plan.groups.iter().partition(|g| g.parameters.iter().all(|p| is_held(&p.name)));
-        let mut known = Vec::new();
-        for group in others {
-            let assumed = self.transform(group)?.map_or(&[][..], |t| t.assumes);
-            known.extend(self.given_by(group)?.into_iter().filter(|name| !assumed.contains(&name.as_str())));
+        for name in self.held_names(&is_held)? {
+            all.extend(self.base.get(&name).map(|value| (name, *value)));
         }
-        for group in held {
-            for name in self.given_by(group)?.into_iter().filter(|name| !known.contains(name)) {
-                all.extend(self.base.get(&name).map(|value| (name, *value)));
-            }
+        for group in self.plan.groups.iter().filter(|g| g.parameters.iter().all(|p| is_held(&p.name))) {
             let Some(transform) = self.transform(group)? else { continue };
-            let sought = (transform.from_model)(&all).into_iter().zip(&group.parameters);
-            let sought: Vec<f64> = sought.map(|(x, p)| x.clamp(p.bounds[0], p.bounds[1])).collect();
-            let values = (transform.to_model)(&sought, &all);
-            all.extend(values.into_iter().map(|(name, value)| (name.to_owned(), value)));
+            // what a group before assumed is put back
+            let own = (transform.from_model)(&all).into_iter().zip(&group.parameters);
+            let sought: Vec<f64> = own.map(|(x, p)| x.clamp(p.bounds[0], p.bounds[1])).collect();
+            let values = (transform.to_model)(&sought, &all).into_iter();
+            let values = values.filter(|(name, _)| !transform.assumes.contains(name));
+            all.extend(values.map(|(name, value)| (name.to_owned(), value)));
         }
         Ok(all)
     }

@@ -10,11 +10,11 @@ use std::io::Write;
 use std::path::Path;
 
 /// A longer file is not read \[bytes\]: 4 GiB, an hour of a hundred channels at 1 kHz.
-const MAX_LENGTH: u64 = 4 << 30;
+pub(super) const MAX_LENGTH: u64 = 4 << 30;
 /// Files with more columns are refused: a column takes a hundred bytes in memory, and in the file perhaps one.
-const MAX_COLUMNS: usize = 100_000;
+pub(super) const MAX_COLUMNS: usize = 100_000;
 /// Text is passed on to the file in pieces of about this length \[bytes\].
-const BLOCK: usize = 1 << 16;
+pub(super) const BLOCK: usize = 1 << 16;
 /// Characters that may separate cells.
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 
@@ -378,7 +378,11 @@ pub fn to_csv(recording: &Recording) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| Error::file(e.to_string()))
 }
 
-fn check_lengths(recording: &Recording) -> Result<()> {
+/// That channels are as long as the time.
+///
+/// # Errors
+/// The first that is not.
+pub(super) fn check_lengths(recording: &Recording) -> Result<()> {
     let rows = recording.time.len();
     match recording.channels.iter().find(|c| c.values.len() != rows) {
         None => Ok(()),

@@ -1,22 +1,25 @@
-//! Recordings: measured or simulated channels over time, with units, and the CSV files that hold them.
+//! Recordings: measured or simulated channels over time, with units, and the CSV and TYDEX files that hold them.
 
 mod csv;
 mod noise;
 mod profile;
 mod shortest;
 mod smooth;
+mod tydex;
 
 pub(crate) use csv::{Defect, read_csv_with_defects};
 pub use csv::{parse_csv, read_csv, to_csv, write_csv};
 pub use noise::add_noise;
 pub use profile::{profile_from_csv, profile_value, read_settings};
 pub use smooth::Smooth;
+pub use tydex::{TYDEX_ENDINGS, parse_tydex, read_tydex, to_tydex, write_tydex};
 
 pub use crate::stats::{interpolate, slope};
 
 use crate::model::unit::Unit;
 use crate::stats::within;
 use crate::{Error, Result};
+use std::path::Path;
 
 /// Channels over one common time.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -100,6 +103,31 @@ impl Recording {
             self.source
         )))
     }
+}
+
+/// Reads a recording: a TYDEX file if its name ends like one of those ([`TYDEX_ENDINGS`], in small letters or capitals), else CSV.
+///
+/// # Errors
+/// As [`read_tydex`] and [`read_csv`].
+pub fn read_recording(path: &Path) -> Result<Recording> {
+    if is_tydex(path) { read_tydex(path) } else { read_csv(path) }
+}
+
+/// Writes a recording as [`read_recording`] would read it.
+///
+/// # Errors
+/// As [`write_tydex`] and [`write_csv`].
+pub fn write_recording(path: &Path, recording: &Recording) -> Result<()> {
+    if is_tydex(path) { write_tydex(path, recording) } else { write_csv(path, recording) }
+}
+
+/// What the names of recordings in a folder end in, in small letters.
+pub fn recording_endings() -> Vec<&'static str> {
+    std::iter::once("csv").chain(TYDEX_ENDINGS).collect()
+}
+
+fn is_tydex(path: &Path) -> bool {
+    path.extension().is_some_and(|own| TYDEX_ENDINGS.iter().any(|ending| own.eq_ignore_ascii_case(ending)))
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ mod sizes;
 use common::FlatTrack;
 use latsch::fmi::import::{Archive, Description};
 use latsch::model::{Settings, Slave};
-use latsch::recording::parse_csv;
+use latsch::recording::{parse_csv, parse_tydex};
 use latsch::write_file;
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -180,6 +180,40 @@ const CSV_WORDS: &[&str] = &[
     "\n", "\r\n", ",", ";", "\t", "\"", "NaN", "inf", "-1e999", " [", "]", "[km/h]", "time [s]", "\u{feff}",
     "é", "\0",
 ];
+const TYDEX: &str = "**HEADER
+RELEASE   Release of TYDEX-Format                 1.3
+**COMMENTS
+latsch: CHN00002 = \"contact_length_left\"
+**CONSTANTS
+LONGVEL   longitudinal velocity         km/h      80
+**MEASURCHANNELS
+RUNTIME   running time                  s         1         0         0
+SLIPANGL  slip angle                    deg       0.5       1         -2
+CHN00002  contact_length_left           m         1         0         0
+**MEASURDATA
+0         1.5       0.1
+1.00000000-1.2345678+0.1000000
+**END
+";
+const TYDEX_WORDS: &[&str] = &[
+    "\n",
+    "\r",
+    "**",
+    "!",
+    "\t",
+    " ",
+    "          ",
+    "NaN",
+    "inf",
+    "-1e999",
+    "NOTAVAIL",
+    "\"",
+    "\\u",
+    "**END\n",
+    "90",
+    "é",
+    "\0",
+];
 const TOML_WORDS: &[&str] = &[
     "[parameters]",
     "[inputs]",
@@ -274,6 +308,15 @@ proptest! {
     fn recordings(damages in damage(CSV_WORDS)) {
         let bytes = apply(CSV.into(), &damages);
         let _ = in_time(|| parse_csv(&String::from_utf8_lossy(&bytes), "hostile.csv"));
+    }
+
+    #[test]
+    fn tydex_recordings(damages in damage(TYDEX_WORDS)) {
+        let bytes = apply(TYDEX.into(), &damages);
+        let text: String = bytes.iter().map(|byte| char::from(*byte)).collect();
+        for text in [&text, &*String::from_utf8_lossy(&bytes)] {
+            let _ = in_time(|| parse_tydex(text, "hostile.tdx"));
+        }
     }
 
     #[test]

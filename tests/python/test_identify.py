@@ -166,3 +166,43 @@ def test_recordings_that_cannot_be_read_are_named(tmp_path, files, words):
     assert done.returncode == 2 and not (tmp_path / "tire.toml").exists(), done.stdout + done.stderr
     for word in words:
         assert word in done.stderr, done.stderr
+
+
+TYDEX = """\
+**HEADER
+RELEASE   Release of TYDEX-Format                 1.3
+**CONSTANTS
+INCLANGL  inclination angle             deg       2
+**MEASURCHANNELS
+RUNTIME   running time                  s         1         0         0
+TRAJVELW  trajectory velocity           km/h      1         0         0
+TYREDEFW  tyre deflection               mm        10        0         0
+SLIPANGL  slip angle                    deg       1         0         0
+**MEASURDATA
+0         60        2         0
+0.1       60        2         0
+0.2       60        2         2
+**END
+"""
+
+
+@pytest.mark.quick
+def test_tydex_files_are_recordings(tmp_path):
+    recordings = tmp_path / "recordings"
+    recordings.mkdir()
+    (tmp_path / "in.TDX").write_text(TYDEX)
+    head = "time [s],path_speed [km/h],deflection [mm],slip_angle [deg],camber [deg]\n"
+    (tmp_path / "in.csv").write_text(head + "0,60,20,0,2\n0.1,60,20,0,2\n0.2,60,20,2,2\n")
+    written = {}
+    for inputs, output in [("in.csv", "a.csv"), ("in.TDX", "b.csv"), ("in.csv", "recordings/c.tdx"), ("recordings/c.tdx", "d.csv")]:
+        call = ["ring-brush-flat-track", "--inputs", tmp_path / inputs, "--step", "0.01", "--output", tmp_path / output]
+        done = latsch("simulate", *call)
+        assert done.returncode == 0, done.stderr
+        written[output] = (tmp_path / output).read_text()
+    assert written["a.csv"] == written["b.csv"] == written["d.csv"]
+    assert written["recordings/c.tdx"].startswith("**HEADER\n")
+    # a force of other axes is none that a rig measures
+    (recordings / "c.tdx").write_text(written["recordings/c.tdx"].replace("\nFZH", "\nFZW"))
+    done = latsch("identify", "ring-brush-flat-track", "--recordings", recordings, "--output", tmp_path / "tire.toml")
+    assert done.returncode == 2, done.stdout
+    assert 'c.tdx: there is no channel "force_z"' in done.stderr and "fzw" in done.stderr, done.stderr

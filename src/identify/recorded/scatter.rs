@@ -2,7 +2,7 @@
 
 use super::estimate::Point;
 use super::evidence::Read;
-use super::search::Search;
+use super::search::{Asked, Search};
 use crate::identify::readings::Readings;
 use crate::identify::registry::Numbers;
 use crate::stats::chance::student;
@@ -61,7 +61,13 @@ struct Shared {
 
 impl Search<'_> {
     /// What is left of readings of one kind beside what their estimates read of them.
-    pub fn scatter(&self, model: &Readings<'_>, reads: &[Read], numbers: &Numbers) -> Result<Scatter> {
+    pub fn scatter(
+        &self,
+        model: &Readings<'_>,
+        reads: &[Read],
+        numbers: &Numbers,
+        asked: &mut Asked,
+    ) -> Result<Scatter> {
         let count = self.evidence.signals.outputs.len();
         let (mut squares, mut freedom) = ([vec![0.0; count], vec![0.0; count]], [0.0; 2]);
         let mut seen = BTreeSet::new();
@@ -69,7 +75,8 @@ impl Search<'_> {
             if !seen.insert(read.members.clone()) {
                 continue;
             }
-            let (measured, simulated) = (self.evidence.points(read), self.simulated(model, read, numbers)?);
+            let measured = self.evidence.points(read);
+            let simulated = self.simulated_once(model, read, numbers, asked)?;
             let design = read.estimate.design(&measured);
             let unknowns = design.ncols();
             let kind = usize::from(read.is_ramp(self.evidence));
@@ -127,6 +134,7 @@ impl Search<'_> {
         reads: &[Read],
         numbers: &Numbers,
         scatter: &Scatter,
+        asked: &mut Asked,
     ) -> Result<DMatrix<f64>> {
         let signals = &self.evidence.signals;
         // an input that an output measures is as wrong as that
@@ -134,7 +142,8 @@ impl Search<'_> {
         let outputs = signals.outputs.len();
         let mut before = Vec::new();
         for read in reads {
-            let (own, simulated) = (self.evidence.points(read), self.simulated(model, read, numbers)?);
+            let own = self.evidence.points(read);
+            let simulated = self.simulated_once(model, read, numbers, asked)?;
             let base = read.estimate.of(&own) - read.estimate.of(&simulated);
             before.push((own, simulated, base));
         }
@@ -146,6 +155,7 @@ impl Search<'_> {
             }
             let moves = |k: usize| input == Some(k) || measured_by[k] == Some(error.channel);
             let mut change = DVector::zeros(reads.len());
+            let mut moved_once = Asked::new();
             for (row, (read, (own, simulated, base))) in reads.iter().zip(&before).enumerate() {
                 let condition = &model.plan().conditions[read.condition];
                 let (mut own, mut simulated) = (own.clone(), simulated.clone());
@@ -162,10 +172,13 @@ impl Search<'_> {
                     let moving: Vec<usize> = (0..measured_by.len()).filter(|k| moves(*k)).collect();
                     moving.iter().for_each(|k| moved.point.inputs[*k] += error.size);
                     if !moving.is_empty() {
-                        simulated[place] = Point {
-                            inputs: moved.point.inputs.clone(),
-                            outputs: model.respond(condition, &moved, signals, &self.offsets, numbers)?,
+                        let key = (read.condition, *number);
+                        let outputs = match moved_once.remove(&key) {
+                            Some(outputs) => outputs,
+                            None => model.respond(condition, &moved, signals, &self.offsets, numbers)?,
                         };
+                        moved_once.insert(key, outputs.clone());
+                        simulated[place] = Point { inputs: moved.point.inputs.clone(), outputs };
                     }
                     own[place] = moved.point;
                 }

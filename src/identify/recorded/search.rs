@@ -87,6 +87,7 @@ pub fn identify(
     reduced.drop_open(&search.known(&reduced.plan)?);
     let mut is_reopened = false;
     let known = loop {
+        eprintln!("loop {}", stand.starts());
         reduced.has_something()?;
         let refused = search.solve(&reduced.plan)?;
         if let Some((target, why)) = search.begins_in_contact(plan, &reduced.plan)? {
@@ -94,7 +95,9 @@ pub fn identify(
             reduced.without_group_of(target, &why);
             continue;
         }
+        eprintln!("solved {}", stand.starts());
         let known = search.known(&reduced.plan)?;
+        eprintln!("known {}", stand.starts());
         if reduced.drop_open(&known) {
             continue;
         }
@@ -111,9 +114,13 @@ pub fn identify(
         search.notes.extend(notes);
         break known;
     };
+    eprintln!("end {}", stand.starts());
     search.numbers = whole.with_what_is_held(&search.numbers, |name| reduced.drops(name))?;
     search.answer(plan, &reduced, &known, &beforehand.within)
 }
+
+/// What the model said, by condition and reading.
+pub(super) type Asked = BTreeMap<(usize, usize), Vec<f64>>;
 
 #[derive(Clone)]
 pub(super) struct Search<'a> {
@@ -153,12 +160,12 @@ impl Search<'_> {
     }
 
     /// The same, where the model has not been asked before.
-    fn simulated_once(
+    pub fn simulated_once(
         &self,
         model: &Readings<'_>,
         read: &Read,
         numbers: &Numbers,
-        asked: &mut BTreeMap<(usize, usize), Vec<f64>>,
+        asked: &mut Asked,
     ) -> Result<Vec<Point>> {
         let condition = &model.plan().conditions[read.condition];
         let mut points = Vec::new();
@@ -217,12 +224,15 @@ impl Search<'_> {
         let (mut left, mut refused) = (f64::INFINITY, None);
         let mut jacobian: Option<DMatrix<f64>> = None;
         for _ in 0..ROUNDS {
+            eprintln!(" round {} left {left:.1e}", self.stand.starts());
             let offsets = self.find_offsets(plan, &reads)?;
+            eprintln!("  offsets {}", self.stand.starts());
             let model = self.model(plan)?;
             let at = model.sought_values(&self.numbers)?;
             let numbers = model.model_values(&at)?;
             let modelled = self.modelled(&model, &reads, &numbers)?;
             let bounds = model.bounds();
+            eprintln!("  modelled {}", self.stand.starts());
             let next: Vec<f64> = if left <= NEAR && refused.is_none() {
                 let known = match jacobian.take() {
                     Some(jacobian) => jacobian,
@@ -313,6 +323,9 @@ impl Search<'_> {
         for (k, (read, group)) in reads.iter().zip(groups).enumerate() {
             let (measured, half) = (self.measured(read)?, known.side * known.covariance[(k, k)].sqrt());
             let missed = (measured - modelled[k]).abs();
+            if missed <= MISSED * measured.abs() {
+                continue;
+            }
             if missed > CONTRADICTS * half {
                 return Err(Error::numeric(format!(
                     "group \"{group}\": \"{}\" was measured to be {measured:.5e} +- {half:.1e} (in {}), and no parameters within their \
@@ -322,12 +335,10 @@ impl Search<'_> {
                     modelled[k]
                 )));
             }
-            if missed > MISSED * measured.abs() {
-                notes.push(format!(
-                    "\"{}\" was measured to be {measured:.5e} +- {half:.1e}, the model gives {:.5e}: {why}",
-                    read.name, modelled[k]
-                ));
-            }
+            notes.push(format!(
+                "\"{}\" was measured to be {measured:.5e} +- {half:.1e}, the model gives {:.5e}: {why}",
+                read.name, modelled[k]
+            ));
         }
         Ok(notes)
     }
@@ -352,7 +363,8 @@ impl Search<'_> {
             how.offsets.iter().filter_map(|(name, size)| Some((signals.input(name)?, *size))).collect();
         let model = self.model(plan)?;
         let numbers = model.model_values(&model.sought_values(&self.numbers)?)?;
-        let scatter = self.scatter(&model, reads, &numbers)?;
+        let mut asked = BTreeMap::new();
+        let scatter = self.scatter(&model, reads, &numbers, &mut asked)?;
         let sizes = scatter.sizes(false);
         let (mut rows, mut rest): (Vec<Vec<f64>>, Vec<f64>) = (Vec::new(), Vec::new());
         let mut offsets = self.offsets.clone();
@@ -361,7 +373,8 @@ impl Search<'_> {
             if !seen.insert(read.members.clone()) {
                 continue;
             }
-            let (measured, simulated) = (self.evidence.points(read), self.simulated(&model, read, &numbers)?);
+            let measured = self.evidence.points(read);
+            let simulated = self.simulated_once(&model, read, &numbers, &mut asked)?;
             match &read.estimate {
                 Estimate::FromTouch { over, .. } if looked.iter().any(|(input, _)| input == over) => {
                     offsets[*over] += read.estimate.touch(&measured) - read.estimate.touch(&simulated);
@@ -412,8 +425,9 @@ impl Search<'_> {
         let numbers = model.model_values(&at)?;
         let ranges: Vec<f64> = model.bounds().iter().map(|[low, high]| high - low).collect();
         let jacobian = self.jacobian(&model, &reads, &at)?;
-        let scatter = self.scatter(&model, &reads, &numbers)?;
-        let covariance = self.covariance(&model, &reads, &numbers, &scatter)?;
+        let mut asked = BTreeMap::new();
+        let scatter = self.scatter(&model, &reads, &numbers, &mut asked)?;
+        let covariance = self.covariance(&model, &reads, &numbers, &scatter, &mut asked)?;
         Ok(Known { jacobian, covariance, at, ranges, side: side(scatter.freedom()) })
     }
 }

@@ -40,6 +40,7 @@ impl Search<'_> {
         let values = whole.model_values(&sought)?;
         let covariance = self.covariance_of_sought(&whole, &sought, reduced, known, within)?;
         let is_held = held(plan, reduced);
+        let held_names = whole.held_names(|name| reduced.drops(name))?;
         let slopes = slopes(&whole, &sought)?;
         let mut all = Vec::new();
         for (name, group) in whole.given()? {
@@ -54,7 +55,8 @@ impl Search<'_> {
             all.push(Given {
                 value: values.get(&name).copied().unwrap_or(f64::NAN),
                 deviation: (&covariance * &by).dot(&by).max(0.0).sqrt(),
-                by_held: largest.filter(|_| up_to_held > HELD * shares.iter().sum::<f64>()),
+                by_held: largest
+                    .filter(|_| held_names.contains(&name) || up_to_held > HELD * shares.iter().sum::<f64>()),
                 name,
                 group,
             });
