@@ -104,7 +104,6 @@ impl Search<'_> {
     pub fn answer(&self, plan: &Plan, reduced: &Reduced, known: &Known, within: &Numbers) -> Result<Answer> {
         let names: Vec<&String> = plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name).collect();
         let misfits = self.misfits(plan, reduced, known, within)?;
-        eprintln!("misfits {}", self.stand.starts());
         let contradicted = |group: &String| misfits.iter().find(|m| m.groups.contains(group));
         let parameters = self.given(plan, reduced, known, within)?.into_iter().map(|given| {
             let held = given.by_held.and_then(|k| reduced.dropped.iter().find(|(name, _)| name == names[k]));
@@ -133,7 +132,6 @@ impl Search<'_> {
             }
         });
         let parameters = parameters.collect();
-        eprintln!("given {}", self.stand.starts());
         let model = self.model(&reduced.plan)?;
         let numbers = model.model_values(&model.sought_values(&self.numbers)?)?;
         let reads = self.reads(&reduced.plan)?;
@@ -166,7 +164,6 @@ impl Search<'_> {
                 ));
             }
         }
-        eprintln!("rest {}", self.stand.starts());
         Ok(Answer {
             parameters,
             values: self.changed()?,

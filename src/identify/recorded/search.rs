@@ -87,7 +87,6 @@ pub fn identify(
     reduced.drop_open(&search.known(&reduced.plan)?);
     let mut is_reopened = false;
     let known = loop {
-        eprintln!("loop {}", stand.starts());
         reduced.has_something()?;
         let refused = search.solve(&reduced.plan)?;
         if let Some((target, why)) = search.begins_in_contact(plan, &reduced.plan)? {
@@ -95,9 +94,7 @@ pub fn identify(
             reduced.without_group_of(target, &why);
             continue;
         }
-        eprintln!("solved {}", stand.starts());
         let known = search.known(&reduced.plan)?;
-        eprintln!("known {}", stand.starts());
         if reduced.drop_open(&known) {
             continue;
         }
@@ -114,7 +111,6 @@ pub fn identify(
         search.notes.extend(notes);
         break known;
     };
-    eprintln!("end {}", stand.starts());
     search.numbers = whole.with_what_is_held(&search.numbers, |name| reduced.drops(name))?;
     search.answer(plan, &reduced, &known, &beforehand.within)
 }
@@ -224,15 +220,12 @@ impl Search<'_> {
         let (mut left, mut refused) = (f64::INFINITY, None);
         let mut jacobian: Option<DMatrix<f64>> = None;
         for _ in 0..ROUNDS {
-            eprintln!(" round {} left {left:.1e}", self.stand.starts());
             let offsets = self.find_offsets(plan, &reads)?;
-            eprintln!("  offsets {}", self.stand.starts());
             let model = self.model(plan)?;
             let at = model.sought_values(&self.numbers)?;
             let numbers = model.model_values(&at)?;
             let modelled = self.modelled(&model, &reads, &numbers)?;
             let bounds = model.bounds();
-            eprintln!("  modelled {}", self.stand.starts());
             let next: Vec<f64> = if left <= NEAR && refused.is_none() {
                 let known = match jacobian.take() {
                     Some(jacobian) => jacobian,
