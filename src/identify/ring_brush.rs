@@ -54,6 +54,7 @@ fn value(numbers: &Numbers, name: &str) -> f64 {
 /// Cross-section radius, and shear stiffness times squared length factor: what straight rolling tells (group 2).
 const SHEAR: Transform = Transform {
     name: "shear stiffness times squared length factor",
+    size: 2,
     to_model: |sought, known| {
         let factor = value(known, "stripe_length_factor");
         vec![("cross_section_radius", sought[0]), ("bristle_stiffness", sought[1] / (factor * factor))]
@@ -67,6 +68,7 @@ const SHEAR: Transform = Transform {
 /// The length factor, with shear stiffness times its square as it was (group 4).
 const LENGTH_FACTOR: Transform = Transform {
     name: "length factor of a known shear stiffness",
+    size: 1,
     to_model: |sought, known| {
         let ratio = value(known, "stripe_length_factor") / sought[0];
         let stiffness = value(known, "bristle_stiffness") * ratio * ratio;
@@ -80,6 +82,7 @@ const LENGTH_FACTOR: Transform = Transform {
 /// sticks is not known yet; nothing does.
 const SLIDING_FRICTION: Transform = Transform {
     name: "sliding friction",
+    size: 2,
     to_model: |sought, known| {
         let [least, most] = falls(sought[0], known);
         let reference = sought[0] - (least + sought[1] * (most - least));
@@ -119,6 +122,7 @@ const HIGHEST: f64 = 5.23e5;
 /// rise as a force with it (4.103), (4.104).
 const STATIC_FRICTION: Transform = Transform {
     name: "static friction in the unit square",
+    size: 3,
     to_model: |sought, known| {
         let square = Square::of(known);
         let at_zero = square.at_zero(sought[1]);
@@ -176,6 +180,8 @@ impl Square {
 /// Two springs in series, one of them progressive, from two forces and the slope at touch (4.53), (4.55), (4.58).
 const SPRINGS: Inversion = Inversion {
     name: "springs in series",
+    size: Some(3),
+    held: &["deflection"],
     invert: |targets, held, _| {
         let [first, second] = [0, 1].map(|k| value(&held[k], "deflection"));
         let (z1, z2, both) = (targets[0], targets[1], 1.0 / targets[2]);
@@ -202,4 +208,5 @@ const SPRINGS: Inversion = Inversion {
 };
 
 /// The target is the parameter (4.87).
-const IDENTITY: Inversion = Inversion { name: "identity", invert: |targets, _, _| Ok(targets.to_vec()) };
+const IDENTITY: Inversion =
+    Inversion { name: "identity", size: None, held: &[], invert: |targets, _, _| Ok(targets.to_vec()) };
