@@ -1,16 +1,17 @@
 //! `latsch plan`: what a plan of a sequential identification relies on.
 
 use super::rig_program::plan_text;
-use super::{Format, print, print_json};
+use super::{Format, check_outputs, print, print_json};
 use latsch::fmi::Entry;
 use latsch::fmi::import::ImportedFmu;
 use latsch::identify::check::{Sampling, check};
 use latsch::identify::{Numbers, Plan, Readings, Stand, number, ring_brush};
 use latsch::model::{Settings, Slave};
 use latsch::recording::read_settings;
+use latsch::report::{plan_report, write_html};
 use latsch::shipped::MODELS;
 use latsch::{Error, Result};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Check a plan of a sequential identification
@@ -51,6 +52,9 @@ struct Check {
     /// Of the random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Page to write: the influence matrix as a picture, what each group's tests say and how much that is, and which targets could come next
+    #[arg(long, value_name = "F.html")]
+    report: Option<PathBuf>,
     /// How to print
     #[arg(long, value_enum, default_value = "text")]
     format: Format,
@@ -58,6 +62,10 @@ struct Check {
 
 pub fn run(args: &Args) -> Result<ExitCode> {
     let Command::Check(args) = &args.command;
+    let read: Vec<&Path> =
+        [&args.model, &args.parameters].into_iter().flatten().map(PathBuf::as_path).collect();
+    let read = [read, vec![Path::new(&args.plan)]].concat();
+    check_outputs(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &read)?;
     let text = plan_text(&args.plan)?;
     let plan = Plan::read(&text).map_err(|e| e.at(&args.plan))?;
     let slave: Box<dyn Slave> = match &args.model {
@@ -72,6 +80,9 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let Check { constants, draws, seed, tolerance, .. } = *args;
     let sampling = Sampling { constants, draws, seed, tolerance };
     let report = check(&readings, &sampling)?;
+    if let Some(file) = &args.report {
+        write_html(file, &plan_report(&report))?;
+    }
     if args.format == Format::Json {
         print_json(&serde_json::to_value(&report).map_err(|e| Error::file(e.to_string()))?)?;
     } else {
