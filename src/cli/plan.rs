@@ -1,11 +1,12 @@
 //! `latsch plan`: what a plan of a sequential identification relies on.
 
 use super::planned::{numbers, plan, slave};
-use super::{Format, print, print_json};
+use super::{Format, check_outputs, print, print_json};
 use latsch::identify::check::{Sampling, check};
 use latsch::identify::{Readings, Stand, ring_brush};
+use latsch::report::{plan_report, write_html};
 use latsch::{Error, Result};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Check a plan of a sequential identification
@@ -46,6 +47,9 @@ struct Check {
     /// Of the random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Page to write: the influence matrix as a picture, what each group's tests say and how much that is, and which targets could come next
+    #[arg(long, value_name = "F.html")]
+    report: Option<PathBuf>,
     /// How to print
     #[arg(long, value_enum, default_value = "text")]
     format: Format,
@@ -53,6 +57,10 @@ struct Check {
 
 pub fn run(args: &Args) -> Result<ExitCode> {
     let Command::Check(args) = &args.command;
+    let read: Vec<&Path> =
+        [&args.model, &args.parameters].into_iter().flatten().map(PathBuf::as_path).collect();
+    let read = [read, vec![Path::new(&args.plan)]].concat();
+    check_outputs(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &read)?;
     let plan = plan(&args.plan)?;
     let stand = Stand::new(slave(&plan, args.model.as_deref())?, &[]);
     let start = numbers(args.parameters.as_deref(), stand.interface())?;
@@ -60,6 +68,9 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let Check { constants, draws, seed, tolerance, .. } = *args;
     let sampling = Sampling { constants, draws, seed, tolerance };
     let report = check(&readings, &sampling)?;
+    if let Some(file) = &args.report {
+        write_html(file, &plan_report(&report))?;
+    }
     if args.format == Format::Json {
         print_json(&serde_json::to_value(&report).map_err(|e| Error::file(e.to_string()))?)?;
     } else {

@@ -1,6 +1,7 @@
 //! A plan: which parameters are found together, from which readings under which conditions. Data, as TOML.
 
 use super::programme::Programme;
+use crate::model::did_you_mean;
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -226,8 +227,9 @@ impl Plan {
         for group in &plan.groups {
             group.check(&plan).map_err(|e| e.at(format!("group \"{}\"", group.name)))?;
         }
+        plan.check_target_names()?;
         if let Some(recordings) = &plan.recordings {
-            plan.condition(&recordings.zero).map_err(|e| e.at("recordings"))?;
+            recordings.check(&plan).map_err(|e| e.at("recordings"))?;
         }
         different("parameter", plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name))?;
         Ok(plan)
@@ -238,10 +240,42 @@ impl Plan {
     /// # Errors
     /// There is none.
     pub fn condition(&self, name: &str) -> Result<&Condition> {
-        self.conditions
-            .iter()
-            .find(|c| c.name == name)
-            .ok_or_else(|| Error::file(format!("there is no condition \"{name}\"")))
+        self.conditions.iter().find(|c| c.name == name).ok_or_else(|| {
+            let hint = did_you_mean(name, self.conditions.iter().map(|c| c.name.as_str()));
+            Error::file(format!("there is no condition \"{name}\"{hint}"))
+        })
+    }
+
+    /// What was read is known by its target's name: two with one name would get one number.
+    fn check_target_names(&self) -> Result<()> {
+        let mut seen: BTreeMap<&str, &str> = BTreeMap::new();
+        for group in &self.groups {
+            for target in &group.targets {
+                if let Some(other) = seen.insert(&target.name, &group.name) {
+                    return Err(Error::file(format!(
+                        "target \"{}\" is there twice, in group \"{other}\" and in group \"{}\": each needs a name of its own",
+                        target.name, group.name
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Recordings {
+    /// Its condition is there, and its widths are numbers.
+    fn check(&self, plan: &Plan) -> Result<()> {
+        plan.condition(&self.zero).map_err(|e| e.at("zero"))?;
+        for (entry, widths) in [("offsets", &self.offsets), ("held_within", &self.held_within)] {
+            let wrong = widths.iter().find(|(_, width)| !(**width >= 0.0 && width.is_finite()));
+            if let Some((name, width)) = wrong {
+                return Err(Error::file(format!(
+                    "{entry}: {name} = {width}: a width of at least 0 is needed"
+                )));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -250,6 +284,13 @@ impl Condition {
     fn check(&self) -> Result<()> {
         finite(&self.hold)?;
         self.reach.iter().try_for_each(|r| range(&r.by, r.between))?;
+        if let [first, second, ..] = &self.reach.iter().filter(|r| r.first_of > 0).collect::<Vec<_>>()[..] {
+            return Err(Error::file(format!(
+                "the first place is asked for by {} and by {}: one of them can be meant, the other needs a place that is the only one (no first_of)",
+                first.by, second.by
+            )));
+        }
+        different("reach by", self.reach.iter().map(|r| &r.by))?;
         self.from_touch.iter().try_for_each(|t| range(&t.input, t.between))?;
         self.require.iter().try_for_each(|r| range(&r.output, r.between))?;
         self.recorded.iter().try_for_each(|(input, between)| range(input, *between))?;

@@ -1,10 +1,10 @@
 //! A plan on a stand: its targets as functions of what it looks for.
 
-use super::plan::{Condition, GroupPlan, Limit, Plan, Reach, Require, Target, Touch};
+use super::plan::{Condition, GroupPlan, Limit, Plan, Reach, Recordings, Require, Target, Touch};
 use super::registry::{Functional, Inversion, Numbers, Registry, Transform};
 use super::solve::{Goal, Group, Nesting, Next, Part, Sequence, Tail, Targets, Unsolved, Way, sequence};
 use super::stand::{Stand, number};
-use crate::model::Causality;
+use crate::model::{Causality, did_you_mean};
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector};
 use std::cell::RefCell;
@@ -19,6 +19,29 @@ const REACHED: f64 = 1e-11;
 enum Reading {
     Output(usize),
     Functional { functional: Functional, outputs: Vec<usize>, inputs: Vec<usize> },
+}
+
+/// What a plan calls by name, of all that is registered.
+fn registered<'r, T>(
+    what: &str,
+    name: Option<&str>,
+    all: &'r [T],
+    name_of: fn(&T) -> &'static str,
+) -> Result<Option<&'r T>> {
+    let Some(name) = name else { return Ok(None) };
+    let found = all.iter().find(|entry| name_of(entry) == name);
+    found.map(Some).ok_or_else(|| {
+        let hint = did_you_mean(name, all.iter().map(name_of));
+        Error::file(format!("there is no {what} \"{name}\"{hint}"))
+    })
+}
+
+fn after_ramp(read: &str) -> Error {
+    Error::file(format!("\"{read}\" cannot be read after a ramp: outputs can"))
+}
+
+fn no_slope(read: &str) -> Error {
+    Error::file(format!("\"{read}\" has no slope: outputs have"))
 }
 
 /// A plan with a stand on which its conditions are met.
@@ -65,58 +88,166 @@ impl<'a> Readings<'a> {
         self.plan
     }
 
-    /// All that the plan names is there.
+    /// The name of the model on the stand.
+    pub fn model(&self) -> &str {
+        &self.stand.interface().name
+    }
+
+    /// All that the plan names is there, and is what the plan takes it for.
     fn check(&self) -> Result<()> {
-        let settable = |name: &String| self.stand.settable(name).map(|_| ());
-        self.plan.set.keys().try_for_each(settable)?;
+        self.plan.set.keys().try_for_each(|name| self.settable(name))?;
         for condition in &self.plan.conditions {
-            let place = |e: Error| e.at(format!("condition \"{}\"", condition.name));
-            let reached = condition.reach.iter().map(|r| &r.by);
-            let inputs = condition.hold.keys().chain(reached).chain(condition.ramp.iter().map(|r| &r.input));
-            inputs.cloned().try_for_each(|name| settable(&name)).map_err(place)?;
-            for reach in &condition.reach {
-                self.reading(&reach.read).map_err(place)?;
-            }
-            for required in &condition.require {
-                self.stand.interface().find(&required.output).map_err(place)?;
-            }
+            self.check_condition(condition).map_err(|e| e.at(format!("condition \"{}\"", condition.name)))?;
         }
         for group in &self.plan.groups {
-            let place = |e: Error| e.at(format!("group \"{}\"", group.name));
-            for target in &group.targets {
-                self.reading(&target.read).map_err(place)?;
+            self.check_group(group).map_err(|e| e.at(format!("group \"{}\"", group.name)))?;
+        }
+        self.plan.recordings.iter().try_for_each(|r| self.check_recordings(r).map_err(|e| e.at("recordings")))
+    }
+
+    fn settable(&self, name: &str) -> Result<()> {
+        self.stand.settable(name).map(|_| ())
+    }
+
+    fn check_condition(&self, condition: &Condition) -> Result<()> {
+        let reached = condition.reach.iter().map(|r| &r.by);
+        let inputs = condition.hold.keys().chain(reached).chain(condition.ramp.iter().map(|r| &r.input));
+        inputs.chain(condition.recorded.keys()).try_for_each(|name| self.settable(name))?;
+        for reach in &condition.reach {
+            let reading = self.reading(&reach.read)?;
+            // the search for all at once follows derivatives, which a functional does not have
+            if let (Reading::Functional { .. }, 0) = (reading, reach.first_of) {
+                return Err(Error::file(format!(
+                    "\"{}\" is no output, and is brought about by {} only where the number of intervals to look in is said: first_of",
+                    reach.read, reach.by
+                )));
             }
-            self.transform(group).map_err(place)?;
-            self.inversion(group).map_err(place)?;
-            if group.transform.is_none() {
-                for sought in &group.parameters {
-                    settable(&sought.name).map_err(place)?;
+        }
+        if let Some(touch) = &condition.from_touch {
+            self.settable(&touch.input)?;
+            self.stand.interface().find(&touch.output)?;
+        }
+        condition.require.iter().try_for_each(|r| self.stand.interface().find(&r.output).map(|_| ()))
+    }
+
+    fn check_group(&self, group: &GroupPlan) -> Result<()> {
+        for target in &group.targets {
+            self.check_target(target).map_err(|e| e.at(format!("target \"{}\"", target.name)))?;
+        }
+        if let Some(inversion) = self.inversion(group)? {
+            let size = group.targets.len();
+            if let Some(needed) = inversion.size.filter(|needed| *needed != size) {
+                return Err(Error::file(format!(
+                    "inversion \"{}\" takes {needed} targets and gives as many parameters: there are {size}",
+                    inversion.name
+                )));
+            }
+            for target in &group.targets {
+                let hold = &self.plan.condition(&target.condition)?.hold;
+                if let Some(input) = inversion.held.iter().find(|input| !hold.contains_key(**input)) {
+                    return Err(Error::file(format!(
+                        "inversion \"{}\" needs {input} held, and condition \"{}\" does not",
+                        inversion.name, target.condition
+                    )));
                 }
+            }
+        }
+        let Some(transform) = self.transform(group)? else {
+            return group.parameters.iter().try_for_each(|sought| self.settable(&sought.name));
+        };
+        let (sought, fixed, size) = (group.parameters.len(), group.fixed.len(), transform.size);
+        if sought + fixed != size {
+            return Err(Error::file(format!(
+                "transform \"{}\" takes {size} values: there are {sought} parameters and {fixed} fixed ones",
+                transform.name
+            )));
+        }
+        if let Some(place) = group.fixed.keys().find(|place| **place >= size) {
+            return Err(Error::file(format!(
+                "fixed: transform \"{}\" has no place {place}; its {size} are counted from 0",
+                transform.name
+            )));
+        }
+        let changed = (transform.to_model)(&(transform.from_model)(&self.base), &self.base);
+        changed.iter().try_for_each(|(name, _)| self.settable(name))
+    }
+
+    /// A slope or a ramp is that of an output.
+    fn check_target(&self, target: &Target) -> Result<()> {
+        let condition = self.plan.condition(&target.condition)?;
+        let is_functional = matches!(self.reading(&target.read)?, Reading::Functional { .. });
+        if condition.ramp.is_some() && is_functional {
+            return Err(after_ramp(&target.read));
+        }
+        let Some(along) = &target.along else { return Ok(()) };
+        self.settable(along)?;
+        if is_functional {
+            return Err(no_slope(&target.read));
+        }
+        for reach in &condition.reach {
+            if let Reading::Functional { .. } = self.reading(&reach.read)? {
+                return Err(Error::file(format!(
+                    "no slope can be taken with \"{}\" kept: outputs can be kept",
+                    reach.read
+                )));
             }
         }
         Ok(())
     }
 
-    fn reading(&self, name: &str) -> Result<Reading> {
-        let Some(functional) = self.registry.functionals.iter().find(|f| f.name == name) else {
-            return Ok(Reading::Output(self.stand.interface().find(name)?));
+    /// What is held and may be off is an input, what measures one an output.
+    fn check_recordings(&self, recordings: &Recordings) -> Result<()> {
+        let interface = self.stand.interface();
+        let is = |entry: &str, name: &str, wanted: Causality, what: &str| -> Result<()> {
+            let found = &interface.variables[interface.find(name).map_err(|e| e.at(entry))?];
+            if found.causality == wanted {
+                return Ok(());
+            }
+            let others = interface.with(wanted).map(|v| interface.variables[v].name.as_str());
+            let hint = did_you_mean(name, others);
+            Err(Error::variable(format!("{name} of {} is no {what}{hint}", interface.name)).at(entry))
         };
-        let find =
-            |names: &[&str]| names.iter().map(|n| self.stand.interface().find(n)).collect::<Result<_>>();
+        let inputs = |entry, names: &BTreeMap<String, f64>| {
+            names.keys().try_for_each(|name| is(entry, name, Causality::Input, "input"))
+        };
+        inputs("offsets", &recordings.offsets)?;
+        inputs("held_within", &recordings.held_within)?;
+        for (input, output) in &recordings.measured_by {
+            is("measured_by", input, Causality::Input, "input")?;
+            is("measured_by", output, Causality::Output, "output")?;
+        }
+        Ok(())
+    }
+
+    fn reading(&self, name: &str) -> Result<Reading> {
+        let interface = self.stand.interface();
+        let functionals = self.registry.functionals;
+        let Some(functional) = functionals.iter().find(|f| f.name == name) else {
+            return match interface.index(name) {
+                Some(output) => Ok(Reading::Output(output)),
+                None => {
+                    let variables = interface.variables.iter().map(|v| v.name.as_str());
+                    let hint = did_you_mean(name, variables.chain(functionals.iter().map(|f| f.name)));
+                    Err(Error::variable(format!(
+                        "{} has nothing to read of the name {name:?}{hint}",
+                        interface.name
+                    )))
+                }
+            };
+        };
+        let find = |names: &[&str]| names.iter().map(|n| interface.find(n)).collect::<Result<_>>();
         let (outputs, inputs) = (find(functional.outputs)?, find(functional.inputs)?);
         Ok(Reading::Functional { functional: *functional, outputs, inputs })
     }
 
     fn transform(&self, group: &GroupPlan) -> Result<Option<&Transform>> {
-        let Some(name) = &group.transform else { return Ok(None) };
-        let found = self.registry.transforms.iter().find(|t| t.name == name);
-        found.map(Some).ok_or_else(|| Error::file(format!("there is no transform \"{name}\"")))
+        let all = self.registry.transforms;
+        registered("transform", group.transform.as_deref(), all, |t| t.name)
     }
 
-    fn inversion(&self, group: &GroupPlan) -> Result<Option<&Inversion>> {
-        let Some(name) = &group.inversion else { return Ok(None) };
-        let found = self.registry.inversions.iter().find(|t| t.name == name);
-        found.map(Some).ok_or_else(|| Error::file(format!("there is no inversion \"{name}\"")))
+    pub(super) fn inversion(&self, group: &GroupPlan) -> Result<Option<&Inversion>> {
+        let all = self.registry.inversions;
+        registered("inversion", group.inversion.as_deref(), all, |i| i.name)
     }
 
     /// The model's parameters for values of what is looked for; those of groups that are not among them keep what they have.
@@ -241,13 +372,7 @@ impl<'a> Readings<'a> {
             .map(|group| {
                 let inversion = self.inversion(group)?;
                 Ok(inversion.map(|inversion| {
-                    move |values: &[f64], known: &[f64]| {
-                        let mut held = Vec::new();
-                        for target in &group.targets {
-                            held.push(self.plan.condition(&target.condition)?.hold.clone());
-                        }
-                        (inversion.invert)(values, &held, &self.model_values(known)?)
-                    }
+                    move |values: &[f64], known: &[f64]| self.invert(inversion, group, values, known)
                 }))
             })
             .collect::<Result<_>>()?;
@@ -257,19 +382,26 @@ impl<'a> Readings<'a> {
             let way = match direct {
                 Some(direct) => Way::Direct(direct),
                 None => {
-                    let mut nesting = Nesting::plain(size);
-                    let mut tail = None;
-                    if let Some(signs) = &group.nesting {
-                        nesting.rises.clone_from(&signs.rises);
-                        nesting.falls.clone_from(&signs.falls);
-                        tail = signs.tail.map(|sign| Tail { sign });
-                    }
+                    let (nesting, tail) = group.search();
                     Way::Nested { nesting, tail }
                 }
             };
             groups.push(Group { size, way });
         }
         sequence(self, goal, &groups, &start, false)
+    }
+
+    /// A group's parameters in closed form, from the values of its targets and of all parameters before it.
+    pub(super) fn invert(
+        &self,
+        inversion: &Inversion,
+        group: &GroupPlan,
+        values: &[f64],
+        known: &[f64],
+    ) -> std::result::Result<Vec<f64>, Unsolved> {
+        let held = |target: &Target| Ok(self.plan.condition(&target.condition)?.hold.clone());
+        let held: Vec<Numbers> = group.targets.iter().map(held).collect::<Result<_>>()?;
+        (inversion.invert)(values, &held, &self.model_values(known)?)
     }
 
     /// Why a group was not solved, with the plan's names.
@@ -340,10 +472,7 @@ impl<'a> Readings<'a> {
         let reading = self.reading(&target.read)?;
         if let Some(ramp) = &condition.ramp {
             let Reading::Output(output) = reading else {
-                return Err(Error::file(format!(
-                    "\"{}\" cannot be read after a ramp: outputs can",
-                    target.read
-                )));
+                return Err(after_ramp(&target.read));
             };
             let input = self.stand.settable(&ramp.input)?;
             let steps = (ramp.time / ramp.step).round().max(1.0) as usize;
@@ -354,11 +483,22 @@ impl<'a> Readings<'a> {
             None => setup.read(&reading),
             Some(along) => {
                 let Reading::Output(output) = reading else {
-                    return Err(Error::file(format!("\"{}\" has no slope: outputs have", target.read)));
+                    return Err(no_slope(&target.read));
                 };
                 setup.slope(output, self.stand.settable(along)?, &condition.reach)
             }
         }
+    }
+}
+
+impl GroupPlan {
+    /// Order and signs in which the plan says that its targets respond; the plain ones where it says nothing.
+    pub(super) fn search(&self) -> (Nesting, Option<Tail>) {
+        let mut nesting = Nesting::plain(self.parameters.len());
+        let Some(signs) = &self.nesting else { return (nesting, None) };
+        nesting.rises.clone_from(&signs.rises);
+        nesting.falls.clone_from(&signs.falls);
+        (nesting, signs.tail.map(|sign| Tail { sign }))
     }
 }
 

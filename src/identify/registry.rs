@@ -27,6 +27,8 @@ pub type Changed = Vec<(&'static str, f64)>;
 pub struct Transform {
     /// Its name.
     pub name: &'static str,
+    /// How many values it takes: those that a group looks for, and those that it fixes.
+    pub size: usize,
     /// The model's parameters from the values that are looked for and from all parameters as they are known.
     pub to_model: fn(&[f64], &Numbers) -> Changed,
     /// Those of them that it gives a value only until a later group does.
@@ -44,6 +46,10 @@ pub type Invert = fn(&[f64], &[Numbers], &Numbers) -> Result<Vec<f64>, Unsolved>
 pub struct Inversion {
     /// Its name.
     pub name: &'static str,
+    /// How many targets it takes, and parameters it gives; any number, if it does not say.
+    pub size: Option<usize>,
+    /// Inputs that the conditions of all its targets have to hold.
+    pub held: &'static [&'static str],
     /// The parameters.
     pub invert: Invert,
 }

@@ -55,6 +55,7 @@ fn value(numbers: &Numbers, name: &str) -> f64 {
 const SHEAR: Transform = Transform {
     name: "shear stiffness times squared length factor",
     assumes: &[],
+    size: 2,
     to_model: |sought, known| {
         let factor = value(known, "stripe_length_factor");
         vec![("cross_section_radius", sought[0]), ("bristle_stiffness", sought[1] / (factor * factor))]
@@ -69,6 +70,7 @@ const SHEAR: Transform = Transform {
 const LENGTH_FACTOR: Transform = Transform {
     name: "length factor of a known shear stiffness",
     assumes: &[],
+    size: 1,
     to_model: |sought, known| {
         let ratio = value(known, "stripe_length_factor") / sought[0];
         let stiffness = value(known, "bristle_stiffness") * ratio * ratio;
@@ -83,6 +85,7 @@ const LENGTH_FACTOR: Transform = Transform {
 const SLIDING_FRICTION: Transform = Transform {
     name: "sliding friction",
     assumes: &["friction_static_zero", "friction_static_reference"],
+    size: 2,
     to_model: |sought, known| {
         let [least, most] = falls(sought[0], known);
         let reference = sought[0] - (least + sought[1] * (most - least));
@@ -123,6 +126,7 @@ const HIGHEST: f64 = 5.23e5;
 const STATIC_FRICTION: Transform = Transform {
     name: "static friction in the unit square",
     assumes: &[],
+    size: 3,
     to_model: |sought, known| {
         let square = Square::of(known);
         let at_zero = square.at_zero(sought[1]);
@@ -180,6 +184,8 @@ impl Square {
 /// Two springs in series, one of them progressive, from two forces and the slope at touch (4.53), (4.55), (4.58).
 const SPRINGS: Inversion = Inversion {
     name: "springs in series",
+    size: Some(3),
+    held: &["deflection"],
     invert: |targets, held, _| {
         let [first, second] = [0, 1].map(|k| value(&held[k], "deflection"));
         let (z1, z2, both) = (targets[0], targets[1], 1.0 / targets[2]);
@@ -206,4 +212,5 @@ const SPRINGS: Inversion = Inversion {
 };
 
 /// The target is the parameter (4.87).
-const IDENTITY: Inversion = Inversion { name: "identity", invert: |targets, _, _| Ok(targets.to_vec()) };
+const IDENTITY: Inversion =
+    Inversion { name: "identity", size: None, held: &[], invert: |targets, _, _| Ok(targets.to_vec()) };

@@ -284,23 +284,7 @@ impl Interface {
     /// A hint `; did you mean ...?` for a name that is not there, or nothing.
     #[cfg(feature = "host")]
     fn similar(&self, name: &str) -> String {
-        // the comparison takes the product of both lengths; nobody mistypes a name as long as this
-        const LONGEST: usize = 200;
-        if name.len() > LONGEST {
-            return String::new();
-        }
-        let mut near: Vec<(f64, &str)> = self
-            .variables
-            .iter()
-            .filter(|v| v.name.len() <= LONGEST)
-            .map(|v| (strsim::jaro_winkler(name, &v.name), v.name.as_str()))
-            .filter(|(score, _)| *score > 0.8)
-            .collect();
-        near.sort_by(|a, b| b.0.total_cmp(&a.0));
-        match near.first() {
-            Some((_, best)) => format!("; did you mean {best:?}?"),
-            None => String::new(),
-        }
+        did_you_mean(name, self.variables.iter().map(|v| v.name.as_str()))
     }
 
     #[cfg(not(feature = "host"))]
@@ -325,4 +309,21 @@ impl Interface {
     pub fn with(&self, causality: Causality) -> impl Iterator<Item = usize> + '_ {
         self.variables.iter().enumerate().filter(move |(_, v)| v.causality == causality).map(|(i, _)| i)
     }
+}
+
+/// A hint `; did you mean ...?` with the most similar of the names that there are, or nothing.
+#[cfg(feature = "host")]
+pub(crate) fn did_you_mean<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
+    // the comparison takes the product of both lengths; nobody mistypes a name as long as this
+    const LONGEST: usize = 200;
+    if name.len() > LONGEST {
+        return String::new();
+    }
+    let near = names
+        .filter(|other| other.len() <= LONGEST)
+        .map(|other| (strsim::jaro_winkler(name, other), other))
+        .filter(|(score, _)| *score > 0.8)
+        // the first of equals
+        .reduce(|best, next| if next.0 > best.0 { next } else { best });
+    near.map_or_else(String::new, |(_, best)| format!("; did you mean {best:?}?"))
 }

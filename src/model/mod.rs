@@ -16,6 +16,8 @@ pub mod unit;
 mod variable;
 
 pub use clock::{check_experiment, check_step};
+#[cfg(feature = "host")]
+pub(crate) use interface::did_you_mean;
 pub use interface::{Causality, Initial, Interface, Kind, Value, Variability, VariableInfo};
 pub use join::{Joined, join};
 pub use meaning::{Meaning, Purpose, Role};

@@ -2,13 +2,15 @@
 //!
 //! A [`Page`] has sections, a section has parts: text, [`Table`], [`Plot`], [`patch_frames`].
 //! [`simulation_report`] makes the page of a run, [`diagnosis_report`] that of a
-//! diagnosis, [`identification_report`] that of an identification. Whoever makes a page of
+//! diagnosis, [`identification_report`] that of an identification, [`plan_report`] that of a plan's check. Whoever makes a page of
 //! their own with drawings of patches has their scales in [`Picture`].
 
 mod diagnosis;
 mod heat;
 mod identification;
+mod influence;
 mod patch;
+mod plan;
 mod plot;
 mod simulation;
 
@@ -17,6 +19,7 @@ pub use diagnosis::{CheckRun, diagnosis_report};
 pub use heat::{HeatCell, HeatMap};
 pub use identification::identification_report;
 pub use patch::{PULLING, PatchFrame, Picture, SLIDING, patch_caption, patch_frames, pressure_color};
+pub use plan::plan_report;
 pub use plot::{Axis, Plot, Size, Tone};
 pub use simulation::simulation_report;
 

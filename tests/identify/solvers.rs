@@ -3,8 +3,8 @@
 use crate::examples::*;
 use latsch::Result;
 use latsch::identify::solve::{
-    Goal, Group, Method, Nesting, Sequence, Side, Solution, Stall, Tail, Targets, Unsolved, Way, intervals,
-    local, nested, sequence,
+    Direct, Goal, Group, Method, Nesting, Sequence, Side, Solution, Stall, Tail, Targets, Unsolved, Way,
+    intervals, local, nested, sequence,
 };
 use latsch::stats::SplitMix64;
 use std::f64::consts::TAU;
@@ -326,6 +326,49 @@ fn a_sequence_of_groups_is_solved_by_what_each_allows() {
     assert!(residual > 0.0 && (found.residuals[2] - residual).abs() < 1e-9);
     assert!(found.residuals[0] < 1e-9 && found.residuals[3] < 1e-9, "{found:?}");
     assert_near(&found.parameters[..2], &p[..2], 1e-7);
+}
+
+/// What a closed form gives counts if it is within the bounds and meets the targets, and not before.
+#[test]
+fn a_closed_form_is_tested_like_any_other_answer() {
+    let square =
+        Example { bounds: vec![[0.5, 4.0]], values: |p| vec![p[0] * p[0]], slopes: |p| vec![2.0 * p[0]] };
+    let with = |goal: f64, direct: &Direct<'_>| {
+        let groups = [Group { size: 1, way: Way::Direct(direct) }];
+        sequence(&square, &Goal::new(&[goal]), &groups, &[1.0], false).unwrap()
+    };
+    let root = |goal: &[f64], _: &[f64]| Ok(vec![goal[0].sqrt()]);
+    let found = with(9.0, &root);
+    assert!(found.unsolved.is_empty() && found.parameters == [3.0], "{found:?}");
+    // beyond the bounds: the nearest within them goes on, and is said
+    let found = with(25.0, &root);
+    let [(0, Unsolved::OutOfReach { parameter: 0, side: Side::Above, residual, .. })] = found.unsolved[..]
+    else {
+        panic!("{found:?}")
+    };
+    assert!(found.parameters == [4.0] && (residual - 9.0 / 25.0).abs() < 1e-12, "{found:?}");
+    assert_eq!(found.residuals, [residual]);
+    // a form that is not quite right is corrected by what the targets say
+    let found = with(9.0, &|goal, _| Ok(vec![1.001 * goal[0].sqrt()]));
+    assert!(found.unsolved.is_empty(), "{found:?}");
+    assert_near(&found.parameters, &[3.0], 1e-8);
+    // within the bounds, and nothing meets the target
+    let found = with(-1.0, &|_, _| Ok(vec![2.0]));
+    let [(0, why @ Unsolved::Contradicted { residual, .. })] = &found.unsolved[..] else {
+        panic!("{found:?}")
+    };
+    assert!(found.parameters == [0.5] && (residual - 1.25).abs() < 1e-12, "{found:?}");
+    assert!(
+        why.to_string().contains("the closed form gives [2.0], which does not meet the targets"),
+        "{why}"
+    );
+    // no number, or not as many as parameters
+    for given in [vec![f64::NAN], vec![2.0, 3.0], Vec::new()] {
+        let found = with(9.0, &|_, _| Ok(given.clone()));
+        let [(0, Unsolved::Failed(why))] = &found.unsolved[..] else { panic!("{found:?}") };
+        assert!(why.to_string().contains("for 1 parameters"), "{why}");
+        assert_eq!(found.parameters, [1.0]);
+    }
 }
 
 /// Intervals of a linear map in closed form; where a target hardly reacts, there is none.

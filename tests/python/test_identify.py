@@ -46,6 +46,38 @@ def test_a_plan_is_checked_on_a_model_and_on_its_fmu(tmp_path):
     assert latsch("plan", "check", PLAN, "--model", fmu).stdout == latsch("plan", "check", PLAN).stdout
 
 
+@pytest.mark.quick
+def test_a_plan_has_a_page(tmp_path):
+    page = tmp_path / "plan.html"
+    done = latsch("plan", "check", PLAN, "--report", page)
+    assert done.returncode == 0, done.stderr
+    assert "Next group" in done.stdout and "group 2 -> PKX1: passes (evidence)" in done.stdout
+    html = page.read_text()
+    drawing = html.split("<svg", 1)[1].split("</svg>")[0]
+    # a frame for each group, and a cell for each influence: four of one, one of two, and what comes from groups before
+    assert drawing.count('stroke-width="2.2"/>') >= 5
+    for cell in ("slip stiffness at 4000 N [N] over PKX1", "force turned hard at 4000 N [N] over PKY2"):
+        assert f"<title>{cell}:" in drawing
+    assert "slip stiffness at 4000 N [N] over PDY1" not in drawing
+    for words in ("passes: evidence", "A counter-example is a proof", "Next group", "group 3", "margin"):
+        assert words in html
+    assert "http:" not in html.replace("http://www.w3.org/2000/svg", "")
+    # a page in place of the plan would be a loss
+    own = tmp_path / "own.toml"
+    own.write_text(PLAN.read_text())
+    done = latsch("plan", "check", own, "--report", own)
+    assert done.returncode == 2 and "would overwrite" in done.stderr and own.read_text() == PLAN.read_text()
+
+
+def test_a_refuted_plan_has_its_proof_on_the_page(tmp_path):
+    head, *groups = PLAN.read_text().split("[[group]]\n")
+    wrong, page = tmp_path / "wrong.toml", tmp_path / "wrong.html"
+    wrong.write_text("[[group]]\n".join([head, groups[0], groups[2], groups[1], *groups[3:]]))
+    assert latsch("plan", "check", wrong, "--report", page).returncode == 1
+    html = page.read_text()
+    assert "refuted: proof" in html and "differ in later parameters only. Proof:" in html and 'class="number differs"' in html
+
+
 def test_a_plan_in_the_wrong_order_is_refuted(tmp_path):
     # the peak before the slip stiffness, on which the force there depends
     head, *groups = PLAN.read_text().split("[[group]]\n")
@@ -71,14 +103,16 @@ def test_one_answer_is_refuted_by_two_points(tmp_path):
     [
         ('read = "force_x"', 'read = "force_q"', ["group", "force_q", "did you mean"]),
         ('condition = "pressed in by 20 mm"', 'condition = "pressed"', ["vertical force at 20 mm", 'no condition "pressed"']),
-        ('{ name = "PKX1", bounds = [5.0, 50.0] }', "", ["1 targets for 0 parameters"]),
+        ('{ name = "PKX1", bounds = [15.0, 50.0] }', "", ["1 targets for 0 parameters"]),
         ('name = "PKX1", bounds', 'name = "PKX1", limits', ["limits", "line"]),
         ('by = "deflection"', 'by = "force_y"', ["force_y", "no parameter and no input"]),
-        ("bounds = [5.0, 50.0]", "bounds = [50.0, 5.0]", ["50", "no range"]),
-        ("bounds = [5.0, 50.0]", "bounds = [5.0, nan]", ["PKX1", "no range"]),
+        ("bounds = [15.0, 50.0]", "bounds = [50.0, 15.0]", ["50", "no range"]),
+        ("bounds = [15.0, 50.0]", "bounds = [15.0, nan]", ["PKX1", "no range"]),
         ("falls = [[0, -1], [0, 0]]", "falls = [[0, 2], [0, 0]]", ["nesting", "above the diagonal"]),
         ("rises = [1, -1]", "rises = [1]", ["nesting", "2 signs in rises"]),
         ('name = "PKX1"', 'name = "PDX1"', ["PDX1", "twice"]),
+        ("[N/rad]\"\ncondition = \"rolling straight at 2000 N\"", "[N/rad]\"\ncondition = \"rolling straight at 200 N\"", ["did you mean", "2000 N"]),
+        ("cornering stiffness at 2000 N [N/rad]", "force turned hard at 4000 N [N]", ["twice", '"cornering stiffness and its load"', '"lateral peak"']),
         ("value = 2000.0", "value = 2e6", ["not reached", "force_z", "by deflection"]),
     ],
 )

@@ -57,9 +57,12 @@ pub fn depends(sampled: &Sampled<'_>, rows: &[usize], on: &[usize]) -> Search {
 }
 
 /// The influence matrix (3.21): by how much of its range each target (row) changes with each parameter (column) alone, at most;
-/// 0 where that is within the tolerance.
+/// 0 where that is within the tolerance, and no number where there were no two points to compare.
 pub fn influence(sampled: &Sampled<'_>) -> DMatrix<f64> {
     let (rows, columns) = (sampled.sizes.len(), sampled.targets.bounds().len());
-    let change = |row, k| depends(sampled, &[row], &[k]).dependence.map_or(0.0, |d| d.change);
+    let change = |row, k| match depends(sampled, &[row], &[k]) {
+        Search { compared: 0, .. } => f64::NAN,
+        Search { dependence, .. } => dependence.map_or(0.0, |d| d.change),
+    };
     DMatrix::from_fn(rows, columns, change)
 }

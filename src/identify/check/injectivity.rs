@@ -12,13 +12,18 @@ use serde::Serialize;
 const APART: f64 = 0.02;
 /// Targets that agree to this share of their ranges are the same.
 const SAME: f64 = 1e-9;
+/// Pieces of the range of a single parameter in which its target is looked at for a turn.
+const PIECES: usize = 32;
 /// Rounds of looking for the point that violates a half-space most, and adding it.
 const CUTS: usize = 3;
 /// More parameters have too many orthants to try all.
 const MOST: usize = 12;
 
+/// A margin below this is what rounding leaves of none.
+const ROUNDING: f64 = 1e-9;
+
 /// What became of an orthant: the largest number by which all directions of parameters in it move the targets into one
-/// half-space, with all of unit length. Negative or 0: they do not.
+/// half-space, with all of unit length. 0: they do not.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Orthant {
     /// A sign for each parameter; the opposite orthant is the same.
@@ -73,7 +78,9 @@ pub fn injective(sampled: &Sampled<'_>, rows: &[usize], parameters: &[usize]) ->
     let mut points = 0;
     for base in &sampled.bases {
         let part = Part::new(targets, rows.to_vec(), parameters.to_vec(), base);
-        if let Some(points) = collision(&part, &sizes, sampling.draws, &mut random) {
+        let turned = if m == 1 { turn(&part, sizes[0], sampling.tolerance) } else { None };
+        let found = turned.or_else(|| collision(&part, &sizes, sampling.draws, &mut random));
+        if let Some(points) = found {
             return Ok(Injectivity::Refuted { points: points.map(|p| part.whole(&p)) });
         }
         let own: Vec<f64> = parameters.iter().map(|k| base[*k]).collect();
@@ -112,6 +119,39 @@ fn collision(
         let problem = Problem::new(part, &goal).ok()?;
         let found = nearest(&problem, &start).ok()?;
         (found.excess.amax() <= SAME && apart(&a, &found.at) > APART).then_some([a, found.at])
+    })
+}
+
+/// Two values of a single parameter that give the same target, on both sides of where it turns: a target that does not go one way
+/// has them. A change by less than the share `least` of its size is no turn.
+fn turn(part: &Part<'_>, size: f64, least: f64) -> Option<[Vec<f64>; 2]> {
+    let [low, high] = part.bounds()[0];
+    let place = |k: usize| low + (high - low) * k as f64 / PIECES as f64;
+    let value = |x: f64| part.at(&[x]).ok()?.first().copied().filter(|v| v.is_finite());
+    let values: Vec<Option<f64>> = (0..=PIECES).map(|k| value(place(k))).collect();
+    let ends = |k: usize| Some([values[k]?.min(values[k + 1]?), values[k]?.max(values[k + 1]?)]);
+    // where a piece has the value, which it has at its ends on both sides of it
+    let meets = |k: usize, goal: f64| -> Option<(f64, f64)> {
+        let (mut from, mut to) = (place(k), place(k + 1));
+        let is_below = values[k]? < goal;
+        for _ in 0..60 {
+            let middle = 0.5 * (from + to);
+            if (value(middle)? < goal) == is_below { from = middle } else { to = middle }
+        }
+        Some((from, value(from)?))
+    };
+    // the farther apart, the better
+    let pairs = (1..PIECES).rev().flat_map(|apart| (0..PIECES - apart).map(move |k| (k, k + apart)));
+    pairs.into_iter().find_map(|(i, j)| {
+        let ([a, b], [c, d]) = (ends(i)?, ends(j)?);
+        let (from, to) = (a.max(c), b.min(d));
+        if to - from <= least * size {
+            return None;
+        }
+        let goal = 0.5 * (from + to);
+        let ((x, at_x), (y, at_y)) = (meets(i, goal)?, meets(j, goal)?);
+        let same = (at_x - at_y).abs() <= SAME * size && (x - y).abs() > APART * (high - low);
+        same.then(|| [vec![x], vec![y]])
     })
 }
 
@@ -163,7 +203,11 @@ impl<'a> Cloud<'a> {
         loop {
             let normal = half_space(&directions, signs.len())?;
             let margin = worst(&normal, &directions);
-            if margin <= 0.0 || directions.len() >= (self.jacobians.len() + CUTS) * signs.len() {
+            // the best normal is 0 where no half-space takes up all
+            if margin < ROUNDING {
+                return Ok(0.0);
+            }
+            if directions.len() >= (self.jacobians.len() + CUTS) * signs.len() {
                 return Ok(margin);
             }
             // the point near which the half-space is violated most

@@ -1,25 +1,35 @@
 //! All tests of a plan, and what they say.
 
-use super::independence::{Dependence, Search, depends, influence};
-use super::injectivity::{Injectivity, injective};
-use super::response::{Response, responds};
+use super::closed_form::{ClosedForm, closed_form};
+use super::independence::{Dependence, Search, depends};
+use super::injectivity::{Injectivity, Orthant};
+use super::next_group::{Choice, Finder};
+use super::response::{self, Response};
 use super::samples::{Sampled, Sampling};
 use crate::Result;
 use crate::identify::Readings;
 use serde::Serialize;
-use std::fmt;
 
 /// What the tests say of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
+    /// What the plan is.
+    pub title: String,
+    /// The model on which it was tested.
+    pub model: String,
     /// What the plan looks for.
     pub parameters: Vec<String>,
     /// What it reads.
     pub targets: Vec<String>,
-    /// By how much of its range each target (row) changes with each parameter (column), at most.
-    pub influence: Vec<Vec<f64>>,
+    /// By how much of its range each target (row) changes with each parameter (column), at most; nothing where no two points could be
+    /// compared.
+    pub influence: Vec<Vec<Option<f64>>>,
     /// The groups.
     pub groups: Vec<GroupReport>,
+    /// The order in which influence and the test for one answer alone would use the targets.
+    pub choice: Choice,
+    /// How much was tried.
+    pub sampling: Sampling,
     /// How many draws of all parameters there were, and at how many of them all conditions could be met.
     pub computed: [usize; 2],
 }
@@ -37,41 +47,70 @@ pub struct GroupReport {
     pub compared: usize,
     /// Whether it has one answer.
     pub injectivity: Injectivity,
+    /// What became of its closed form, if it has one.
+    pub closed_form: Option<ClosedForm>,
     /// In which order and with which signs it can be searched; nothing if no order has one set of signs.
     pub response: Option<Response>,
+    /// Whether the signs that the plan states are those of all points that were tried; nothing if it states none.
+    pub states_its_signs: Option<bool>,
 }
 
-/// Tests a plan: every group for independence of later parameters, for one answer, and for the signs of its targets.
+/// How much a test says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standing {
+    /// There is a counter-example: a proof that it does not hold.
+    Refuted,
+    /// It holds at all points that were tried: evidence, not proof.
+    Passed,
+    /// Neither.
+    Open,
+}
+
+/// Tests a plan: every group for independence of later parameters, for one answer, and for the signs of its targets; and the order
+/// in which the targets could be used.
 ///
 /// # Errors
 /// The targets cannot be computed anywhere.
 pub fn check(readings: &Readings<'_>, sampling: &Sampling) -> Result<Report> {
     let sampled = Sampled::new(readings, *sampling)?;
+    let finder = Finder::new(&sampled);
     let plan = readings.plan();
     let parameters: Vec<String> =
         plan.groups.iter().flat_map(|g| &g.parameters).map(|p| p.name.clone()).collect();
-    let mut groups = Vec::new();
+    let (mut groups, mut places) = (Vec::new(), Vec::new());
     let mut from = 0;
-    for group in &plan.groups {
+    for (number, group) in plan.groups.iter().enumerate() {
         let to = from + group.parameters.len();
         let (own, later): (Vec<usize>, Vec<usize>) = ((from..to).collect(), (to..parameters.len()).collect());
         let Search { dependence, compared } = depends(&sampled, &own, &later);
+        let slopes = response::slopes(&sampled, &own, &own)?;
+        let stated = group.nesting.is_some().then(|| {
+            let (nesting, tail) = group.search();
+            response::responds_as(&slopes, &Response { nesting, tail })
+        });
         groups.push(GroupReport {
             name: group.name.clone(),
             range: [from, to],
             dependence,
             compared,
-            injectivity: injective(&sampled, &own, &own)?,
-            response: responds(&sampled, &own, &own)?,
+            injectivity: finder.injective(&own, &own)?,
+            closed_form: closed_form(readings, &sampled, number, &own)?,
+            response: response::found(&slopes, own.len()),
+            states_its_signs: stated,
         });
+        places.push(own);
         from = to;
     }
-    let influence = influence(&sampled).row_iter().map(|row| row.iter().copied().collect()).collect();
+    let cell = |share: &f64| (!share.is_nan()).then_some(*share);
     Ok(Report {
+        title: plan.title.clone(),
+        model: readings.model().to_owned(),
         parameters,
         targets: plan.groups.iter().flat_map(|g| &g.targets).map(|t| t.name.clone()).collect(),
-        influence,
+        influence: finder.influence().row_iter().map(|row| row.iter().map(cell).collect()).collect(),
         groups,
+        choice: finder.choose(&places)?,
+        sampling: *sampling,
         computed: sampled.computed,
     })
 }
@@ -79,86 +118,54 @@ pub fn check(readings: &Readings<'_>, sampling: &Sampling) -> Result<Report> {
 impl Report {
     /// A counter-example was found: the plan does not do what it promises.
     pub fn is_refuted(&self) -> bool {
-        let refuted =
-            |g: &GroupReport| g.dependence.is_some() || matches!(g.injectivity, Injectivity::Refuted { .. });
+        let refuted = |g: &GroupReport| {
+            g.dependence.is_some()
+                || matches!(g.injectivity, Injectivity::Refuted { .. })
+                || g.closed_form.as_ref().is_some_and(|c| c.counter_example.is_some())
+        };
         self.groups.iter().any(refuted)
+    }
+
+    /// Whether a group depends on parameters of later ones; nothing if there are none.
+    pub fn independence(&self, group: &GroupReport) -> Option<Standing> {
+        match (&group.dependence, group.compared) {
+            (Some(_), _) => Some(Standing::Refuted),
+            (None, _) if group.range[1] == self.parameters.len() => None,
+            // nothing was tested
+            (None, 0) => Some(Standing::Open),
+            (None, _) => Some(Standing::Passed),
+        }
+    }
+
+    /// The number of the plan's group that consists of these targets and parameters.
+    pub fn group_of(&self, targets: &[usize], parameters: &[usize]) -> Option<usize> {
+        self.groups.iter().position(|group| {
+            let own: Vec<usize> = (group.range[0]..group.range[1]).collect();
+            own == targets && own == parameters
+        })
     }
 }
 
-impl fmt::Display for Report {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [draws, computed] = self.computed;
-        writeln!(
-            f,
-            "Conditions met at {computed} of {draws} draws of all parameters within their bounds.\n"
-        )?;
-        writeln!(f, "Influence of parameters (columns) on targets (rows), as a share of a target's range:")?;
-        let widest = self.targets.iter().map(|t| t.chars().count()).max().unwrap_or(0);
-        for (row, target) in self.influence.iter().zip(&self.targets) {
-            write!(f, "  {target:widest$} ")?;
-            for share in row {
-                match share {
-                    0.0 => write!(f, "     .")?,
-                    s if *s < 1e-3 => write!(f, "  <.001")?,
-                    s => write!(f, "  {s:4.2}")?,
-                }
-            }
-            writeln!(f)?;
+impl Injectivity {
+    /// How much it says.
+    pub fn standing(&self) -> Standing {
+        match self {
+            Self::Refuted { .. } => Standing::Refuted,
+            Self::Passed { .. } => Standing::Passed,
+            Self::Open { .. } => Standing::Open,
         }
-        for (k, parameter) in self.parameters.iter().enumerate() {
-            writeln!(f, "  column {:2}: {parameter}", k + 1)?;
+    }
+
+    /// The orthants that were tested; none if there is a counter-example.
+    pub fn orthants(&self) -> &[Orthant] {
+        match self {
+            Self::Refuted { .. } => &[],
+            Self::Passed { orthants, .. } | Self::Open { orthants, .. } => orthants,
         }
-        for (number, group) in self.groups.iter().enumerate() {
-            writeln!(f, "\nGroup {}: {}", number + 1, group.name)?;
-            match &group.dependence {
-                None if group.range[1] == self.parameters.len() => {
-                    writeln!(f, "  there are no later parameters")?
-                }
-                None => writeln!(
-                    f,
-                    "  independent of later parameters: no counter-example in {} pairs (evidence)",
-                    group.compared
-                )?,
-                Some(d) => writeln!(
-                    f,
-                    "  NOT independent (proof): \"{}\" differs by {:.1e} of its range between\n    {:?}\n    {:?}",
-                    self.targets[d.target], d.change, d.points[0], d.points[1]
-                )?,
-            }
-            match &group.injectivity {
-                Injectivity::Refuted { points: [a, b] } => {
-                    writeln!(f, "  NOT unique (proof): the same targets at\n    {a:?}\n    {b:?}")?;
-                }
-                Injectivity::Open { orthants, .. } => {
-                    let open = orthants.iter().filter(|o| o.margin <= 0.0).count();
-                    writeln!(
-                        f,
-                        "  one answer: open. No two answers were found, but the half-space criterion fails in {open} of {} orthants; it is sufficient, not necessary",
-                        orthants.len()
-                    )?;
-                }
-                Injectivity::Passed { orthants, points } => {
-                    let least = orthants.iter().map(|o| o.margin).fold(f64::INFINITY, f64::min);
-                    writeln!(
-                        f,
-                        "  one answer: the half-space criterion holds at {points} points and more, with a margin of {least:.2} (evidence)"
-                    )?;
-                }
-            }
-            match &group.response {
-                None => writeln!(f, "  search: no order of its parameters has one set of signs")?,
-                Some(Response { nesting, tail }) => {
-                    let name = |k: &usize| self.parameters[group.range[0] + k].as_str();
-                    let order: Vec<&str> = nesting.parameters.iter().map(name).collect();
-                    let how = if tail.is_some() { ", the last two together" } else { "" };
-                    writeln!(
-                        f,
-                        "  search: nested bisection in the order {}{how} (evidence)",
-                        order.join(" > ")
-                    )?;
-                }
-            }
-        }
-        Ok(())
+    }
+
+    /// The least margin of all orthants: positive if the half-space criterion holds.
+    pub fn margin(&self) -> Option<f64> {
+        self.orthants().iter().map(|o| o.margin).reduce(f64::min)
     }
 }

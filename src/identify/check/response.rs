@@ -27,8 +27,16 @@ pub struct Response {
 /// # Errors
 /// The targets cannot be computed anywhere.
 pub fn responds(sampled: &Sampled<'_>, rows: &[usize], parameters: &[usize]) -> Result<Option<Response>> {
+    Ok(found(&slopes(sampled, rows, parameters)?, parameters.len()))
+}
+
+/// Derivatives of the targets at all draws at which there are any.
+pub(super) fn slopes(
+    sampled: &Sampled<'_>,
+    rows: &[usize],
+    parameters: &[usize],
+) -> Result<Vec<DMatrix<f64>>> {
     let Sampled { targets, sampling, .. } = *sampled;
-    let n = parameters.len();
     let mut random = SplitMix64::new(sampling.seed);
     let mut jacobians = Vec::new();
     let mut failure = None;
@@ -41,21 +49,43 @@ pub fn responds(sampled: &Sampled<'_>, rows: &[usize], parameters: &[usize]) -> 
             Err(error) => failure = Some(error),
         }
     }
-    if let (true, Some(error)) = (jacobians.is_empty(), failure) {
-        return Err(error);
+    match failure {
+        Some(error) if jacobians.is_empty() => Err(error),
+        _ => Ok(jacobians),
     }
+}
+
+/// The first order in which `n` targets with these derivatives have one set of signs.
+pub(super) fn found(jacobians: &[DMatrix<f64>], n: usize) -> Option<Response> {
     if n > MOST {
-        return Ok(None);
+        return None;
     }
     let orders = permutations(n);
     let pairs = orders.iter().flat_map(|parameters| orders.iter().map(move |targets| (parameters, targets)));
     let mut found = pairs.filter_map(|(parameters, targets)| {
-        signs(&jacobians, parameters, targets, None).or_else(|| {
-            let tail = if n < 2 { None } else { tail(&jacobians, parameters, targets) };
-            signs(&jacobians, parameters, targets, Some(tail?))
+        signs(jacobians, parameters, targets, None).or_else(|| {
+            let tail = if n < 2 { None } else { tail(jacobians, parameters, targets) };
+            signs(jacobians, parameters, targets, Some(tail?))
         })
     });
-    Ok(found.next())
+    found.next()
+}
+
+/// Whether targets with these derivatives respond as `stated`, in the order in which they stand.
+pub(super) fn responds_as(jacobians: &[DMatrix<f64>], stated: &Response) -> bool {
+    let n = stated.nesting.rises.len();
+    let plain: Vec<usize> = (0..n).collect();
+    let own_tail = stated.tail.as_ref().and_then(|_| tail(jacobians, &plain, &plain));
+    if own_tail != stated.tail {
+        return false;
+    }
+    let levels = if own_tail.is_some() { n.saturating_sub(2) } else { n };
+    let Some(Response { nesting, .. }) = signs(jacobians, &plain, &plain, own_tail) else { return false };
+    let later = |falls: &[Vec<f64>], j: usize| falls[j][j + 1..].to_vec();
+    (0..levels).all(|j| {
+        nesting.rises[j] == stated.nesting.rises[j]
+            && later(&nesting.falls, j) == later(&stated.nesting.falls, j)
+    })
 }
 
 /// The signs of an order, if all Jacobians have the same; of the levels before the last two, if these are a tail.

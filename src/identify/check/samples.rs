@@ -3,12 +3,13 @@
 use crate::identify::solve::Targets;
 use crate::stats::SplitMix64;
 use crate::{Error, Result};
+use serde::Serialize;
 
 /// How much is tried.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Sampling {
-    /// Draws of what is held fixed: known parameters and those of other groups. Fewer, if at fewer of all draws the targets can
-    /// be computed.
+    /// Draws of what is held fixed: known parameters and those of other groups. Fewer, if at fewer of ten times as many draws as
+    /// are asked for all targets can be computed.
     pub constants: usize,
     /// Draws of the parameters that are looked at, for each of these.
     pub draws: usize,
@@ -23,6 +24,9 @@ impl Default for Sampling {
         Self { constants: 5, draws: 20, seed: 1, tolerance: 1e-9 }
     }
 }
+
+/// So many times as many draws are tried, at most, to find points at which all can be computed.
+const MORE: usize = 10;
 
 /// A point of the box; every fourth draw is one of its corners, where conditions are violated first.
 pub(super) fn draw(bounds: &[[f64; 2]], random: &mut SplitMix64) -> Vec<f64> {
@@ -47,23 +51,22 @@ pub struct Sampled<'a> {
 }
 
 impl<'a> Sampled<'a> {
-    /// Draws all parameters, to see over which ranges the targets go.
+    /// Draws all parameters, to see over which ranges the targets go; more of them, if at too few all can be computed.
     ///
     /// # Errors
-    /// They cannot be computed anywhere.
+    /// There is no such point.
     pub fn new(targets: &'a dyn Targets, sampling: Sampling) -> Result<Self> {
         let mut random = SplitMix64::new(sampling.seed ^ 0x5153);
-        let (mut ends, mut bases): (Option<Vec<[f64; 2]>>, _) = (None, Vec::new());
-        let (mut failure, mut computed) = (None, [sampling.constants * sampling.draws, 0]);
-        for _ in 0..computed[0] {
+        let rows = targets.bounds().len();
+        let mut ends: Vec<Option<[f64; 2]>> = Vec::new();
+        let (mut bases, mut failure, mut computed) = (Vec::new(), None, [0, 0]);
+        let asked = sampling.constants * sampling.draws;
+        while computed[0] < asked || (bases.len() < sampling.constants && computed[0] < MORE * asked) {
+            computed[0] += 1;
             let point = draw(targets.bounds(), &mut random);
-            match targets.at(&point) {
-                Ok(values) => {
+            match values(targets, &point, rows, &mut ends) {
+                Ok(()) => {
                     computed[1] += 1;
-                    let ends = ends.get_or_insert_with(|| values.iter().map(|v| [*v, *v]).collect());
-                    for (end, value) in ends.iter_mut().zip(&values) {
-                        *end = [end[0].min(*value), end[1].max(*value)];
-                    }
                     if bases.len() < sampling.constants {
                         bases.push(point);
                     }
@@ -71,14 +74,34 @@ impl<'a> Sampled<'a> {
                 Err(error) => failure = Some(error),
             }
         }
-        let size =
-            |[low, high]: &[f64; 2]| if high > low { high - low } else { low.abs().max(f64::MIN_POSITIVE) };
-        match (ends, failure) {
-            (Some(ends), _) => {
-                Ok(Self { targets, sampling, sizes: ends.iter().map(size).collect(), bases, computed })
+        let size = |ends: &Option<[f64; 2]>| match ends {
+            Some([low, high]) if high > low => high - low,
+            Some([low, _]) => low.abs().max(f64::MIN_POSITIVE),
+            None => 1.0,
+        };
+        match failure {
+            Some(error) if bases.is_empty() => {
+                Err(error.at("the targets cannot be computed anywhere in the box"))
             }
-            (None, Some(error)) => Err(error.at("the targets cannot be computed anywhere in the box")),
-            (None, None) => Err(Error::call("no draws to test targets at")),
+            None if bases.is_empty() => Err(Error::call("no draws to test targets at")),
+            _ => Ok(Self { targets, sampling, sizes: ends.iter().map(size).collect(), bases, computed }),
         }
     }
+}
+
+/// Widens the ranges of the targets by what they are at a point. What can be computed counts where others cannot.
+fn values(targets: &dyn Targets, point: &[f64], rows: usize, ends: &mut Vec<Option<[f64; 2]>>) -> Result<()> {
+    let all = targets.at(point);
+    let each: Vec<Result<Vec<f64>>> = match &all {
+        Ok(values) => values.iter().map(|v| Ok(vec![*v])).collect(),
+        Err(_) => (0..rows).map(|row| targets.some(point, &[row])).collect(),
+    };
+    ends.resize(each.len().max(ends.len()), None);
+    for (ends, value) in ends.iter_mut().zip(&each) {
+        if let Ok([value]) = value.as_deref() {
+            let [low, high] = ends.unwrap_or([*value; 2]);
+            *ends = Some([low.min(*value), high.max(*value)]);
+        }
+    }
+    all.map(|_| ())
 }

@@ -76,6 +76,16 @@ pub enum Unsolved {
         /// Why.
         stall: Stall,
     },
+    /// What a closed form gives does not meet the targets, and nothing near it does: the form is not that of this model, or the
+    /// targets are not.
+    Contradicted {
+        /// What the closed form gives.
+        given: Vec<f64>,
+        /// The nearest point that was met from there.
+        at: Vec<f64>,
+        /// Largest scaled difference there.
+        residual: f64,
+    },
     /// The targets are met, but what they are known to leaves a parameter open over all its range.
     IllConditioned {
         /// The parameter.
@@ -96,6 +106,7 @@ impl Unsolved {
             Self::OutOfReach { nearest: at, .. }
             | Self::Undecided { at, .. }
             | Self::Stalled { at, .. }
+            | Self::Contradicted { at, .. }
             | Self::IllConditioned { at, .. } => Some(at),
             Self::NotUnique { .. } | Self::Failed(_) => None,
         }
@@ -109,7 +120,7 @@ impl Unsolved {
             | Self::Undecided { parameter, .. }
             | Self::IllConditioned { parameter, .. } => *parameter += first,
             Self::NotUnique { target, .. } => *target += first,
-            Self::Stalled { .. } | Self::Failed(_) => {}
+            Self::Stalled { .. } | Self::Contradicted { .. } | Self::Failed(_) => {}
         }
         self
     }
@@ -157,6 +168,9 @@ impl Unsolved {
                     "the search ends at {at:?}, {residual:.2e} of their size away from the targets: {why}"
                 )
             }
+            Self::Contradicted { given, at, residual } => format!(
+                "the closed form gives {given:?}, which does not meet the targets; at {at:?} they are still {residual:.2e} of their size away"
+            ),
             Self::IllConditioned { parameter, interval, at } => format!(
                 "the targets do not fix {}: at {at:?} they are met, and what they are known to leaves it open by +-{interval:.2e}",
                 name(*parameter)

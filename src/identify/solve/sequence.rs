@@ -2,12 +2,14 @@
 
 use super::descent::nearest;
 use super::nested::{Nesting, nested};
-use super::outcome::{Solution, Unsolved};
+use super::outcome::{Side, Solution, Unsolved};
 use super::tail::Tail;
 use super::targets::{Goal, Part, Problem, Targets};
+use crate::Error;
 use std::ops::Range;
 
-/// An inversion in closed form: the parameters of a group from its target quantities and the parameters before it.
+/// An inversion in closed form: the parameters of a group from its target quantities and the parameters before it. What it gives is
+/// tested like any other answer.
 pub type Direct<'a> = dyn Fn(&[f64], &[f64]) -> Result<Vec<f64>, Unsolved> + 'a;
 
 /// How the parameters of a group are found for sure.
@@ -80,8 +82,12 @@ pub fn sequence(
         }
         let rows = from..from + group.size;
         let found = match &group.way {
-            Way::Direct(direct) => direct(&goal.values[rows.clone()], &parameters[..from])
-                .map(|parameters| Solution { parameters, residual: 0.0, evaluations: 0 }),
+            Way::Direct(direct) => {
+                direct(&goal.values[rows.clone()], &parameters[..from]).and_then(|given| {
+                    let part = part(targets, rows.clone(), &parameters);
+                    proven(&part, &goal.part(rows.clone()), &given)
+                })
+            }
             Way::Nested { nesting, tail } => match descend(targets, goal, rows.clone(), &parameters) {
                 Ok(Some(found)) => Ok(found),
                 _ => {
@@ -126,6 +132,38 @@ impl Sequence {
         let residual = self.residuals.iter().fold(0.0, |a: f64, b| a.max(*b));
         Ok(Solution { parameters: self.parameters, residual, evaluations: self.evaluations })
     }
+}
+
+/// How far beyond a bound, as a share of the range, rounding may put what a closed form gives.
+const ROUNDING: f64 = 1e-9;
+
+/// What a closed form gives, if it is within the bounds and meets the targets; where a limit that the form counts on is not quite
+/// reached, descent from there does the rest.
+fn proven(targets: &dyn Targets, goal: &Goal, given: &[f64]) -> Result<Solution, Unsolved> {
+    let problem = Problem::new(targets, goal)?;
+    let n = problem.len();
+    if given.len() != n || given.iter().any(|x| !x.is_finite()) {
+        return Err(Unsolved::Failed(Error::numeric(format!(
+            "the closed form gives {given:?} for {n} parameters"
+        ))));
+    }
+    let beyond = given.iter().enumerate().find_map(|(k, x)| {
+        let ([low, high], margin) = (problem.bounds(k), ROUNDING * problem.range(k));
+        match x {
+            x if *x < low - margin => Some((k, Side::Below)),
+            x if *x > high + margin => Some((k, Side::Above)),
+            _ => None,
+        }
+    });
+    let found = nearest(&problem, given)?;
+    let residual = found.excess.amax();
+    if residual <= goal.tolerance {
+        return Ok(Solution { parameters: found.at, residual, evaluations: problem.evaluations() });
+    }
+    Err(match beyond {
+        Some((parameter, side)) => Unsolved::OutOfReach { parameter, side, nearest: found.at, residual },
+        None => Unsolved::Contradicted { given: given.to_vec(), at: found.at, residual },
+    })
 }
 
 fn part<'a>(targets: &'a dyn Targets, rows: Range<usize>, all: &[f64]) -> Part<'a> {
