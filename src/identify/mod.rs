@@ -11,13 +11,16 @@
 
 pub mod benchmark;
 pub mod check;
+mod named;
 mod plan;
 mod programme;
 mod readings;
 pub mod recorded;
 mod registry;
 pub mod ring_brush;
+mod setup;
 pub mod solve;
+mod sought;
 mod stand;
 
 pub use plan::{

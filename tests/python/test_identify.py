@@ -2,6 +2,7 @@
 
 import csv
 import json
+import tomllib
 
 import fmpy
 import numpy as np
@@ -156,6 +157,37 @@ def test_from_programme_to_parameters(tmp_path):
     assert done.returncode == 0, done.stderr
     start = {v.name: v.start for v in fmpy.read_model_description(tmp_path / "tire.fmu").modelVariables}
     assert float(start["vertical_stiffness"]) == pytest.approx(answer["values"]["vertical_stiffness"], rel=1e-12)
+
+
+def test_an_fmu_in_place_of_the_plans_model(tmp_path):
+    """The springs alone, of the model and of its FMU; a file of parameters has units."""
+    programme, recordings = tmp_path / "programme", tmp_path / "recordings"
+    assert latsch("rig-program", "ring-brush-flat-track", "--output", programme).returncode == 0
+    for run in [*programme.glob("0[3-9]*.csv"), *programme.glob("0[3-9]*.toml")]:
+        run.unlink()
+    truth = ["--set", "vertical_stiffness=165 N/mm"]
+    call = ["ring-brush-flat-track", "--inputs", programme, "--output", recordings, "--step", "0.01", "--noise", "0.001", *truth]
+    assert latsch("simulate", *call).returncode == 0
+    fmu, known = tmp_path / "tire.fmu", tmp_path / "known.toml"
+    assert latsch("export", "ring-brush-flat-track", "--output", fmu).returncode == 0
+    known.write_text('[parameters]\nvertical_stiffness = "150 N/mm"\n')
+    told = []
+    for more in [[], ["--model", fmu]]:
+        call = ["ring-brush-flat-track", "--recordings", recordings, "--output", tmp_path / "tire.toml", "--parameters", known, *more]
+        done = latsch("identify", *call, "--format", "json")
+        assert done.returncode == 0, done.stderr
+        told.append({row["name"]: row for row in json.loads(done.stdout)["parameters"]})
+    assert told[0] == told[1]
+    row = told[0]["vertical_stiffness"]
+    assert row["value"] == pytest.approx(165e3, abs=2 * row["half_width"]) and row["half_width"] < 0.1 * row["value"]
+    assert told[0]["bristle_stiffness"]["light"] == "red"
+    # what the diagnosis may change: what is known within its interval, the rest freely
+    written = tomllib.loads((tmp_path / "tire.toml").read_text())
+    assert written["fit"]["vertical_stiffness"]["min"] == pytest.approx(row["value"] - 2 * row["half_width"])
+    assert written["fit"]["bristle_stiffness"] is True
+    known.write_text('[parameters]\nvertical_stiffness = "150 N/m2"\n')
+    done = latsch("identify", *call)
+    assert done.returncode == 2 and "known.toml" in done.stderr and "vertical_stiffness" in done.stderr, done.stderr
 
 
 def column(file, name):
