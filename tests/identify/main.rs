@@ -5,6 +5,7 @@ mod appendix;
 mod benchmark;
 mod checks;
 mod examples;
+mod groups;
 mod recorded;
 mod solvers;
 mod theorems;
