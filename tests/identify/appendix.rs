@@ -322,6 +322,25 @@ fn margins_are_those_of_the_tables() {
     }
 }
 
+/// Injective maps of which (3.43) does not say so: which orthants fail.
+#[test]
+fn orthants_that_fail_are_those_of_the_tables() {
+    for (map, fails) in [
+        (stalls(), vec![[1.0, -1.0]]),
+        (gradient_only(), vec![[1.0, -1.0]]),
+        (spiral(), vec![[1.0, 1.0], [1.0, -1.0]]),
+    ] {
+        let sampled = Sampled::new(&map, Sampling::default()).unwrap();
+        let answer = injective(&sampled, &[0, 1], &[0, 1]).unwrap();
+        let Injectivity::Open { orthants, .. } = answer else { panic!("{answer:?}") };
+        for signs in fails {
+            // the opposite orthant is the same
+            let is_it = |own: &[f64]| own[0] * own[1] == signs[0] * signs[1];
+            assert!(orthants.iter().any(|o| is_it(&o.signs) && o.margin == 0.0), "{orthants:?}");
+        }
+    }
+}
+
 /// Groups of three: the goals of the table, found to 1e-9 with no more evaluations than the printed algorithm needs.
 #[test]
 fn groups_of_three_need_no_more_evaluations_than_printed() {
