@@ -22,7 +22,7 @@ const CONTINUUM: [(usize, f64, f64); 10] = [
     (10, 5250.24, 1e-5),
 ];
 
-fn with_plan(test: impl FnOnce(&Plan, &Stand)) {
+pub(crate) fn with_plan(test: impl FnOnce(&Plan, &Stand)) {
     let plan = Plan::read(ring_brush::PLAN).unwrap();
     let slave = Entry::find(MODELS, &plan.model).unwrap().slave(&Settings::default()).unwrap();
     test(&plan, &Stand::new(slave, &[]));

@@ -84,7 +84,9 @@ pub fn local(
         };
         let (step, descent) = (projected(&direction), projected(&downhill));
         if step.amax() == 0.0 {
-            return stalled(at, &excess, Stall::Boundary);
+            // no direction at all, away from the goal: Jᵀ or J⁻¹ takes it to nothing
+            let stall = if direction.amax() == 0.0 { Stall::Singular } else { Stall::Boundary };
+            return stalled(at, &excess, stall);
         }
         // up to the first bound
         let to_bound = (0..n).filter(|k| step[*k] != 0.0).map(|k| {

@@ -103,6 +103,11 @@ pub fn nested(
             let worst = (0..n).find(|j| excess[nesting.targets[*j]].abs() == residual).unwrap_or(0);
             Err(Unsolved::Undecided { parameter: nesting.parameters[worst], at: solution.parameters })
         }
+        // it is met after all: the signs are not those that were promised
+        Found::Beyond(beyond) if residual <= goal.tolerance => Err(Unsolved::Undecided {
+            parameter: nesting.parameters[beyond[0].level],
+            at: solution.parameters,
+        }),
         Found::Beyond(beyond) => {
             let Beyond { level, side } = beyond[0];
             Err(Unsolved::OutOfReach {
