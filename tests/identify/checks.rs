@@ -179,6 +179,19 @@ fn what_has_two_answers_is_not_chosen() {
     let (found, left) = steps(&Finder::new(&sampled_twofold), &[]);
     assert_eq!(found, [(0, vec![0, 1], vec![0, 1], false)]);
     assert_eq!(left, [0, 1]);
+    // with another that is found, it is not shown again
+    let beside = Example {
+        bounds: [twofold().bounds, vec![[-1.0, 1.0]]].concat(),
+        values: |p| [(twofold().values)(&p[..2]), vec![p[2]]].concat(),
+        slopes: |p| {
+            let own = (twofold().slopes)(&p[..2]);
+            vec![own[0], own[1], 0.0, own[2], own[3], 0.0, 0.0, 0.0, 1.0]
+        },
+    };
+    let sampled_beside = sampled(&beside);
+    let (found, left) = steps(&Finder::new(&sampled_beside), &[]);
+    assert_eq!(found, [(0, vec![2], vec![2], true), (0, vec![0, 1], vec![0, 1], false)]);
+    assert_eq!(left, [0, 1]);
     let twice = Example {
         bounds: vec![[-1.0, 1.0]; 2],
         values: |p| vec![p[0], 2.0 * p[0]],

@@ -123,6 +123,12 @@ impl<'a> Finder<'a> {
                     known.extend(&one.parameters);
                 }
             }
+            // what was not gone on with is shown once
+            let is_shown = |n: &Next| {
+                let same = |other: &Next| other.targets == n.targets && other.parameters == n.parameters;
+                steps.iter().any(|step: &Step| step.next.iter().any(same))
+            };
+            next.retain(|n| n.is_chosen || !is_shown(n));
             next.sort_by_key(|n| (!n.is_chosen, n.targets.clone()));
             let is_last = known.len() == before.len();
             if !next.is_empty() {
