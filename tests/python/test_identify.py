@@ -177,13 +177,16 @@ def test_an_fmu_in_place_of_the_plans_model(tmp_path):
         done = latsch("identify", *call, "--format", "json")
         assert done.returncode == 0, done.stderr
         told.append({row["name"]: row for row in json.loads(done.stdout)["parameters"]})
-    assert told[0] == told[1]
+    # forces along and across are 0 here but for rounding, which neither contradicts the model nor moves
+    assert told[0]["vertical_stiffness"]["light"] == "green" and "come to rest" not in done.stdout
+    for name, own in told[0].items():
+        assert told[1][name]["value"] == pytest.approx(own["value"], rel=1e-6), name
     row = told[0]["vertical_stiffness"]
     assert row["value"] == pytest.approx(165e3, abs=2 * row["half_width"]) and row["half_width"] < 0.1 * row["value"]
     assert told[0]["bristle_stiffness"]["light"] == "red"
     # what the diagnosis may change: what is known within its interval, the rest freely
     written = tomllib.loads((tmp_path / "tire.toml").read_text())
-    assert written["fit"]["vertical_stiffness"]["min"] == pytest.approx(row["value"] - 2 * row["half_width"])
+    assert written["fit"]["vertical_stiffness"]["min"] == pytest.approx(row["value"] - 2 * row["half_width"], rel=1e-6)
     assert written["fit"]["bristle_stiffness"] is True
     known.write_text('[parameters]\nvertical_stiffness = "150 N/m2"\n')
     done = latsch("identify", *call)

@@ -16,6 +16,9 @@ use std::collections::BTreeSet;
 const VARIES: f64 = 0.1;
 /// A slope needs an input that varies by more than this share of that.
 const TOLD: f64 = 0.25;
+/// An output that moves by a smaller share of what the one that moves most does moves by rounding: forces that large were added up to
+/// nothing.
+const ROUNDING: f64 = 1e-12;
 /// More readings than unknowns, at least: from their scatter the intervals come.
 const REDUNDANT: usize = 2;
 
@@ -363,7 +366,7 @@ fn readings_of(
     readings
 }
 
-/// The range of each output over all recordings.
+/// The range of each output over all recordings, or what rounding makes.
 fn ranges(tracks: &[Track<'_>], outputs: usize) -> Vec<f64> {
     let mut all = vec![[f64::INFINITY, f64::NEG_INFINITY]; outputs];
     for track in tracks {
@@ -371,5 +374,7 @@ fn ranges(tracks: &[Track<'_>], outputs: usize) -> Vec<f64> {
             *ends = [ends[0].min(low), ends[1].max(high)];
         }
     }
-    all.into_iter().map(|[low, high]| high - low).collect()
+    let own = all.iter().map(|[low, high]| high - low);
+    let least = ROUNDING * own.clone().fold(0.0, f64::max);
+    own.map(|range| range.max(least)).collect()
 }
