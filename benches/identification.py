@@ -28,6 +28,8 @@ PLAN = "ring-brush-flat-track"
 STEP = 0.01
 OUTPUTS = ["force_x", "force_y", "force_z", "moment_z"]
 INPUTS = ["deflection", "path_speed", "slip", "slip_angle", "camber"]
+# what the rig does not record and the FMU wants to be told
+STILL = {"steer": 0.0, "friction_factor": 1.0, "load": 0.0}
 # start of the model and bounds of the plan; static and sliding friction within what the plan admits on the whole
 PARAMETERS = {
     "vertical_stiffness": (154e3, 8e4, 1e6),
@@ -115,7 +117,10 @@ class Rival:
         offsets = {name: x[len(names) + k] * size for k, (name, size) in enumerate(OFFSETS.items())}
         parts = []
         for recorded in self.runs:
-            inputs = np.zeros(len(recorded["time"]), dtype=[("time", float), *((name, float) for name in INPUTS)])
+            columns = [(name, float) for name in ("time", *INPUTS, *STILL)]
+            inputs = np.zeros(len(recorded["time"]), dtype=columns)
+            for name, value in STILL.items():
+                inputs[name] = value
             inputs["time"] = recorded["time"] - recorded["time"][0]
             for name in INPUTS:
                 inputs[name] = recorded[name] - offsets.get(name, 0.0)
