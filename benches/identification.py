@@ -113,6 +113,10 @@ class Rival:
             raise OutOfTime
         names = list(PARAMETERS)
         start = {name: x[k] * PARAMETERS[name][0] for k, name in enumerate(names)}
+        # the model refuses bristles that stick less than they slide
+        for pressure in ("zero", "reference"):
+            static, sliding = f"friction_static_{pressure}", f"friction_sliding_{pressure}"
+            start[static] = max(start[static], start[sliding])
         start["command_actuators"] = False
         offsets = {name: x[len(names) + k] * size for k, (name, size) in enumerate(OFFSETS.items())}
         parts = []
