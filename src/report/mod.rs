@@ -12,6 +12,7 @@ mod influence;
 mod patch;
 mod plan;
 mod plot;
+mod scale;
 mod simulation;
 
 pub use crate::page::{Html, Page, Section, Table, escape};
