@@ -5,7 +5,7 @@
 //! a processor offers (AVX-512, AVX2, SSE2, NEON, or nothing) decides the speed and not the result. Four, because a contact
 //! is ten to twenty bristles long, of which eights would leave a third of the work to bristles that are not there.
 
-use fearless_simd::{Level, Simd, f64x4, prelude::*, u64x4};
+use fearless_simd::{Level, Simd, dispatch, f64x4, prelude::*, u64x4};
 use std::sync::OnceLock;
 
 /// How many numbers are worked on at once.
@@ -157,6 +157,18 @@ pub fn log2<S: Simd>(simd: S, x: f64x4<S>) -> f64x4<S> {
         series
     };
     exponent + s * polynomial(simd, &SERIES, s * s)
+}
+
+/// [`exp2`] of one number.
+#[inline]
+pub fn exp2_of(x: f64) -> f64 {
+    if x.is_nan() { x } else { dispatch!(Level::baseline(), simd => exp2(simd, f64x4::splat(simd, x))[0]) }
+}
+
+/// [`log2`] of one number.
+#[inline]
+pub fn log2_of(x: f64) -> f64 {
+    if x.is_nan() { x } else { dispatch!(Level::baseline(), simd => log2(simd, f64x4::splat(simd, x))[0]) }
 }
 
 /// The arc cosine for x in [1/2, 1], with a relative error of 8e-16.

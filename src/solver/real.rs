@@ -1,9 +1,10 @@
 //! The scalar that physics is written in: `f64`, or a dual number that carries exact derivatives.
 //!
-//! The elementary functions of `f64` come from the `libm` crate and not from the system: a C library
+//! The elementary functions of `f64` come from the `libm` crate, or are [our own](super::lanes), and not from the system: a C library
 //! picks other code on other processors and versions, and with it other last bits. That is also why
 //! this is a trait of our own.
 
+use super::lanes;
 use nalgebra::{ClosedAddAssign, ClosedMulAssign, ClosedSubAssign};
 use num_traits::{One, Zero};
 use std::fmt::Debug;
@@ -41,8 +42,16 @@ pub trait Real:
     fn exp(self) -> Self;
     /// Natural logarithm.
     fn ln(self) -> Self;
-    /// The power of a base that is not negative.
-    fn pow(self, exponent: Self) -> Self;
+    /// 2 to this power, for exponents up to 1000; 2^-1000 for all that is less than -1000.
+    fn exp2(self) -> Self;
+    /// The logarithm to base 2 of a normal positive number.
+    fn log2(self) -> Self;
+
+    /// The power of a base that is not negative, with a relative error of 2e-16 for each power of two in it.
+    #[inline]
+    fn pow(self, exponent: Self) -> Self {
+        if self.value() == 0.0 { Self::zero() } else { (self.log2() * exponent).exp2() }
+    }
 
     /// The absolute value.
     fn abs(self) -> Self {
@@ -82,8 +91,12 @@ impl Real for f64 {
         libm::log(self)
     }
     #[inline]
-    fn pow(self, exponent: Self) -> Self {
-        libm::pow(self, exponent)
+    fn exp2(self) -> Self {
+        lanes::exp2_of(self)
+    }
+    #[inline]
+    fn log2(self) -> Self {
+        lanes::log2_of(self)
     }
 }
 
@@ -213,15 +226,12 @@ impl<const N: usize> Real for Dual<N> {
     fn ln(self) -> Self {
         self.chain(Real::ln(self.value), 1.0 / self.value)
     }
-    fn pow(self, exponent: Self) -> Self {
-        if self.value <= 0.0 {
-            return 0.0.into();
-        }
-        let value = Real::pow(self.value, exponent.value);
-        let (by_base, by_exponent) = (exponent.value * value / self.value, value * Real::ln(self.value));
-        let gradient =
-            std::array::from_fn(|i| by_base * self.gradient[i] + by_exponent * exponent.gradient[i]);
-        Self { value, gradient }
+    fn exp2(self) -> Self {
+        let value = Real::exp2(self.value);
+        self.chain(value, value * std::f64::consts::LN_2)
+    }
+    fn log2(self) -> Self {
+        self.chain(Real::log2(self.value), std::f64::consts::LOG2_E / self.value)
     }
 }
 

@@ -51,15 +51,14 @@ pub(super) struct Patch<T: Real> {
 /// Told of every node: number of the stripe, place x, deflection, sticking.
 pub(super) type Visit<'a> = dyn FnMut(usize, f64, [f64; 2], bool) + 'a;
 
-/// The patch of a belt with this contact and spin rate, under the loads that deform it. Stripes are cut
-/// into `intervals`, which count where bristles slide.
+/// The patch of a belt with this contact and spin rate, under the loads that deform it; how stripes are `cut` counts where bristles slide.
 pub(super) fn continuum<T: Real>(
     tire: &Prepared,
     contact: &Contact<T>,
     spin_rate: T,
     friction: T,
     loads: &Loads<T>,
-    intervals: usize,
+    cut: &Cut,
     visit: &mut Visit<'_>,
 ) -> Patch<T> {
     let p = tire.parameters();
@@ -87,8 +86,8 @@ pub(super) fn continuum<T: Real>(
     let pressure = Pressure::new(p, &sums, contact.normal_force, tilting, longest);
 
     let law = Friction::new(p);
-    let places = places(intervals);
-    let shapes: Vec<T> = places.iter().map(|place| shape.along(T::from(*place), T::one())).collect();
+    let Cut { places, logarithms } = cut;
+    let shapes: Vec<T> = logarithms.iter().map(|logarithm| shape.at_logarithm(*logarithm)).collect();
     // the belt does not turn about the vertical: all stripes have one velocity, linear in x
     let [at_zero, at_one] = [zero, T::one()].map(|x| tops.velocity(x, zero));
     let velocity = [at_zero[0], at_zero[1], at_one[1] - at_zero[1]];
@@ -108,7 +107,7 @@ pub(super) fn continuum<T: Real>(
             direction: if spin_rate.value() < 0.0 { -1.0 } else { 1.0 },
             feed: spin_rate.abs() * p.rolling_radius,
         };
-        let Sums { force: [force_x, force_y], x_force, xx_force_x } = stripe.sums(&places, &shapes, i, visit);
+        let Sums { force: [force_x, force_y], x_force, xx_force_x } = stripe.sums(places, &shapes, i, visit);
         force.x += force_x;
         force.y += force_y;
         let middle = deformation.shift_y + y;
@@ -127,16 +126,31 @@ pub(super) fn continuum<T: Real>(
     Patch { on_belt: Wrench { force, moment }, power_loss }
 }
 
-/// Places of the entry and of the stages in each interval over the length of a stripe, from the entry at
-/// 1/2. They are dense at the entry, where a bristle's damper builds up its force over 0.01 mm, and at the
-/// exit, where the pressure falls steeply.
-fn places(intervals: usize) -> Vec<f64> {
-    let node = |k: usize| {
-        let t = k as f64 / intervals as f64;
-        0.5 - t * t * t * (10.0 - t * (15.0 - 6.0 * t))
-    };
-    let stages = |k| STAGES.map(|stage| node(k) + stage * (node(k + 1) - node(k)));
-    std::iter::once(node(0)).chain((0..intervals).flat_map(stages)).collect()
+/// How stripes are cut.
+pub(super) struct Cut {
+    /// Places of the entry and of the stages in each interval over the length of a stripe, from the entry at 1/2.
+    places: Vec<f64>,
+    /// Logarithms of twice their distances from the middle, to base 2.
+    logarithms: Vec<f64>,
+}
+
+impl Cut {
+    /// Into so many intervals. They are dense at the entry, where a bristle's damper builds up its force over 0.01 mm,
+    /// and at the exit, where the pressure falls steeply.
+    pub fn new(intervals: usize) -> Self {
+        let node = |k: usize| {
+            let t = k as f64 / intervals as f64;
+            0.5 - t * t * t * (10.0 - t * (15.0 - 6.0 * t))
+        };
+        let stages = |k| STAGES.map(|stage| node(k) + stage * (node(k + 1) - node(k)));
+        let places: Vec<f64> = std::iter::once(node(0)).chain((0..intervals).flat_map(stages)).collect();
+        let logarithms = places.iter().map(|place| Real::log2((2.0 * place).abs())).collect();
+        Self { places, logarithms }
+    }
+
+    pub fn intervals(&self) -> usize {
+        self.places.len() / 3
+    }
 }
 
 /// A bristle at a place.

@@ -231,6 +231,12 @@ impl<T: Real> Shape<T> {
         -(x * 2.0 / length).abs().pow(self.exponent_long) + 1.0
     }
 
+    /// The factor at the place of which `logarithm` is that of |2 x / length| to base 2.
+    #[inline]
+    pub fn at_logarithm(&self, logarithm: f64) -> T {
+        -(self.exponent_long * logarithm).exp2() + 1.0
+    }
+
     /// The integrals of [`along`](Self::along) over a stripe \[m\], times 1 and x² (times x it is 0).
     pub fn integrals(&self, length: T) -> [T; 2] {
         let g = self.exponent_long;

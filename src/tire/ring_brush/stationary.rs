@@ -4,7 +4,7 @@
 //! [continuum](super::continuum). What the patch does to the belt tells where the belt's centre hangs on
 //! the rim; seven equations are left, which Newton's method solves with exact derivatives.
 
-use super::continuum::{Patch, Visit, continuum};
+use super::continuum::{Cut, Patch, Visit, continuum};
 use super::{
     Bristles, Contact, Lag, Loads, Parameters, Prepared, State, belt_from_rim, patch_on_belt,
     stationary_coupling,
@@ -137,7 +137,8 @@ pub fn stationary_refined(
     let p = tire.parameters();
     let mut x = straight_rolling(p, rim.angles.z, vertical);
     let (mut reached, mut stride) = (0.0, 1.0_f64);
-    let problem = |rim| Problem { tire, rim, vertical, friction, intervals };
+    let cut = &Cut::new(intervals);
+    let problem = |rim| Problem { tire, rim, vertical, friction, cut };
     // where the search for the state itself got stuck
     let mut stuck = None;
     loop {
@@ -219,7 +220,7 @@ struct Problem<'a> {
     rim: Motion<f64>,
     vertical: Vertical,
     friction: f64,
-    intervals: usize,
+    cut: &'a Cut,
 }
 
 impl Problem<'_> {
@@ -261,11 +262,11 @@ impl Problem<'_> {
     }
 
     fn residual<T: Real>(&self, x: &[T; N]) -> [T; N] {
-        let Self { tire, mut rim, vertical, friction, intervals } = *self;
+        let Self { tire, mut rim, vertical, friction, cut } = *self;
         if let Vertical::Height(height) = vertical {
             rim.position.z = height;
         }
-        residual(tire, &rim.constant(), vertical, friction.into(), intervals, x)
+        residual(tire, &rim.constant(), vertical, friction.into(), cut, x)
     }
 
     fn describe(
@@ -274,9 +275,9 @@ impl Problem<'_> {
         jacobian: Option<[[f64; N]; N]>,
         convergence: Convergence,
     ) -> Stationary {
-        let Self { tire, ref rim, friction, intervals, .. } = *self;
+        let Self { tire, ref rim, friction, cut, .. } = *self;
         let unknowns = Unknowns::from(x);
-        let balance = balance(tire, rim, friction, &unknowns, intervals, &mut |_, _, _, _| {});
+        let balance = balance(tire, rim, friction, &unknowns, cut, &mut |_, _, _, _| {});
         Stationary {
             rim_height: balance.rim_height,
             belt_from_rim: balance.belt_from_rim,
@@ -288,7 +289,7 @@ impl Problem<'_> {
             on_rim: balance.on_rim,
             power_loss: balance.patch.power_loss,
             friction,
-            intervals,
+            intervals: cut.intervals(),
             convergence,
             jumps: false,
             jacobian,
@@ -302,11 +303,11 @@ fn residual<T: Real>(
     rim: &Motion<T>,
     vertical: Vertical,
     friction: T,
-    intervals: usize,
+    cut: &Cut,
     x: &[T; N],
 ) -> [T; N] {
     let unknowns = Unknowns::from(x);
-    let balance = balance(tire, rim, friction, &unknowns, intervals, &mut |_, _, _, _| {});
+    let balance = balance(tire, rim, friction, &unknowns, cut, &mut |_, _, _, _| {});
     let Loads { force_x, force_y, moment_z } = balance.loads;
     let held = match vertical {
         Vertical::Height(_) => rim.position.z - balance.rim_height,
@@ -333,14 +334,14 @@ fn balance<T: Real>(
     rim: &Motion<T>,
     friction: T,
     unknowns: &Unknowns<T>,
-    intervals: usize,
+    cut: &Cut,
     visit: &mut Visit<'_>,
 ) -> Balance<T> {
     let p = tire.parameters();
     let belt = unknowns.belt(rim);
     let contact = Contact::new(p, &belt);
     let spin_rate = belt.rates.y;
-    let patch = continuum(tire, &contact, spin_rate, friction, &unknowns.loads, intervals, visit);
+    let patch = continuum(tire, &contact, spin_rate, friction, &unknowns.loads, cut, visit);
     let Wrench { force: patch_force, moment: patch_moment } = patch.on_belt;
     let on_belt = patch_on_belt(&contact, &patch_force, &patch_moment);
     let mut force = -on_belt.force;
@@ -391,14 +392,13 @@ impl Stationary {
         vertical: Vertical,
         friction: f64,
     ) -> Result<Self> {
-        let intervals = self.intervals;
-        let problem = Problem { tire, rim: *rim, vertical, friction, intervals };
+        let problem = Problem { tire, rim: *rim, vertical, friction, cut: &Cut::new(self.intervals) };
         let (mut x, mut jacobian) = (self.unknowns(), self.jacobian);
         let convergence = problem.search(&mut x, &mut jacobian);
         if convergence.residual <= TOLERANCE {
             return Ok(problem.describe(&x, jacobian, convergence));
         }
-        stationary_refined(tire, rim, vertical, friction, intervals)
+        stationary_refined(tire, rim, vertical, friction, self.intervals)
     }
 
     /// The mean of two sides of a jump, the second of which counts by `share`.
@@ -451,13 +451,14 @@ impl Stationary {
             rates: rim.rates.map(Real::value),
         };
         let variables: [Dual<N>; N] = std::array::from_fn(|i| Dual::variable(x[i], i));
-        let by_x = residual(tire, &fixed.constant(), held, friction.value.into(), self.intervals, &variables);
-        let by_rim = residual(tire, rim, held, friction, self.intervals, &x.map(Dual::<1>::from));
+        let cut = &Cut::new(self.intervals);
+        let by_x = residual(tire, &fixed.constant(), held, friction.value.into(), cut, &variables);
+        let by_rim = residual(tire, rim, held, friction, cut, &x.map(Dual::<1>::from));
         let jacobian = DMatrix::from_fn(N, N, |i, j| by_x[i].gradient[j]);
         let change = jacobian.lu().solve(&DVector::from_fn(N, |i, _| -by_rim[i].gradient[0]))?;
         let moved: [Dual<1>; N] = std::array::from_fn(|i| Dual { value: x[i], gradient: [change[i]] });
         let unknowns = Unknowns::from(&moved);
-        let balance = balance(tire, rim, friction, &unknowns, self.intervals, &mut |_, _, _, _| {});
+        let balance = balance(tire, rim, friction, &unknowns, cut, &mut |_, _, _, _| {});
         let Patch { on_belt, power_loss } = balance.patch;
         let mut belt = unknowns.belt(rim);
         belt.position.x = balance.belt_from_rim.x;
@@ -488,12 +489,14 @@ impl Stationary {
         // bristles take over the deflection of the interval that they are in
         let (n, stride) = (bristles.per_stripe, bristles.stride());
         let mut last = (usize::MAX, 0.0, [0.0; 2]);
-        balance(tire, rim, self.friction, &unknowns, NODES, &mut |i, x, deflection, stick| {
+        let first = bristles.place(p, 0);
+        balance(tire, rim, self.friction, &unknowns, &Cut::new(NODES), &mut |i, x, deflection, stick| {
             let (stripe, from, before) = std::mem::replace(&mut last, (i, x, deflection));
             if stripe != i {
                 return;
             }
-            for j in 0..n {
+            let [low, high] = [from.min(x), from.max(x)].map(|x| ((x - first) / p.bristle_length).floor());
+            for j in low.max(0.0) as usize..(high.max(0.0) as usize + 2).min(n) {
                 let part = (bristles.place(p, j) - from) / (x - from);
                 if part > 0.0 && part <= 1.0 {
                     let k = i * stride + j;
