@@ -46,7 +46,7 @@ PARAMETERS = {
     "patch_compliance_x": (3e-6, 1e-6, 5e-6),
     "friction_static_zero": (1.5, 0.3, 2.0),
     "friction_static_reference": (1.4, 0.3, 2.0),
-    "sidewall_lateral_stiffness": (85e3, 1e4, 1e6),
+    "sidewall_lateral_stiffness": (85e3, 2e4, 3e5),
 }
 # what no recording of this programme tells; as in scripts/prove-intervals
 UNTOLD = {"sidewall_radial_stiffness", "sidewall_tilt_stiffness"}

@@ -162,9 +162,25 @@ pub struct GroupPlan {
     /// stand.
     #[serde(default)]
     pub nesting: Option<NestingPlan>,
+    /// How it is solved; without, in closed form where there is one, else by descent and, where that does not meet the targets,
+    /// by nested bisection.
+    #[serde(default)]
+    pub solver: Option<Solver>,
     /// What is read, as many as there are parameters.
     #[serde(rename = "target")]
     pub targets: Vec<Target>,
+}
+
+/// How a group is solved that is to be solved in one way only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Solver {
+    /// [`nested`](super::solve::nested) at once: for targets that have no derivatives.
+    NestedBisection,
+    /// [`Method::Newton`](super::solve::Method::Newton) with step control and projection.
+    Newton,
+    /// [`Method::Gradient`](super::solve::Method::Gradient), likewise.
+    Gradient,
 }
 
 /// What is looked for, with its bounds.
@@ -335,6 +351,11 @@ impl GroupPlan {
             let targets = self.targets.len();
             return Err(Error::file(format!(
                 "{targets} targets for {size} parameters; as many are needed, and one at least"
+            )));
+        }
+        if let (Some(_), Some(inversion)) = (self.solver, &self.inversion) {
+            return Err(Error::file(format!(
+                "solver: the inversion \"{inversion}\" solves this group; one of the two has to go"
             )));
         }
         self.parameters.iter().try_for_each(|p| range(&p.name, p.bounds))?;

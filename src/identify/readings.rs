@@ -83,10 +83,7 @@ impl<'a> Readings<'a> {
             let size = group.parameters.len();
             let way = match direct {
                 Some(direct) => Way::Direct(direct),
-                None => {
-                    let (nesting, tail) = group.search();
-                    Way::Nested { nesting, tail }
-                }
+                None => group.way(),
             };
             groups.push(Group { size, way });
         }

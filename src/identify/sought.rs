@@ -1,9 +1,9 @@
 //! What a plan looks for, and the parameters of the model that it gives values.
 
-use super::plan::GroupPlan;
+use super::plan::{GroupPlan, Solver};
 use super::readings::Readings;
 use super::registry::Numbers;
-use super::solve::{Nesting, Tail};
+use super::solve::{Method, Nesting, Tail, Way};
 use crate::{Error, Result};
 
 impl Readings<'_> {
@@ -125,5 +125,16 @@ impl GroupPlan {
         nesting.rises.clone_from(&signs.rises);
         nesting.falls.clone_from(&signs.falls);
         (nesting, signs.tail.map(|sign| Tail { sign }))
+    }
+
+    /// How it is solved where there is no closed form.
+    pub(super) fn way(&self) -> Way<'static> {
+        let (nesting, tail) = self.search();
+        match self.solver {
+            None => Way::Nested { nesting, tail, descends: true },
+            Some(Solver::NestedBisection) => Way::Nested { nesting, tail, descends: false },
+            Some(Solver::Newton) => Way::Local(Method::Newton),
+            Some(Solver::Gradient) => Way::Local(Method::Gradient),
+        }
     }
 }

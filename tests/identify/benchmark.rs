@@ -93,6 +93,10 @@ fn the_published_benchmark() {
             row.rounding_bound
         );
     }
+    for target in &answer.targets {
+        let off = (target.value / target.printed - 1.0).abs();
+        assert!(off < target.printed_tolerance, "{}: {off:.3} from what is printed", target.name);
+    }
     // an exact inverse of the rounded targets: as exact as the limit of group 3
     assert!(answer.residuals[..2].iter().all(|r| *r < 1e-6), "{:?}", answer.residuals);
     // conditioning as the source's formulas have it: the rim spring amplifies by hundreds, the length factor by a half

@@ -133,15 +133,15 @@ def test_from_programme_to_parameters(tmp_path):
     programme, recordings = tmp_path / "programme", tmp_path / "recordings"
     assert latsch("rig-program", "ring-brush-flat-track", "--output", programme).returncode == 0
     runs = sorted(programme.glob("*.csv"))
-    assert len(runs) == 7 and "small-motions-at-5000-N" in (programme / "programme.md").read_text()
+    assert len(runs) == 9 and "small-motions-at-5000-N" in (programme / "programme.md").read_text()
     next(run for run in runs if "driven" in run.name).unlink()
     call = ["ring-brush-flat-track", "--inputs", programme, "--set", "vertical_stiffness=165 N/mm", "--step", "0.005"]
     done = latsch("simulate", *call, "--noise", "0.01", "--output", recordings)
     assert done.returncode == 0, done.stderr
-    assert len(list(recordings.iterdir())) == 6 and "6 runs" in done.stdout
+    assert len(list(recordings.iterdir())) == 8 and "8 runs" in done.stdout
     again = tmp_path / "again"
     assert latsch("simulate", *call, "--noise", "0.01", "--seed", "2", "--output", again).returncode == 0
-    first, second = (column(folder / "01-off-the-road.csv", "force_z [N]") for folder in (recordings, again))
+    first, second = (column(folder / "01-off-the-road-at-the-beginning.csv", "force_z [N]") for folder in (recordings, again))
     # 1 % of about 9 kN, about a tire that hangs free
     assert 60 < np.std(first) < 130 and 0 < abs(np.corrcoef(first, second)[0, 1]) < 0.2
     tire = tmp_path / "tire.toml"

@@ -1,6 +1,7 @@
 //! The overall solver: group after group, by what each of them allows (text section 3.3).
 
 use super::descent::nearest;
+use super::local::{Method, local};
 use super::nested::{Nesting, nested};
 use super::outcome::{Side, Solution, Unsolved};
 use super::tail::Tail;
@@ -22,7 +23,11 @@ pub enum Way<'a> {
         nesting: Nesting,
         /// How the last two respond.
         tail: Option<Tail>,
+        /// Descent is tried before.
+        descends: bool,
     },
+    /// By one method from where it begins, with its guarantee.
+    Local(Method),
 }
 
 /// Parameters that are found together, from as many targets. They stand next to each other, in the same order.
@@ -36,7 +41,7 @@ pub struct Group<'a> {
 impl Group<'_> {
     /// A group of one whose target rises with its parameter.
     pub fn single() -> Self {
-        Self { size: 1, way: Way::Nested { nesting: Nesting::plain(1), tail: None } }
+        Self { size: 1, way: Way::Nested { nesting: Nesting::plain(1), tail: None, descends: true } }
     }
 }
 
@@ -88,13 +93,20 @@ pub fn sequence(
                     proven(&part, &goal.part(rows.clone()), &given)
                 })
             }
-            Way::Nested { nesting, tail } => match descend(targets, goal, rows.clone(), &parameters) {
-                Ok(Some(found)) => Ok(found),
-                _ => {
-                    let part = part(targets, rows.clone(), &parameters);
-                    nested(&part, &goal.part(rows.clone()), nesting, tail.as_ref())
+            Way::Nested { nesting, tail, descends } => {
+                let found = if *descends { descend(targets, goal, rows.clone(), &parameters) } else { Ok(None) };
+                match found {
+                    Ok(Some(found)) => Ok(found),
+                    _ => {
+                        let part = part(targets, rows.clone(), &parameters);
+                        nested(&part, &goal.part(rows.clone()), nesting, tail.as_ref())
+                    }
                 }
-            },
+            }
+            Way::Local(method) => {
+                let part = part(targets, rows.clone(), &parameters);
+                local(&part, &goal.part(rows.clone()), *method, &parameters[rows.clone()])
+            }
         };
         match found {
             Ok(found) => {
