@@ -209,6 +209,12 @@ def main():
             f"| `{name}` | {sum(e < CLOSE for e in own)} of {len(results)} | {wrong} | {sum(e < CLOSE for e in other)} | "
             f"{100 * np.median(own):.1f} % | {100 * np.median(other):.1f} % |"
         )
+    told = [name for name in PARAMETERS if name not in UNTOLD]
+    close = [
+        [sum(abs(of(r, name) / r["truth"][name] - 1) < CLOSE for name in told) for r in results]
+        for of in (lambda r, name: r["latsch"][name]["value"], lambda r, name: r["rival"][name])
+    ]
+    print(f"\nof {len(told)} parameters of a tire within 2 %, median: latsch {np.median(close[0]):.0f}, rival {np.median(close[1]):.0f}")
     seconds = np.array([r["seconds"] for r in results])
     ratios = seconds[:, 1] / seconds[:, 0]
     done = sum(r["finished"] for r in results)

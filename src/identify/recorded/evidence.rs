@@ -35,6 +35,8 @@ pub struct Read {
     pub estimate: Estimate,
     /// and from which readings.
     pub members: Vec<usize>,
+    /// The same, those together that were made at one place.
+    pub visits: Vec<Vec<usize>>,
 }
 
 impl Read {
@@ -249,7 +251,45 @@ impl Evidence {
                 unknowns + REDUNDANT
             )));
         }
-        Ok(Read { name: target.name.clone(), factor: target.factor, condition: place, estimate, members })
+        let visits = self.visits(&members, plan);
+        let (name, factor) = (target.name.clone(), target.factor);
+        Ok(Read { name, factor, condition: place, estimate, members, visits })
+    }
+
+    /// Readings that were made at one place, as far as a rig holds it. A ramp is one by itself.
+    fn visits(&self, members: &[usize], plan: &Plan) -> Vec<Vec<usize>> {
+        let within: Vec<f64> = self
+            .signals
+            .inputs
+            .iter()
+            .map(|(name, _)| plan.recordings.as_ref().and_then(|r| r.held_within.get(name)).copied().unwrap_or(0.0))
+            .collect();
+        let is_at = |a: &Reading, b: &Reading| {
+            let places = a.point.inputs.iter().zip(&b.point.inputs);
+            a.moved.is_none() && b.moved.is_none() && places.zip(&within).all(|((a, b), w)| (a - b).abs() <= *w)
+        };
+        let mut visits = Vec::<Vec<usize>>::new();
+        for k in members {
+            match visits.iter_mut().find(|visit| is_at(&self.readings[visit[0]], &self.readings[*k])) {
+                Some(visit) => visit.push(*k),
+                None => visits.push(vec![*k]),
+            }
+        }
+        visits
+    }
+
+    /// The mean of readings at one place.
+    pub fn mean_of(&self, visit: &[usize]) -> Reading {
+        let mut reading = self.readings[visit[0]].clone();
+        let mean_of = |k: usize, of: fn(&Point) -> &[f64]| {
+            visit.iter().map(|n| of(&self.readings[*n].point)[k]).sum::<f64>() / visit.len() as f64
+        };
+        let [inputs, outputs] = [reading.point.inputs.len(), reading.point.outputs.len()];
+        reading.point = Point {
+            inputs: (0..inputs).map(|k| mean_of(k, |p| &p.inputs)).collect(),
+            outputs: (0..outputs).map(|k| mean_of(k, |p| &p.outputs)).collect(),
+        };
+        reading
     }
 
     fn number(

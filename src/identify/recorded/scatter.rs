@@ -6,9 +6,10 @@ use super::search::{Asked, Search};
 use crate::identify::readings::Readings;
 use crate::identify::registry::Numbers;
 use crate::stats::chance::student;
+use crate::stats::mean;
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Intervals hold the true value with this probability, where the model is right and what scatters does so normally.
 const PROBABILITY: f64 = 0.9;
@@ -17,6 +18,8 @@ const PROBABILITY: f64 = 0.9;
 pub(super) struct Scatter {
     /// Standard deviation of each output: of means over stretches, and of the shorter ones over ramps.
     sizes: [Vec<f64>; 2],
+    /// What of it is new from one reading to the next; the rest drifts while a recording lasts.
+    own: [Vec<f64>; 2],
     /// From so many readings more than there are unknowns.
     freedom: [f64; 2],
 }
@@ -25,6 +28,13 @@ impl Scatter {
     /// Standard deviation of each output, of readings of ramps or of stretches.
     pub fn sizes(&self, of_ramps: bool) -> &[f64] {
         &self.sizes[usize::from(of_ramps)]
+    }
+
+    /// What a reading has of its own, and what drifts through a recording, of each output.
+    fn parts(&self, of_ramps: bool) -> impl Iterator<Item = (f64, f64)> {
+        let kind = usize::from(of_ramps);
+        let rest = |(size, own): (&f64, &f64)| (*own, (size * size - own * own).max(0.0).sqrt());
+        self.sizes[kind].iter().zip(&self.own[kind]).map(rest)
     }
 
     /// From so many readings more than there are unknowns.
@@ -51,12 +61,10 @@ pub(super) fn side(freedom: f64) -> f64 {
 
 /// An error that several readings have in common.
 struct Shared {
-    /// The readings.
-    readings: BTreeSet<usize>,
+    /// The readings, and its standard deviation in each.
+    sizes: BTreeMap<usize, f64>,
     /// The output, or after all outputs the input.
     channel: usize,
-    /// Its standard deviation.
-    size: f64,
 }
 
 impl Search<'_> {
@@ -70,6 +78,7 @@ impl Search<'_> {
     ) -> Result<Scatter> {
         let count = self.evidence.signals.outputs.len();
         let (mut squares, mut freedom) = ([vec![0.0; count], vec![0.0; count]], [0.0; 2]);
+        let (mut changes, mut pairs) = (squares.clone(), [0.0; 2]);
         let mut seen = BTreeSet::new();
         for read in reads {
             if !seen.insert(read.members.clone()) {
@@ -81,33 +90,52 @@ impl Search<'_> {
             let unknowns = design.ncols();
             let kind = usize::from(read.is_ramp(self.evidence));
             let svd = design.clone().svd(true, true);
-            for (output, square) in squares[kind].iter_mut().enumerate() {
+            let next = read.members.windows(2).enumerate();
+            let next: Vec<usize> = next
+                .filter(|(_, pair)| {
+                    let [a, b] = [0, 1].map(|k| self.evidence.readings[pair[k]].recording);
+                    a == b
+                })
+                .map(|(k, _)| k)
+                .collect();
+            let unbiased = measured.len() as f64 / (measured.len() - unknowns).max(1) as f64;
+            for output in 0..count {
                 let rest = DVector::from_fn(measured.len(), |k, _| {
                     measured[k].outputs[output] - simulated[k].outputs[output]
                 });
                 let found = svd.solve(&rest, 1e-10).map_err(|e| Error::numeric(e.to_owned()))?;
-                *square += (&rest - &design * found).norm_squared();
+                let rest = &rest - &design * found;
+                squares[kind][output] += rest.norm_squared();
+                // half the mean square of the change from one to the next is the variance of what is new in each (von Neumann)
+                let change: f64 = next.iter().map(|k| 0.5 * (rest[k + 1] - rest[*k]).powi(2)).sum();
+                changes[kind][output] += unbiased * change;
             }
             freedom[kind] += (measured.len() - unknowns) as f64;
+            pairs[kind] += next.len() as f64;
         }
-        let sizes = [0, 1].map(|kind| {
-            let size = |square: &f64| (square / freedom[kind].max(1.0)).sqrt().max(f64::MIN_POSITIVE);
-            squares[kind].iter().map(size).collect()
+        let size = |square: &f64, count: f64| (square / count.max(1.0)).sqrt().max(f64::MIN_POSITIVE);
+        let sizes: [Vec<f64>; 2] =
+            [0, 1].map(|kind| squares[kind].iter().map(|square| size(square, freedom[kind])).collect());
+        let own = [0, 1].map(|kind| {
+            let new = |(change, whole): (&f64, &f64)| {
+                if pairs[kind] > 0.0 { size(change, pairs[kind]).min(*whole) } else { *whole }
+            };
+            changes[kind].iter().zip(&sizes[kind]).map(new).collect()
         });
-        Ok(Scatter { sizes, freedom })
+        Ok(Scatter { sizes, own, freedom })
     }
 
-    /// The errors that readings have: each its own, those of a recording the drift of the zeros in common, and all the error of
-    /// the zeros.
+    /// The errors that readings have: each its own, those of a recording the drift of the zeros in common and a straight drift from
+    /// its first to its last, and all the error of the zeros.
     fn errors(&self, reads: &[Read], scatter: &Scatter) -> Vec<Shared> {
         let used: BTreeSet<usize> = reads.iter().flat_map(|read| read.members.iter().copied()).collect();
         let mut all = Vec::new();
         for number in &used {
             let reading = &self.evidence.readings[*number];
             let of_ramps = reading.moved.is_some();
-            let outputs = scatter.sizes(of_ramps).iter().map(|size| scatter.unsure(of_ramps) * size);
+            let outputs = scatter.parts(of_ramps).map(|(own, _)| scatter.unsure(of_ramps) * own);
             for (channel, size) in outputs.chain(reading.errors.iter().copied()).enumerate() {
-                all.push(Shared { readings: BTreeSet::from([*number]), channel, size });
+                all.push(Shared { sizes: BTreeMap::from([(*number, size)]), channel });
             }
         }
         let zeros = &self.evidence.zeros;
@@ -115,14 +143,27 @@ impl Search<'_> {
         // few recordings tell less well how zeros drift than many readings how they scatter
         let freedom = (zeros.recordings.max(2) - 1) as f64;
         let unsure = side(freedom) / side(scatter.freedom());
+        let middle = |k: usize| mean(&self.evidence.readings[k].time);
+        let drifting = [false, true].map(|of_ramps| scatter.parts(of_ramps).map(|(_, rest)| rest).collect());
+        let drifting: [Vec<f64>; 2] = drifting;
         for (channel, drift) in zeros.drift.iter().enumerate() {
             for recording in &recordings {
                 let of = |k: &usize| self.evidence.readings[*k].recording == *recording;
-                let readings = used.iter().copied().filter(of).collect();
-                all.push(Shared { readings, channel, size: unsure * drift });
+                let own: Vec<usize> = used.iter().copied().filter(of).collect();
+                all.push(Shared { sizes: own.iter().map(|k| (*k, unsure * drift)).collect(), channel });
+                let times = own.iter().map(|k| middle(*k));
+                let [first, last] = [times.clone().fold(f64::INFINITY, f64::min), times.fold(0.0, f64::max)];
+                let straight = |k: &usize| {
+                    let of_ramps = self.evidence.readings[*k].moved.is_some();
+                    let place = if last > first { 2.0 * (middle(*k) - first) / (last - first) - 1.0 } else { 0.0 };
+                    // a straight line has this standard deviation over its time
+                    let at_ends = 3f64.sqrt() * drifting[usize::from(of_ramps)][channel];
+                    (*k, scatter.unsure(of_ramps) * at_ends * place)
+                };
+                all.push(Shared { sizes: own.iter().map(straight).collect(), channel });
             }
             let size = unsure * drift / (zeros.recordings as f64).sqrt();
-            all.push(Shared { readings: used.clone(), channel, size });
+            all.push(Shared { sizes: used.iter().map(|k| (*k, size)).collect(), channel });
         }
         all
     }
@@ -150,7 +191,7 @@ impl Search<'_> {
         let mut covariance = DMatrix::zeros(reads.len(), reads.len());
         for error in self.errors(reads, scatter) {
             let input = error.channel.checked_sub(outputs);
-            if error.size == 0.0 || input.is_some_and(|k| measured_by[k].is_some()) {
+            if error.sizes.values().all(|size| *size == 0.0) || input.is_some_and(|k| measured_by[k].is_some()) {
                 continue;
             }
             let moves = |k: usize| input == Some(k) || measured_by[k] == Some(error.channel);
@@ -161,16 +202,14 @@ impl Search<'_> {
                 let (mut own, mut simulated) = (own.clone(), simulated.clone());
                 let mut any = false;
                 for (place, number) in read.members.iter().enumerate() {
-                    if !error.readings.contains(number) {
-                        continue;
-                    }
+                    let Some(size) = error.sizes.get(number) else { continue };
                     any = true;
                     let mut moved = self.evidence.readings[*number].clone();
                     if input.is_none() {
-                        moved.point.outputs[error.channel] += error.size;
+                        moved.point.outputs[error.channel] += size;
                     }
                     let moving: Vec<usize> = (0..measured_by.len()).filter(|k| moves(*k)).collect();
-                    moving.iter().for_each(|k| moved.point.inputs[*k] += error.size);
+                    moving.iter().for_each(|k| moved.point.inputs[*k] += size);
                     if !moving.is_empty() {
                         let key = (read.condition, *number);
                         let outputs = match moved_once.remove(&key) {

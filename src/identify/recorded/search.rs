@@ -206,10 +206,36 @@ impl Search<'_> {
     pub fn modelled(&self, model: &Readings<'_>, reads: &[Read], numbers: &Numbers) -> Result<Vec<f64>> {
         let mut asked = BTreeMap::new();
         let mut value = |read: &Read| {
-            let points = self.simulated_once(model, read, numbers, &mut asked)?;
+            let points = self.visited(model, read, numbers, &mut asked)?;
             Ok(read.factor * read.estimate.of(&points))
         };
         reads.iter().map(&mut value).collect()
+    }
+
+    /// The points of a target as the model has them, asked once for all readings at one place, at the mean of their inputs: estimates
+    /// are means and straight lines through readings, so that what each of them is off by counts to second order only.
+    fn visited(
+        &self,
+        model: &Readings<'_>,
+        read: &Read,
+        numbers: &Numbers,
+        asked: &mut BTreeMap<(usize, Vec<usize>), Vec<f64>>,
+    ) -> Result<Vec<Point>> {
+        let condition = &model.plan().conditions[read.condition];
+        let mut points = Vec::new();
+        for visit in &read.visits {
+            let reading = self.evidence.mean_of(visit);
+            let key = (read.condition, visit.clone());
+            let outputs = match asked.get(&key) {
+                Some(outputs) => outputs.clone(),
+                None => model
+                    .respond(condition, &reading, &self.evidence.signals, &self.offsets, numbers)
+                    .map_err(|e| e.at(self.evidence.place(&reading)))?,
+            };
+            asked.insert(key, outputs.clone());
+            points.extend(std::iter::repeat_n(Point { inputs: reading.point.inputs, outputs }, visit.len()));
+        }
+        Ok(points)
     }
 
     /// Rounds of sequential identification, corrected by where the rig measured; near the answer by Newton's method. Returns why
@@ -375,13 +401,18 @@ impl Search<'_> {
                 Estimate::Slope { .. } => {
                     let own = read.estimate.at_zero(&simulated);
                     let measured = read.estimate.at_zero(&measured);
+                    let of_visits = |search: &Self| {
+                        let points = search.visited(&model, read, &numbers, &mut BTreeMap::new())?;
+                        Ok::<_, Error>(read.estimate.at_zero(&points))
+                    };
+                    let here = of_visits(self)?;
                     let mut slopes = Vec::new();
                     for (input, step) in &looked {
                         let mut other = Search { offsets: self.offsets.clone(), ..self.clone() };
                         other.offsets[*input] += OFFSET_STEP * step;
-                        let moved = read.estimate.at_zero(&other.simulated(&model, read, &numbers)?);
+                        let moved = of_visits(&other)?;
                         slopes.push(
-                            moved.iter().zip(&own).map(|(b, a)| (b - a) / OFFSET_STEP).collect::<Vec<f64>>(),
+                            moved.iter().zip(&here).map(|(b, a)| (b - a) / OFFSET_STEP).collect::<Vec<f64>>(),
                         );
                     }
                     for (output, size) in sizes.iter().enumerate() {
