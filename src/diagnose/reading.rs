@@ -43,7 +43,12 @@ impl Recorded {
     /// Files that cannot be read, or do not fit each other or the model.
     pub fn read(request: &Request, subject: &Subject, roles: &Roles) -> Result<(Self, Vec<hygiene::Fault>)> {
         let (names, raw) = read_folder(&request.recordings, &request.map)?;
-        let mut faults = hygiene::faults_of_runs(&raw);
+        let are_given = are_given(&request.recordings);
+        // what the user leaves out is not looked at either
+        let given = are_given.then(|| uses(&request.recordings, &names, &[])).transpose()?;
+        let is_left = |k: usize| given.as_ref().is_some_and(|uses| uses[k] == Use::Leave);
+        let looked_at = raw.iter().enumerate().filter(|(k, _)| !is_left(*k)).map(|(_, raw)| raw);
+        let mut faults = hygiene::faults_of_runs(&looked_at.collect::<Vec<_>>());
         // a command may rest as long as it likes, at the end of its range too
         let is_input = |name: &str| {
             let variable = subject.interface.index(name).map(|v| &subject.interface.variables[v]);
@@ -60,7 +65,10 @@ impl Recorded {
                 faults.iter_mut().filter(|f| f.kind == hygiene::FaultKind::Gap && f.runs.contains(name));
             gaps.for_each(|gap| leave_out_after(recording, gap));
         }
-        let uses = uses(&request.recordings, &names, &courses(&recordings))?;
+        let uses = match given {
+            Some(uses) => uses,
+            None => uses(&request.recordings, &names, &courses(&recordings))?,
+        };
         let step = request.step.or(subject.own_step());
         let counts =
             |variable: usize| [Role::WheelAngle, Role::TravelDistance].iter().any(|r| roles.is(variable, *r));
@@ -73,7 +81,6 @@ impl Recorded {
             }
         }
         same_channels(subject, &runs)?;
-        let are_given = are_given(&request.recordings);
         Ok((Self { names, recordings, uses, are_given, runs }, faults))
     }
 
@@ -217,9 +224,7 @@ fn read_folder(folder: &Path, map: &Map) -> Result<(Vec<String>, Vec<hygiene::Ra
                 file.display()
             )));
         }
-        let mut raw = hygiene::read_raw(file)?;
-        map.apply(&mut raw.recording);
-        recordings.push(raw);
+        recordings.push(hygiene::read_raw(file, map.columns())?);
     }
     let name = |p: &PathBuf| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
     Ok((files.iter().map(name).collect(), recordings))

@@ -6,7 +6,7 @@ use crate::bounded::{self, MAX_TEXT};
 use crate::effect::Role;
 use crate::fit::{Channel, Drive, Run};
 use crate::model::{Causality, Interface, Kind};
-use crate::recording::{Recording, Smooth};
+use crate::recording::{Column, Recording, Smooth};
 use crate::stats::{about_mean, deviation, mean, mean_or_zero, median_interval};
 use crate::{Error, Result};
 use serde::Deserialize;
@@ -26,21 +26,12 @@ const MAX_POINTS: usize = 2_000_000;
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Map {
-    /// Channels by their name in the recordings.
+    /// Columns by their header in the recordings, with its unit or without.
     #[serde(default)]
-    channels: BTreeMap<String, MapEntry>,
+    channels: BTreeMap<String, Column>,
     /// Roles of variables whose names do not tell.
     #[serde(default)]
     roles: BTreeMap<String, Role>,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MapEntry {
-    /// The model's variable; without one the channel is left out.
-    variable: Option<String>,
-    /// The unit, if the column has none or a wrong one.
-    unit: Option<String>,
 }
 
 impl Map {
@@ -62,23 +53,9 @@ impl Map {
         self.roles.iter().map(|(name, role)| (name.clone(), *role)).collect()
     }
 
-    /// Renames channels as the map says.
-    pub fn apply(&self, recording: &mut Recording) {
-        recording.channels.retain_mut(|channel| match self.channels.get(&channel.name) {
-            None => true,
-            Some(entry) => {
-                if let Some(unit) = &entry.unit {
-                    channel.unit.clone_from(unit);
-                }
-                match &entry.variable {
-                    Some(variable) => {
-                        channel.name.clone_from(variable);
-                        true
-                    }
-                    None => false,
-                }
-            }
-        });
+    /// What the columns of recordings are, by their headers.
+    pub(super) fn columns(&self) -> &BTreeMap<String, Column> {
+        &self.channels
     }
 }
 

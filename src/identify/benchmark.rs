@@ -182,7 +182,8 @@ pub fn kaden() -> Result<Benchmark> {
         let each = PARAMETERS.iter().map(|p| model.get(p.name).copied().unwrap_or(f64::NAN));
         Ok((each.collect(), found.residuals.iter().fold(0.0, |a: f64, b| a.max(*b))))
     };
-    let to_digits: Vec<f64> = exact.iter().zip(&TARGETS).map(|(v, target)| rounded(*v, target.digits)).collect();
+    let to_digits: Vec<f64> =
+        exact.iter().zip(&TARGETS).map(|(v, target)| rounded(*v, target.digits)).collect();
     let printed: Vec<f64> = TARGETS.iter().map(|target| target.value).collect();
     let (found, residual) = identify("exact", &exact)?;
     let (from_rounded, residual_rounded) = identify("rounded", &to_digits)?;

@@ -5,7 +5,8 @@ use super::{Channel, Recording};
 use crate::bounded;
 use crate::model::unit::Unit;
 use crate::{Error, Result};
-use std::collections::HashMap;
+use serde::Deserialize;
+use std::collections::{BTreeMap, HashMap};
 use std::io::Write;
 use std::path::Path;
 
@@ -88,24 +89,39 @@ pub(crate) struct Defect {
 /// row of another length than the header's is NaN throughout, times may do what they like.
 ///
 /// # Errors
-/// A file that cannot be read, a header that [`read_csv`] refuses, fewer than two rows.
-pub(crate) fn read_csv_with_defects(path: &Path) -> Result<(Recording, Vec<Defect>)> {
+/// A file that cannot be read, a header that [`read_csv`] refuses (but for what `names` says of columns, by what stands in the
+/// header, with the unit or without), fewer than two rows.
+pub(crate) fn read_csv_with_defects(
+    path: &Path,
+    names: &BTreeMap<String, Column>,
+) -> Result<(Recording, Vec<Defect>)> {
     let (text, source) = read_text(path)?;
     let mut defects = Vec::new();
-    let recording = parse_rows(&TIME, &text, &source, &mut |defect| {
+    let recording = parse_rows(&TIME, names, &text, &source, &mut |defect| {
         defects.push(defect);
         Ok(())
     })?;
     Ok((recording, defects))
 }
 
+/// What a column is, in place of what its header says.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Column {
+    /// Its name, `time` for the time; without one the column is left out, whatever is in it.
+    pub variable: Option<String>,
+    /// Its unit, if the header has none or a wrong one.
+    pub unit: Option<String>,
+}
+
 fn parse_csv_over(axis: &Axis, text: &str, source: &str) -> Result<Recording> {
-    parse_rows(axis, text, source, &mut |defect| Err(defect.error))
+    parse_rows(axis, &BTreeMap::new(), text, source, &mut |defect| Err(defect.error))
 }
 
 /// Reads CSV text; `judge` says of every bad cell, row and order of times whether to go on.
 fn parse_rows(
     axis: &Axis,
+    names: &BTreeMap<String, Column>,
     text: &str,
     source: &str,
     judge: &mut dyn FnMut(Defect) -> Result<()>,
@@ -134,7 +150,8 @@ fn parse_rows(
             axis.name, axis.unit
         )));
     };
-    let Header { mut recording, columns, factor } = Header::parse(axis, &record, source, line)?;
+    let Header { mut recording, columns, places, factor } =
+        Header::parse(axis, names, &record, source, line)?;
 
     // the decimal mark is the first that is seen; a comma between commas could be anything
     let mut mark = (separator == b',').then_some('.');
@@ -152,8 +169,8 @@ fn parse_rows(
             recording.channels.iter_mut().for_each(|channel| channel.values.push(f64::NAN));
             continue;
         }
-        for (i, (cell, column)) in record.iter().zip(&columns).enumerate() {
-            let channel = i.checked_sub(1);
+        for ((cell, column), place) in record.iter().zip(&columns).zip(&places) {
+            let Some(channel) = *place else { continue };
             let value = match number(cell, &mut mark) {
                 Ok(value) => value,
                 Err(what) => {
@@ -214,27 +231,51 @@ struct Header {
     recording: Recording,
     /// How messages call the columns: name and number.
     columns: Vec<String>,
+    /// What each column is: the time, a channel by its number, or nothing that is read.
+    places: Vec<Option<Option<usize>>>,
     /// From the first column's unit to that of the axis.
     factor: f64,
 }
 
 impl Header {
-    fn parse(axis: &Axis, row: &csv::StringRecord, source: &str, line: u64) -> Result<Self> {
+    fn parse(
+        axis: &Axis,
+        names: &BTreeMap<String, Column>,
+        row: &csv::StringRecord,
+        source: &str,
+        line: u64,
+    ) -> Result<Self> {
         let mut recording = Recording { source: source.into(), ..Recording::default() };
-        let mut columns = Vec::new();
+        let (mut columns, mut places) = (Vec::new(), Vec::new());
         let mut seen = HashMap::new();
         let mut factor = 1.0;
         let Axis { name: axis_name, unit: axis_unit, quantity, .. } = axis;
-        for (i, cell) in row.iter().enumerate() {
+        let given: Vec<Option<&Column>> = row.iter().map(|cell| column_of(names, cell)).collect();
+        let is_time =
+            |column: &Option<&Column>| column.is_some_and(|c| c.variable.as_deref() == Some(axis_name));
+        let time = given.iter().position(is_time).unwrap_or(0);
+        for (i, (cell, given)) in row.iter().zip(given).enumerate() {
             let number = i + 1;
             let fail = |column: &str, what: String| {
                 Err(Error::file(format!("{source}:{line}:{column} (column {number}): {what}")))
             };
-            let Some((name, unit)) = name_and_unit(cell) else {
+            let own = name_and_unit(cell);
+            let named = given.map(|column| (column.variable.as_deref(), column.unit.as_deref()));
+            let (name, unit) = match (named, own) {
+                (Some((None, _)), _) => {
+                    columns.push(format!("{cell} (column {number})"));
+                    places.push(None);
+                    continue;
+                }
+                (Some((Some(name), unit)), own) => (name, unit.or(own.map(|(_, unit)| unit))),
+                (None, Some((name, unit))) => (name, Some(unit)),
+                (None, None) => (cell, None),
+            };
+            let Some(unit) = unit else {
                 if cell.is_empty() {
                     return fail("", "the header cell is empty; write `name [unit]`".into());
                 }
-                if i == 0 {
+                if i == time && given.is_none() {
                     return fail(
                         cell,
                         format!("the first column has to be the {quantity}, `{axis_name} [{axis_unit}]`"),
@@ -243,7 +284,7 @@ impl Header {
                 return fail(
                     cell,
                     format!(
-                        "no unit; write `{cell} [unit]`, for instance `{cell} [N]`, or `{cell} [1]` for a number without unit"
+                        "no unit; write `{name} [unit]`, for instance `{name} [N]`, or `{name} [1]` for a number without unit"
                     ),
                 );
             };
@@ -255,10 +296,12 @@ impl Header {
                 return fail(name, format!("column {first} has the same name; names have to be unique"));
             }
             columns.push(format!("{name} (column {number})"));
-            if i > 0 {
+            if i != time {
+                places.push(Some(Some(recording.channels.len())));
                 recording.channels.push(Channel { name: name.into(), unit: unit.into(), values: Vec::new() });
                 continue;
             }
+            places.push(Some(None));
             if name != *axis_name {
                 return fail(
                     name,
@@ -277,8 +320,13 @@ impl Header {
                 }
             }
         }
-        Ok(Self { recording, columns, factor })
+        Ok(Self { recording, columns, places, factor })
     }
+}
+
+/// What is said of the column with this header: by all of it, or by the name before the unit.
+fn column_of<'a>(names: &'a BTreeMap<String, Column>, cell: &str) -> Option<&'a Column> {
+    names.get(cell).or_else(|| names.get(name_and_unit(cell)?.0))
 }
 
 /// Splits `name [unit]`. The space is needed: `x[1]` may be the name of an element.
@@ -450,6 +498,32 @@ mod tests {
         assert_eq!(force.values, [1.5, 1000.0]);
         assert_eq!((slip.name.as_str(), slip.unit.as_str()), ("slip", "%"));
         assert_eq!(slip.values, [-2.0, 0.5]);
+    }
+
+    #[test]
+    fn a_map_says_what_columns_are() {
+        let column = |variable: Option<&str>, unit: Option<&str>| Column {
+            variable: variable.map(str::to_owned),
+            unit: unit.map(str::to_owned),
+        };
+        let names = BTreeMap::from([
+            ("Force (N)".to_owned(), column(Some("force"), Some("N"))),
+            ("note".to_owned(), column(None, None)),
+            ("t/ms".to_owned(), column(Some("time"), Some("ms"))),
+            ("way".to_owned(), column(Some("deflection"), None)),
+            ("slip [%]".to_owned(), column(Some("slip"), Some("1"))),
+        ]);
+        let read = |text: &str| parse_rows(&TIME, &names, text, "rig.csv", &mut |defect| Err(defect.error));
+        let recording = read("Force (N);note;t/ms;way [mm];slip [%]\n5;cold;0;1;0.1\n6;;10;2;0.2\n").unwrap();
+        assert_eq!(recording.time, [0.0, 0.01]);
+        let channels = recording.channels.iter().map(|c| (&*c.name, &*c.unit, &c.values[..]));
+        assert_eq!(
+            channels.collect::<Vec<_>>(),
+            [("force", "N", &[5.0, 6.0][..]), ("deflection", "mm", &[1.0, 2.0]), ("slip", "1", &[0.1, 0.2])]
+        );
+        // a column that is not left out needs a unit, from one of the two
+        let refused = read("time [s],way\n0,1\n1,2\n").unwrap_err().to_string();
+        assert!(refused.contains("`deflection [unit]`"), "{refused}");
     }
 
     #[test]

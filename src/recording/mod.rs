@@ -7,7 +7,7 @@ mod shortest;
 mod smooth;
 mod tydex;
 
-pub(crate) use csv::{Defect, read_csv_with_defects};
+pub(crate) use csv::{Column, Defect, read_csv_with_defects};
 pub use csv::{parse_csv, read_csv, to_csv, write_csv};
 pub use noise::add_noise;
 pub use profile::{profile_from_csv, profile_value, read_settings};

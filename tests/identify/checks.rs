@@ -466,7 +466,8 @@ fn a_plan_says_how_a_group_is_solved() {
         let plan = Plan::read(&text).unwrap();
         assert!(plan.groups[1].solver.is_some() && plan.groups[2].solver.is_some());
         let stand = stand(&plan.model);
-        let readings = |numbers: &Numbers| Readings::new(&plan, &stand, ring_brush::REGISTRY, numbers).unwrap();
+        let readings =
+            |numbers: &Numbers| Readings::new(&plan, &stand, ring_brush::REGISTRY, numbers).unwrap();
         let truth = [21.0, 1.3, 1.6];
         let true_values: Numbers =
             ["PKX1", "PDX1", "PCX1"].into_iter().map(str::to_owned).zip(truth).collect();

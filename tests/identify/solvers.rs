@@ -296,7 +296,10 @@ fn a_sequence_of_groups_is_solved_by_what_each_allows() {
     let groups = [
         Group::single(),
         Group::single(),
-        Group { size: 3, way: Way::Nested { nesting: Nesting::plain(3), tail: Some(Tail { sign: 1.0 }), descends: true } },
+        Group {
+            size: 3,
+            way: Way::Nested { nesting: Nesting::plain(3), tail: Some(Tail { sign: 1.0 }), descends: true },
+        },
         Group { size: 1, way: Way::Direct(&direct) },
     ];
     let mut random = SplitMix64::new(8);

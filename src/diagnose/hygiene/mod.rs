@@ -27,7 +27,8 @@ mod unit_sign;
 mod values;
 
 pub use against::faults_against;
-pub use raw::{RawRecording, faults_of_runs, read_raw};
+pub(crate) use raw::read_raw;
+pub use raw::{RawRecording, faults_of_runs};
 
 use serde::Serialize;
 

@@ -4,8 +4,10 @@ use super::copies::copies;
 use super::time::mend;
 use super::values::faults_of_values;
 use super::{Fault, FaultKind, Severity, run_name, short};
-use crate::recording::{Channel, Defect, Recording, read_csv_with_defects};
+use crate::recording::{Channel, Column, Defect, Recording, read_csv_with_defects};
+use crate::stats::quantile;
 use crate::{Error, Result};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// A channel that lacks more than this share of its cells is left out, not its rows.
@@ -22,12 +24,13 @@ pub struct RawRecording {
 
 /// Reads a CSV file as [`read_csv`](crate::recording::read_csv) does, but goes on where that stops: time
 /// stamps that step back or repeat, empty cells, cells that are no finite number, short rows. All of these
-/// become faults, as do gaps, jitter, rails, frozen values and spikes.
+/// become faults, as do gaps, jitter, rails, frozen values and spikes. `names` says what columns are: what is left out is not
+/// looked at.
 ///
 /// # Errors
 /// A file that cannot be read, a header that cannot be understood, fewer than two rows that are left.
-pub fn read_raw(path: &Path) -> Result<RawRecording> {
-    let (recording, defects) = read_csv_with_defects(path)?;
+pub(crate) fn read_raw(path: &Path, names: &BTreeMap<String, Column>) -> Result<RawRecording> {
+    let (recording, defects) = read_csv_with_defects(path, names)?;
     mended(recording, &defects)
 }
 
@@ -42,10 +45,31 @@ impl RawRecording {
 }
 
 /// All faults that the recordings show by themselves: of each one, and runs that are copies of others.
-pub fn faults_of_runs(raw: &[RawRecording]) -> Vec<Fault> {
-    let mut faults: Vec<Fault> = raw.iter().flat_map(|r| r.faults.iter().cloned()).collect();
-    faults.extend(copies(&raw.iter().map(|r| &r.recording).collect::<Vec<_>>()));
+pub fn faults_of_runs(raw: &[&RawRecording]) -> Vec<Fault> {
+    let recordings: Vec<&Recording> = raw.iter().map(|r| &r.recording).collect();
+    let own = raw.iter().flat_map(|r| r.faults.iter().map(|fault| (&r.recording, fault)));
+    let real =
+        own.filter(|(own, fault)| fault.kind != FaultKind::Saturated || is_rail(own, fault, &recordings));
+    let mut faults: Vec<Fault> = real.map(|(_, fault)| fault.clone()).collect();
+    faults.extend(copies(&recordings));
     faults
+}
+
+/// Whether what looks like a rail in one run is one for all: met more than once, and exceeded by none. Else it is where a motion
+/// turns, and not where a sensor ends.
+fn is_rail(own: &Recording, fault: &Fault, all: &[&Recording]) -> bool {
+    let Some(name) = &fault.channel else { return true };
+    let Ok(here) = own.channel(name) else { return true };
+    let rail = fault.value;
+    let is_top = rail >= quantile(&here.values, 1.0);
+    let alike = all.iter().filter_map(|recording| recording.channel(name).ok());
+    let alike: Vec<&Channel> = alike.filter(|c| c.unit == here.unit).collect();
+    let beyond = |v: &f64| if is_top { *v > rail } else { *v < rail };
+    let is_exceeded = alike.iter().any(|c| c.values.iter().any(beyond));
+    // a peak may be two samples wide by chance
+    let visits =
+        |c: &Channel| c.values.chunk_by(|a, b| a == b).filter(|w| w.len() > 2 && w[0] == rail).count();
+    !is_exceeded && alike.into_iter().map(visits).sum::<usize>() > 1
 }
 
 fn mended(mut recording: Recording, defects: &[Defect]) -> Result<RawRecording> {
@@ -159,4 +183,33 @@ fn empty_cells(recording: &mut Recording, defects: &[Defect]) -> Vec<Fault> {
         })
         .collect();
     faults
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A swing of 1 Hz with a little noise, held by friction for a moment where it turns, at `top` and a little before.
+    fn swing(source: &str, top: f64) -> RawRecording {
+        let time: Vec<f64> = (0..800).map(|k| 0.01 * f64::from(k)).collect();
+        let mut noise = crate::stats::SplitMix64::new(source.len() as u64);
+        let value = |t: &f64| {
+            let clean = 2.0 * (std::f64::consts::TAU * t).sin() + 0.02 * noise.normal();
+            (clean.min(top) * 500.0).round() / 500.0
+        };
+        let values = time.iter().map(value).collect();
+        let channels = vec![Channel { name: "angle".into(), unit: "rad".into(), values }];
+        RawRecording::new(Recording { time, channels, source: source.into() }).unwrap()
+    }
+
+    #[test]
+    fn a_rail_is_one_for_all_runs() {
+        let kinds = |runs: &[RawRecording]| -> Vec<FaultKind> {
+            faults_of_runs(&runs.iter().collect::<Vec<_>>()).into_iter().map(|f| f.kind).collect()
+        };
+        let at_rail = [swing("a.csv", 1.8), swing("bb.csv", 1.8)];
+        assert_eq!(kinds(&at_rail), [FaultKind::Saturated; 2]);
+        // another run goes far beyond: the first ones only turn there
+        assert_eq!(kinds(&[at_rail[0].clone(), swing("ccc.csv", 9.0)]), []);
+    }
 }

@@ -237,7 +237,7 @@ fn values<'a>(recording: &'a mut Recording, name: &str) -> &'a mut Vec<f64> {
 fn faults(case: &Case) -> Vec<Fault> {
     let raw: Vec<RawRecording> =
         case.measured.iter().map(|r| RawRecording::new(r.clone()).unwrap()).collect();
-    let mut faults = faults_of_runs(&raw);
+    let mut faults = faults_of_runs(&raw.iter().collect::<Vec<_>>());
     let at = |simulated: &Recording, times: &[f64]| Recording {
         time: times.to_vec(),
         channels: simulated
@@ -346,12 +346,14 @@ fn spoil(case: &mut Case, kind: &str, random: &mut Random) {
             }
         }
         "saturated" => {
-            // a rail that cuts off the top quarter
+            // a rail that cuts off the top quarter of one run, and whatever the others have beyond it
             let share = random.within(0.5, 0.8);
-            let values = values(&mut case.measured[run], name);
-            let (low, high) = (stats::quantile(values, 0.01), stats::quantile(values, 0.99));
+            let own = values(&mut case.measured[run], name);
+            let (low, high) = (stats::quantile(own, 0.01), stats::quantile(own, 0.99));
             let rail = low + share * (high - low);
-            values.iter_mut().for_each(|v| *v = v.min(rail));
+            for recording in &mut case.measured {
+                values(recording, name).iter_mut().for_each(|v| *v = v.min(rail));
+            }
         }
         "stuck" => {
             let (at, length) = (50 + random.below(n / 2), 60 + random.below(120));

@@ -40,6 +40,8 @@ const NEAR_LEFT: f64 = 0.35;
 /// A near factor in all runs: the gains may scatter by this much. Physics that changes a gain twofold
 /// changes it with conditions; a unit does not.
 const NEAR_SCATTER: f64 = 0.05;
+/// With its factor taken out a run may be this much worse than those that are right.
+const AS_OTHERS: f64 = 2.0;
 /// Gains beyond this are more than parameters in their bounds and a sensor's own gain make, if so many runs have
 /// the same.
 const STRANGE: f64 = 2.0;
@@ -138,7 +140,18 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
     // the runs that are right say what the model's own gain error is
     let right: Vec<f64> = gains.iter().copied().filter(|g| (0.6..1.67).contains(g)).collect();
     let usual = if right.is_empty() { 1.0 } else { median(&right) };
-    let steady = spread(&gains.iter().map(|g| g.ln()).collect::<Vec<_>>()) < NEAR_SCATTER;
+    // a unit is one factor for all of a run, and the runs that are right show how much gains scatter by themselves: where they
+    // do, a near factor may be physics that acts in some runs more than in others
+    let scatter = |gains: &[f64]| spread(&gains.iter().map(|g| g.ln()).collect::<Vec<_>>());
+    let steady = scatter(&gains) < NEAR_SCATTER;
+    let others_are_right = 2 * right.len() > gains.len() && scatter(&right) < NEAR_SCATTER;
+    let left_in_right: Vec<f64> = fits
+        .iter()
+        .filter(|(_, fit, _)| (0.6..1.67).contains(&fit.gain))
+        .map(|(_, fit, size)| fit.error / size)
+        .collect();
+    // and leaves no more of it than of the others
+    let as_others = if left_in_right.is_empty() { f64::INFINITY } else { AS_OTHERS * median(&left_in_right) };
     let mut by_factor: Vec<(f64, &str, Runs)> = Vec::new();
     for (run, fit, size) in &fits {
         let Some((factor, what)) = factor(fit.gain / usual, &unit) else { continue };
@@ -146,7 +159,7 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
         // one run alone has nothing to be steady with, nor has it others that are mostly right
         let trusted = far
             || (fit.error < NEAR_LEFT * size
-                && (2 * right.len() > gains.len() || (steady && fits.len() > 1)));
+                && ((others_are_right && fit.error < as_others * size) || (steady && fits.len() > 1)));
         let pair = table.pairs[channel].iter().flatten().find(|pair| pair.run == *run);
         if !trusted || !pair.is_some_and(|pair| mean_agrees(&pair.measured, pair.simulated, factor)) {
             continue;

@@ -22,6 +22,11 @@ const FALL: f64 = 10.0;
 const STUCK: usize = 25;
 /// By how many times the longest flat stretch that the channel has otherwise.
 const LONGER: f64 = 4.0;
+/// Noise of so many quantisation steps moves a value that rests.
+const NOISY: f64 = 2.0;
+/// A jump is so many times the largest of so many steps after it: a motion that begins takes longer steps later.
+const JUMP: f64 = 2.0;
+const AFTER: usize = 8;
 /// Most samples of a spike.
 const SPIKE: usize = 3;
 /// How far a spike is, in the largest steps between samples around it.
@@ -72,6 +77,15 @@ impl<'a> Look<'a> {
         let at =
             |i: Option<usize>| i.and_then(|i| self.values.get(i)).map(|v| (v - self.values[begin]).abs());
         (at(begin.checked_sub(half)), at(Some(end - 1 + half)))
+    }
+
+    /// Whether a flat stretch ends in a jump. A sensor that sends again jumps to where the machine is by then; a machine that
+    /// was held by friction goes on from where it is.
+    fn jumps_after(&self, (_, end): (usize, usize)) -> bool {
+        let Some(next) = self.values.get(end) else { return false };
+        let later = end..(end + AFTER).min(self.values.len() - 1);
+        let steps = later.map(|i| (self.values[i + 1] - self.values[i]).abs()).fold(0.0, f64::max);
+        (next - self.values[end - 1]).abs() > JUMP * steps.max(self.noise).max(self.step)
     }
 
     fn clear(&self) -> f64 {
@@ -254,10 +268,9 @@ fn stuck(channel: &Channel, look: &Look, all: &[Look], own: usize) -> Option<Fau
     if length < STUCK || at_rail || look.near_zero(value) || (length as f64) < LONGER * usual as f64 {
         return None;
     }
-    // with noise of several steps the chance of so many equal ones is nil; below it, motion has to show it
-    let (before, after) = look.falls(longest);
-    let left = before.into_iter().chain(after).fold(0.0, f64::max);
-    if look.noise < look.step && left < look.clear() {
+    // with noise of several steps the chance of so many equal ones is nil; else what stays may as well be a machine at rest
+    let is_noisy = look.step > 0.0 && look.noise > NOISY * look.step;
+    if !is_noisy && !look.jumps_after(longest) {
         return None;
     }
     let moving = all.iter().enumerate().any(|(i, other)| {
@@ -400,6 +413,31 @@ mod tests {
         let values = time.iter().map(value).collect();
         let channel = Channel { name: "velocity".into(), unit: "m/s".into(), values };
         Recording { time, channels: vec![channel], ..Recording::default() }
+    }
+
+    /// Friction holds what turns: it comes to rest where it turns, and goes on from there.
+    #[test]
+    fn what_friction_holds_is_no_stuck_sensor() {
+        let time: Vec<f64> = (0..800).map(|k| 0.01 * f64::from(k)).collect();
+        // at rest for 1.2 s at a turning point of a swing; the sensor meanwhile sees nothing, or has nothing to see
+        let swing = |t: f64| {
+            let phase = if t < 2.5 { t } else { (t - 1.2).max(2.5) };
+            (1.0 + 0.1 * phase) * (std::f64::consts::PI * phase).sin()
+        };
+        let counts = |v: f64| (v * 800.0).round() / 800.0;
+        let held: Vec<f64> = time.iter().map(|t| counts(swing(*t))).collect();
+        let moving: Vec<f64> = time.iter().map(|t| counts((1.0 + 0.1 * t) * (3.0 * t).sin())).collect();
+        let at_rest = |k: usize| (160..280).contains(&k);
+        let frozen =
+            moving.iter().enumerate().map(|(k, v)| if at_rest(k) { moving[160] } else { *v }).collect();
+        let kinds = |values: Vec<f64>| -> Vec<FaultKind> {
+            let channel = |name: &str, values| Channel { name: name.into(), unit: "rad".into(), values };
+            let channels = vec![channel("angle", values), channel("command", moving.clone())];
+            let recording = Recording { time: time.clone(), channels, ..Recording::default() };
+            faults_of_values(&recording).faults.iter().map(|f| f.kind).collect()
+        };
+        assert_eq!(kinds(held), []);
+        assert_eq!(kinds(frozen), [FaultKind::Stuck]);
     }
 
     #[test]

@@ -262,11 +262,15 @@ impl Evidence {
             .signals
             .inputs
             .iter()
-            .map(|(name, _)| plan.recordings.as_ref().and_then(|r| r.held_within.get(name)).copied().unwrap_or(0.0))
+            .map(|(name, _)| {
+                plan.recordings.as_ref().and_then(|r| r.held_within.get(name)).copied().unwrap_or(0.0)
+            })
             .collect();
         let is_at = |a: &Reading, b: &Reading| {
             let places = a.point.inputs.iter().zip(&b.point.inputs);
-            a.moved.is_none() && b.moved.is_none() && places.zip(&within).all(|((a, b), w)| (a - b).abs() <= *w)
+            a.moved.is_none()
+                && b.moved.is_none()
+                && places.zip(&within).all(|((a, b), w)| (a - b).abs() <= *w)
         };
         let mut visits = Vec::<Vec<usize>>::new();
         for k in members {

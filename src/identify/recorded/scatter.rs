@@ -155,7 +155,8 @@ impl Search<'_> {
                 let [first, last] = [times.clone().fold(f64::INFINITY, f64::min), times.fold(0.0, f64::max)];
                 let straight = |k: &usize| {
                     let of_ramps = self.evidence.readings[*k].moved.is_some();
-                    let place = if last > first { 2.0 * (middle(*k) - first) / (last - first) - 1.0 } else { 0.0 };
+                    let place =
+                        if last > first { 2.0 * (middle(*k) - first) / (last - first) - 1.0 } else { 0.0 };
                     // a straight line has this standard deviation over its time
                     let at_ends = 3f64.sqrt() * drifting[usize::from(of_ramps)][channel];
                     (*k, scatter.unsure(of_ramps) * at_ends * place)
@@ -191,7 +192,9 @@ impl Search<'_> {
         let mut covariance = DMatrix::zeros(reads.len(), reads.len());
         for error in self.errors(reads, scatter) {
             let input = error.channel.checked_sub(outputs);
-            if error.sizes.values().all(|size| *size == 0.0) || input.is_some_and(|k| measured_by[k].is_some()) {
+            if error.sizes.values().all(|size| *size == 0.0)
+                || input.is_some_and(|k| measured_by[k].is_some())
+            {
                 continue;
             }
             let moves = |k: usize| input == Some(k) || measured_by[k] == Some(error.channel);

@@ -94,7 +94,8 @@ pub fn sequence(
                 })
             }
             Way::Nested { nesting, tail, descends } => {
-                let found = if *descends { descend(targets, goal, rows.clone(), &parameters) } else { Ok(None) };
+                let found =
+                    if *descends { descend(targets, goal, rows.clone(), &parameters) } else { Ok(None) };
                 match found {
                     Ok(Some(found)) => Ok(found),
                     _ => {
