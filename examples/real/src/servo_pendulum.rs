@@ -70,7 +70,7 @@ impl Model for ServoPendulum {
                 "Torque by current, at the gear's end",
             )
             .range(1e-6, 100.0),
-            parameter("resistance", "Ohm", real!(resistance), 4.4, "Of the winding").range(1e-9, 1e3),
+            parameter("resistance", "V/A", real!(resistance), 4.4, "Of the winding").range(1e-9, 1e3),
             parameter(
                 "viscous_friction",
                 "N.m.s/rad",
