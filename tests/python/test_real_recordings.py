@@ -107,7 +107,8 @@ def test_what_is_not_there_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("name, fit, check", [
-    ("pneumatic-cylinder-napn", 10, 8), ("pneumatic-cylinder-x-ring", 8, 8), ("instrumented-belt-unfiltered", 10, 10)
+    ("pneumatic-cylinder-napn", 10, 8), ("pneumatic-cylinder-x-ring", 8, 8), ("instrumented-belt-unfiltered", 10, 10),
+    ("servo-pendulum", 12, 4),
 ])
 def test_no_sample_is_in_two_runs(runs, name, fit, check):
     folder = runs(name)
@@ -132,6 +133,9 @@ def test_no_sample_is_in_two_runs(runs, name, fit, check):
      dict(mass=5.316e-6, damping=2.2793e-4, stiffness=1.01422, offset=-5.3413e-3), (4e-3, 9e-3)),
     ("pneumatic-cylinder-napn", "pneumatic-cylinder", "7bar-02", "force", dict(area=5.0359e-4), (9.0, 15.0)),
     ("instrumented-belt", "constant-moment", "fast-2-1", "pitch_moment", dict(moment=-0.336), (10.0, 13.0)),
+    # what it leaves is dry friction of the gear
+    ("servo-pendulum", "servo-pendulum", "kp400-sin_sin", "position",
+     dict(resistance=4.75, torque_constant=0.3376, armature_inertia=1.534e-3, viscous_friction=0.01484), (0.12, 0.17)),
 ])
 def test_the_nominal_models_run_on_the_recordings(runs, models, tmp_path, name, model, run, channel, parameters, error):
     path, results = runs(name) / f"{run}.csv", tmp_path / "results.csv"
