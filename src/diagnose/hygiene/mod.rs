@@ -1,7 +1,7 @@
 //! Faults of recordings, told apart from faults of the model.
 //!
 //! Two looks, each cheap beside one simulation:
-//! - [`read_raw`] and [`faults_of_runs`] see the recordings alone: time stamps, unreadable cells, rails,
+//! - [`RawRecording`] and [`faults_of_runs`] see the recordings alone: time stamps, unreadable cells, rails,
 //!   frozen values, spikes, copies.
 //! - [`faults_against`] sees recordings beside simulations of the same runs: unit, sign, swapped cables,
 //!   and whatever differs in a few runs only.
