@@ -30,8 +30,9 @@ const DERIVATIVE_TOLERANCE: f64 = 1e-6;
 /// The relative tolerance of a solver where the description does not name one. Tools' defaults are 1e-4
 /// to 1e-6.
 const SOLVER_TOLERANCE: f64 = 1e-4;
-/// Growth of the memory by more than this, in each half of many cycles, is a leak \[bytes\].
+/// Growth of the memory by more than this, in each of so many parts of many cycles, is a leak \[bytes\].
 const LEAK: u64 = 64 << 10;
+const PARTS: usize = 6;
 
 const fn case(
     name: &'static str,
