@@ -51,6 +51,8 @@ pub fn run(args: &Args) -> Result<()> {
     if args.step.is_some_and(|s| !(s.is_finite() && s > 0.0)) {
         return Err(Error::call("--step has to be a positive time"));
     }
+    // what a long search ends with is not missed then
+    let library = ModelLibrary::shipped(MODELS)?;
     let request = Request {
         model: args.model.clone(),
         settings: read_settings(args.parameters.as_deref())?,
@@ -70,14 +72,14 @@ pub fn run(args: &Args) -> Result<()> {
         bar.set_position((1000.0 * share) as u64);
     })?;
     bar.finish_and_clear();
-    write(&args.output, &outcome)?;
+    write(&args.output, &outcome, &library)?;
     match args.format {
         Format::Json => print_json_text(outcome.diagnosis.to_json()?.trim_end()),
-        Format::Text => print(&text(&outcome)),
+        Format::Text => print(&format!("{}\n{}", text(&outcome), args.output.join("report.html").display())),
     }
 }
 
-fn write(folder: &Path, outcome: &Outcome) -> Result<()> {
+fn write(folder: &Path, outcome: &Outcome, library: &ModelLibrary) -> Result<()> {
     let diagnosis = &outcome.diagnosis;
     write_file(&folder.join("diagnosis.json"), diagnosis.to_json()?.as_bytes())?;
     let runs: Vec<CheckRun> = outcome
@@ -109,20 +111,24 @@ fn write(folder: &Path, outcome: &Outcome) -> Result<()> {
     let base = match &outcome.subject.base {
         Base::Shipped(name, settings) => CorrectedBase::Model(name.clone(), settings.clone()),
         Base::Fmu(path) => CorrectedBase::Fmu(path.clone()),
-        Base::System(path) => return write_system(folder, path, &fitted, outcome),
+        Base::System(path) => return write_system(folder, path, &fitted, outcome, library),
     };
     let parameters: Vec<(String, f64)> = fitted.into_iter().map(|f| (f.name, f.value)).collect();
-    let library = ModelLibrary::shipped(MODELS)?;
-    let fmu = export_corrected(&base, &parameters, &outcome.attachments, &library, &[])?;
+    let fmu = export_corrected(&base, &parameters, &outcome.attachments, library, &[])?;
     write_file(&folder.join("corrected.fmu"), &fmu)
 }
 
 /// A wired system again, with corrected parts.
-fn write_system(folder: &Path, path: &Path, fitted: &[Fitted], outcome: &Outcome) -> Result<()> {
+fn write_system(
+    folder: &Path,
+    path: &Path,
+    fitted: &[Fitted],
+    outcome: &Outcome,
+    library: &ModelLibrary,
+) -> Result<()> {
     let folder = folder.join("corrected-system");
     let parameters: Vec<(String, f64)> = fitted.iter().map(|f| (f.name.clone(), f.value)).collect();
-    let library = ModelLibrary::shipped(MODELS)?;
-    write_corrected(path, &folder, &parameters, &outcome.attachments, &library)
+    write_corrected(path, &folder, &parameters, &outcome.attachments, library)
         .map_err(|e| e.at("the corrected system cannot be written; all else is there"))
 }
 

@@ -1,11 +1,11 @@
 //! How the fits of screened effects begin: from where the fit without them ended, or from nominal parameters
 //! where that fit has bent them.
 
-use super::candidates::{Tried, assess, choose, screen};
+use super::candidates::{Before, Tried, assess, choose, screen};
 use super::plausible::plausible;
 use super::roles::Roles;
 use super::screen::Screened;
-use super::study::{Fitted, Model, Rest, Study};
+use super::study::{Fitted, Model, Study};
 use super::subject::Subject;
 use crate::effect::{Parameter, empirical};
 use crate::fit::side_by_side;
@@ -20,6 +20,11 @@ const BENT: f64 = 0.2;
 const ALSO: usize = 3;
 /// Of those that are promising there, the ones that promise this share of what the best does.
 const PROMISING: f64 = 0.5;
+/// How often the range of an amplitude is made wider at whose end a fit comes to rest, and how many times wider: its natural
+/// size is a guess from what signals move, which may be far from what a machine has, as near a resonance.
+const WIDER: usize = 3;
+const TIMES: f64 = 10.0;
+
 /// An effect that misses more than this share of what the best one explains is given up.
 const HOPELESS: f64 = 0.6;
 
@@ -77,7 +82,7 @@ fn from_nominal(
 ) -> Vec<Begun> {
     let model = Model { parameters: nominal.parameters.clone(), ..current.model.clone() };
     let Ok(there) = study.fit(&model, 1) else { return Vec::new() };
-    if !bent(&current.model, &there.model) {
+    if !bent(study, &current.model, &there.model) {
         let begin = |s: &Screened| {
             let fitted = study.fit_near(&with(&there, s, small(s)), TRY_OUT, &there).ok()?;
             Some(Begun { screened: s.clone(), fitted })
@@ -130,15 +135,14 @@ fn small(screened: &Screened) -> Vec<f64> {
 }
 
 /// Whether a parameter is far from its nominal value.
-fn bent(model: &Model, nominal: &Model) -> bool {
+fn bent(study: &Study<'_>, model: &Model, nominal: &Model) -> bool {
     let parameters = model.parameters.iter().zip(&nominal.parameters);
-    // the last one is the recorder's lag
-    parameters.take(nominal.parameters.len().saturating_sub(1)).any(|(x, n)| (x - n).abs() > BENT * n.abs())
+    parameters.take(study.free.len()).any(|(x, n)| (x - n).abs() > BENT * n.abs())
 }
 
 impl Begun {
-    /// Begins where the fit without the effect ended: near its off value, and for one that is there as a whole
-    /// or not at all in the middle of what is plausible.
+    /// Begins where the fit without the effect ended: near its off value, with the size with which it explains something as a
+    /// whole, and for one that is there as a whole or not at all in the middle of what is plausible.
     fn from_current(study: &Study<'_>, current: &Fitted, screened: &Screened) -> Option<Self> {
         let begin =
             |values: Vec<f64>| study.fit_near(&with(current, screened, values), TRY_OUT, current).ok();
@@ -151,7 +155,11 @@ impl Begun {
             };
             begin(screened.values.iter().zip(parameters).map(of).collect())
         });
-        let fits = near.into_iter().chain(there.flatten());
+        let size = screened.whole.as_ref().and_then(|whole| {
+            // far from where the effect is off its derivatives are others
+            study.fit_roughly(&with(current, screened, whole.clone()), TRY_OUT, None).ok()
+        });
+        let fits = near.into_iter().chain(there.flatten()).chain(size);
         let fitted = fits.min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))?;
         // what screening promised tells whether derivatives of the model without the effect have led to the end
         let is_kept = fitted.fit.cost < (1.0 - KEPT_PROMISE * screened.gain) * current.fit.cost;
@@ -165,10 +173,41 @@ impl Begun {
     }
 
     /// Goes on with the fit, and looks at what it leaves.
-    pub fn finish(&self, study: &Study<'_>, current_fit: &Rest, current_check: &Rest) -> Option<Tried> {
+    pub fn finish(&self, study: &Study<'_>, before: Before<'_>) -> Option<Tried> {
         let Self { screened, fitted } = self;
         let fitted = study.fit_near(&fitted.model, TRY_OUT, fitted).unwrap_or_else(|_| fitted.clone());
-        let fitted = plausible(study, &fitted, current_fit).unwrap_or(fitted);
-        assess(study, (screened.placement.clone(), screened.places), fitted, current_fit, current_check)
+        let fitted = widened(study, fitted);
+        let fitted = plausible(study, &fitted, before.fit).unwrap_or(fitted);
+        assess(study, screened, fitted, before)
     }
+}
+
+/// The fit with wider ranges of those amplitudes of the last effect that are at an end of theirs, as long as it gets better.
+/// What is a plain number, a share or a gain, has the range that it has, and so has a function without a name, which can be
+/// anything within it.
+fn widened(study: &Study<'_>, mut fitted: Fitted) -> Fitted {
+    for _ in 0..WIDER {
+        let mut model = fitted.model.clone();
+        let Some((placement, values)) = model.effects.last_mut() else { break };
+        let ended: Vec<usize> = (placement.effect.parameters.iter().zip(&*values).enumerate())
+            .filter(|(_, (p, value))| {
+                let (low, high) = placement.limits(p);
+                let has_size = p.scale.target != 0 || p.scale.drivers != [0; 3];
+                p.off.is_some() && has_size && (**value <= low || **value >= high)
+            })
+            .map(|(i, _)| i)
+            .collect();
+        if ended.is_empty() || placement.bounded || empirical::is(placement.effect) {
+            break;
+        }
+        for i in ended {
+            placement.scales[i] *= TIMES;
+            values[i] /= TIMES;
+        }
+        match study.fit_roughly(&model, TRY_OUT, None) {
+            Ok(wider) if wider.fit.cost < fitted.fit.cost => fitted = wider,
+            _ => break,
+        }
+    }
+    fitted
 }

@@ -7,8 +7,9 @@ use super::roles::Roles;
 use super::screen::{Screen, Screened};
 use super::study::{Fitted, Model, Rest, Study, differences};
 use super::subject::Subject;
+use crate::effect::catalogue::nested::simpler;
 use crate::effect::{Effect, catalogue, empirical};
-use crate::fit::{Drive, Run, Traces, side_by_side};
+use crate::fit::{Channel, Drive, Run, Traces, side_by_side};
 use crate::model::Causality;
 use crate::stats::{root_mean_square, sign_flip};
 use crate::{Error, Result};
@@ -24,6 +25,12 @@ const SCREENED: usize = 4;
 /// An effect that promises less of the squared error of the fit runs is not fitted.
 const MIN_PROMISE: [f64; 2] = [0.005, 0.015];
 
+/// How often a force comes and goes in a run that tells how large forces are, how many sizes are tried for it, and how many
+/// times larger or smaller the next one is at most.
+const WAVES: usize = 4;
+const FORCES: usize = 10;
+const FAR: f64 = 1e3;
+
 /// A squared error that is so many times larger with an effect than without refutes it.
 const SPOILT: f64 = 1.5;
 /// Iterations of a fit to the end.
@@ -31,39 +38,54 @@ const POLISH: usize = 10;
 /// An effect that misses less than this share of what the best one explains is fitted to the end.
 const NEARLY: f64 = 0.3;
 
+/// What the model leaves without a candidate, of the fit runs and of the check runs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Before<'a> {
+    pub fit: &'a Rest,
+    pub check: &'a Rest,
+}
+
 /// A candidate that was fitted.
 pub(super) struct Tried {
-    pub placement: Placement,
-    /// Number of places at which its effect was looked for.
-    pub places: usize,
+    /// Effect and place, and among how many it was chosen.
+    pub screened: Screened,
     pub fitted: Fitted,
     pub fit_rest: Rest,
     pub check_rest: Rest,
     pub fit_gain: f64,
     pub check_gain: f64,
+    /// Probability that chance makes the gain on the check runs,
     pub p: f64,
+    /// and that it makes that and the gain on the fit runs of a fit to the check runs, where that was asked for.
+    pub p_in_turn: Option<f64>,
     /// Why it may not be named, if so.
     pub refuted: Option<String>,
 }
 
-/// Runs for screening, as numbers among the fit runs: those that leave most, then others spread evenly.
+/// Runs for screening, as numbers among the fit runs: those that together show most of what is left of every channel, then
+/// others spread evenly.
 fn some_of(study: &Study<'_>, rest: &Rest) -> Vec<usize> {
     let count = study.fit_runs.len();
-    let left = |i: usize| {
+    let left = |i: usize| -> Vec<f64> {
         let run = study.fit_runs[i];
-        let square: f64 = run
-            .channels
-            .iter()
-            .zip(&rest.simulated[i])
-            .zip(&study.weights)
-            .map(|((c, s), w)| c.values.iter().zip(s).map(|(m, s)| (w * (m - s)).powi(2)).sum::<f64>())
-            .sum();
-        square / run.time.len().max(1) as f64
+        let channels = run.channels.iter().zip(&rest.simulated[i]).zip(&study.weights);
+        let square = |((c, s), w): ((&Channel, &Vec<f64>), &f64)| {
+            let errors = c.values.iter().zip(s).map(|(m, s)| (w * (m - s)).powi(2));
+            errors.sum::<f64>() / run.time.len().max(1) as f64
+        };
+        channels.map(square).collect()
     };
-    let mut order: Vec<usize> = (0..count).collect();
-    order.sort_by(|a, b| left(*b).total_cmp(&left(*a)));
-    let mut chosen: Vec<usize> = order.iter().copied().take(SCREENED.div_ceil(2)).collect();
-    let n = SCREENED - chosen.len();
+    let left: Vec<Vec<f64>> = (0..count).map(left).collect();
+    let mut shown = vec![0.0_f64; study.weights.len()];
+    let mut chosen: Vec<usize> = Vec::new();
+    while chosen.len() < SCREENED.div_ceil(2).min(count) {
+        let more = |i: usize| left[i].iter().zip(&shown).map(|(l, s)| (l - s).max(0.0)).sum::<f64>();
+        let open = (0..count).filter(|i| !chosen.contains(i));
+        let Some(next) = open.max_by(|a, b| more(*a).total_cmp(&more(*b)).then(b.cmp(a))) else { break };
+        shown.iter_mut().zip(&left[next]).for_each(|(s, l)| *s = s.max(*l));
+        chosen.push(next);
+    }
+    let n = SCREENED - SCREENED.div_ceil(2);
     chosen.extend((0..n).map(|i| (2 * i + 1) * count / (2 * n)));
     let mut seen = BTreeSet::new();
     chosen.retain(|i| seen.insert(*i));
@@ -95,7 +117,12 @@ pub(super) fn screen(
         .into_iter()
         .collect();
     let point = Study::point(&current.model);
-    let steps: Vec<f64> = current.unknowns.iter().zip(&point).map(|(u, x)| u.step_at(*x)).collect();
+    // what is held by a bound explains no more of what is left
+    let held = current.fit.held_by_bounds(&current.unknowns);
+    let steps: Vec<(usize, f64)> = (current.unknowns.iter().zip(&point).enumerate())
+        .filter(|(i, _)| !held.contains(i))
+        .map(|(i, (u, x))| (i, u.step_at(*x)))
+        .collect();
     let problem = study.problem(&current.model, runs.clone());
     let model = &current.model;
     let screen = Screen::new(&problem, &simulated, model, &point, &steps, Arc::clone(&watch), &study.weights)
@@ -119,7 +146,7 @@ pub(super) fn screen(
             && roles.is(variable, crate::effect::Role::Force)
             && interface.variables[variable].causality == Causality::Input
         {
-            size[variable] = force_size(study, &current.model, variable, &measured, &size);
+            size[variable] = force_size(study, model, &runs, variable, &measured, &size);
         }
     }
     let tunable = study.free.iter().map(|p| p.variable).filter(|v| is_tunable(interface, *v)).collect();
@@ -138,34 +165,71 @@ pub(super) fn screen(
         .filter(|p| !known(p))
         .collect();
     let places = |id: &str| placements.iter().filter(|p| p.effect.id == id).count();
+    let all = placements.len();
     let counted = |screened: Vec<Screened>| -> Vec<Screened> {
-        screened.into_iter().map(|s| Screened { places: places(s.placement.effect.id), ..s }).collect()
+        let own = |s: Screened| Screened { places: places(s.placement.effect.id), all_places: all, ..s };
+        screened.into_iter().map(own).collect()
     };
     Ok(counted(screen.screen(interface, &placements)))
 }
 
-/// The size of a force at an input that nothing drives: what moves an output as much as it moves anyway.
-fn force_size(study: &Study<'_>, model: &Model, variable: usize, measured: &[usize], size: &[f64]) -> f64 {
-    let Some(run) = study.fit_runs.first() else { return 0.0 };
-    let setup = Arc::new(study.problem(model, vec![run]).setup(&Study::point(model)));
+/// The size of a force at an input that nothing drives: what moves an output as much as it moves anyway. It is looked for,
+/// because a unit of force may be nothing for a machine, or break it.
+fn force_size(
+    study: &Study<'_>,
+    model: &Model,
+    runs: &[&Run],
+    variable: usize,
+    measured: &[usize],
+    size: &[f64],
+) -> f64 {
+    let setup = Arc::new(study.problem(model, runs.to_vec()).setup(&Study::point(model)));
     let watch: Arc<[usize]> = measured.into();
     let respond = |force: f64| {
-        let mut drive = (*run.drive).clone();
-        drive.inputs.retain(|(v, _)| *v != variable);
-        // on and off, so that also what only shows in motion answers
-        let wave = (0..drive.points).map(|k| if (k / 50) % 2 == 0 { force } else { 0.0 }).collect();
-        drive.inputs.push((variable, wave));
-        study.bench.run(std::slice::from_ref(&setup), &[Arc::new(drive)], &watch).pop().and_then(Result::ok)
+        let drives: Vec<Arc<Drive>> = (runs.iter())
+            .map(|run| {
+                let mut drive = Drive::clone(&run.drive);
+                drive.inputs.retain(|(v, _)| *v != variable);
+                // on and off, so that also what only shows in motion answers
+                let half = (drive.points / (2 * WAVES)).max(1);
+                let wave = (0..drive.points)
+                    .map(|k| if (k / half).is_multiple_of(2) { force } else { 0.0 })
+                    .collect();
+                drive.inputs.push((variable, wave));
+                Arc::new(drive)
+            })
+            .collect();
+        let answers = study.bench.run(std::slice::from_ref(&setup), &drives, &watch);
+        answers.into_iter().map(Result::ok).collect::<Option<Vec<Traces>>>()
     };
-    let (Some(still), Some(moved)) = (respond(0.0), respond(1.0)) else { return 0.0 };
-    let mut least = f64::INFINITY;
-    for ((a, b), variable) in still.iter().zip(&moved).zip(measured) {
-        let change = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len().max(1) as f64;
-        if change > 0.0 && size[*variable] > 0.0 {
-            least = least.min(size[*variable] / change.sqrt());
+    let Some(still) = respond(0.0) else { return 0.0 };
+    // how many times its size the output moves that moves most
+    let moves = |force: f64| -> Option<f64> {
+        let moved = respond(force)?;
+        let change = |c: usize| {
+            let pairs = still.iter().zip(&moved).flat_map(|(a, b)| a[c].iter().zip(&b[c]));
+            root_mean_square(pairs.map(|(a, b)| a - b)) / size[measured[c]]
+        };
+        let moving = (0..measured.len()).filter(|c| size[measured[*c]] > 0.0);
+        Some(moving.map(change).filter(|change| change.is_finite()).fold(0.0, f64::max))
+    };
+    let (mut force, mut known) = (1.0, 0.0);
+    for _ in 0..FORCES {
+        match moves(force) {
+            // it breaks the model
+            None => force /= FAR,
+            Some(times) => {
+                if times > 0.0 {
+                    known = force / times;
+                }
+                if (0.5..2.0).contains(&times) {
+                    break;
+                }
+                force /= times.clamp(1.0 / FAR, FAR);
+            }
         }
     }
-    if least.is_finite() { least } else { 0.0 }
+    if f64::is_finite(known) { known } else { 0.0 }
 }
 
 /// The best placement of the best effects: named ones and empirical functions; fewer after the first round.
@@ -185,6 +249,16 @@ pub(super) fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
             if same.clone().count() > 1 || same.next().is_some_and(|first| s.gain < 0.6 * first.gain) {
                 continue;
             }
+            // what it may be no more than is tried beside it
+            let place = &s.placement;
+            for nested in simpler(place.effect.id) {
+                let same = |o: &&Screened| {
+                    o.placement.effect.id == nested.simpler && o.placement.targets == place.targets
+                };
+                let is_new = |o: &&Screened| !chosen.iter().any(|c| c.placement.is_same(&o.placement));
+                let found = screened.iter().find(same).filter(is_new).cloned();
+                chosen.extend(found);
+            }
             chosen.push(s.clone());
             count += 1;
         }
@@ -196,23 +270,23 @@ impl Tried {
     /// What its form costs, in units of twice the logarithm of a likelihood with so many independent
     /// samples (Schwarz's criterion): its parameters, and the places among which it could choose.
     pub fn price(&self, independent: f64) -> f64 {
-        self.placement.effect.parameters.len() as f64 * independent.ln() + 2.0 * (self.places as f64).ln()
+        let Screened { placement, places, .. } = &self.screened;
+        placement.effect.parameters.len() as f64 * independent.ln() + 2.0 * (*places as f64).ln()
     }
 }
 
 /// Fits those that are nearly the best to the end.
-pub(super) fn polish(study: &Study<'_>, tried: &mut [Tried], current_fit: &Rest, current_check: &Rest) {
+pub(super) fn polish(study: &Study<'_>, tried: &mut [Tried], before: Before<'_>) {
     let both = |t: &Tried| t.fit_rest.total + t.check_rest.total;
     let best = tried.iter().map(both).fold(f64::INFINITY, f64::min);
-    let explained = (current_fit.total + current_check.total - best).max(0.0);
+    let explained = (before.fit.total + before.check.total - best).max(0.0);
     let better = |t: &Tried| {
         if both(t) > best + NEARLY * explained {
             return None;
         }
         let fitted = study.fit_on(&t.fitted, POLISH).ok()?;
-        let fitted = plausible(study, &fitted, current_fit).unwrap_or(fitted);
-        assess(study, (t.placement.clone(), t.places), fitted, current_fit, current_check)
-            .filter(|b| b.fit_rest.total <= t.fit_rest.total)
+        let fitted = plausible(study, &fitted, before.fit).unwrap_or(fitted);
+        assess(study, &t.screened, fitted, before).filter(|b| b.fit_rest.total <= t.fit_rest.total)
     };
     let better = side_by_side(study.bench.threads(), tried, better);
     for (t, better) in tried.iter_mut().zip(better) {
@@ -224,27 +298,27 @@ pub(super) fn polish(study: &Study<'_>, tried: &mut [Tried], current_fit: &Rest,
 
 pub(super) fn assess(
     study: &Study<'_>,
-    (placement, places): (Placement, usize),
+    screened: &Screened,
     fitted: Fitted,
-    current_fit: &Rest,
-    current_check: &Rest,
+    before: Before<'_>,
 ) -> Option<Tried> {
     let fit_rest = study.fit_rest(&fitted).ok()?;
     let check_rest = study.rest(&fitted.model, &study.check_runs).ok()?;
     // every channel in units of what is left of it, so that a small effect in one is not lost among the others
     let units = fit_rest.by_channel();
-    let p = sign_flip(&differences(&current_check.in_units(&units), &check_rest.in_units(&units)));
+    let chance = |a: &Rest, b: &Rest| sign_flip(&differences(&a.in_units(&units), &b.in_units(&units)));
+    let p = chance(before.check, &check_rest);
     let refuted = implausible(&fitted.model)
-        .or_else(|| spoils(&current_check.by_channel(), &check_rest.by_channel(), study));
+        .or_else(|| spoils(&before.check.by_channel(), &check_rest.by_channel(), study));
     Some(Tried {
-        placement,
-        places,
-        fit_gain: 1.0 - fit_rest.total / current_fit.total.max(f64::MIN_POSITIVE),
-        check_gain: 1.0 - check_rest.total / current_check.total.max(f64::MIN_POSITIVE),
+        screened: screened.clone(),
+        fit_gain: 1.0 - fit_rest.total / before.fit.total.max(f64::MIN_POSITIVE),
+        check_gain: 1.0 - check_rest.total / before.check.total.max(f64::MIN_POSITIVE),
         fitted,
         fit_rest,
         check_rest,
         p,
+        p_in_turn: None,
         refuted,
     })
 }

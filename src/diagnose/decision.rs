@@ -2,18 +2,19 @@
 //! how likely it makes fit runs and check runs together; and what cannot be told from it.
 
 use super::candidates::Tried;
-use super::plausible::runs_out;
+use super::plausible::{runs_out, sets_apart};
 use super::result::{Alternative, Candidate, Finding};
 use super::study::{Rest, Study, differences};
 use super::subject::Subject;
 use super::tables::estimates;
+use crate::effect::catalogue::nested;
 use crate::effect::{Effect, empirical};
 use crate::stats::{bootstrap_shares, mean_or_zero, sign_flip};
 
 /// Probability of chance below which a gain on the check runs counts, for all that were fitted together.
 pub(super) const LEVEL: f64 = 0.05;
 /// A gain on the check runs or on the fit runs below this share of the squared error is not worth a name.
-const MIN_GAIN: f64 = 0.01;
+pub(super) const MIN_GAIN: f64 = 0.01;
 /// A rest that an empirical function explains, as a share of what the named effects explain, above which
 /// the names are not enough.
 pub(super) const LEFT_OVER: f64 = 0.2;
@@ -70,10 +71,10 @@ impl<'a> Round<'a> {
         candidates.extend((0..self.tried.len()).map(|i| {
             let t = &self.tried[i];
             Candidate {
-                effect: t.placement.effect.id.into(),
-                name: t.placement.effect.name.into(),
-                family: family(t.placement.effect),
-                place: t.placement.place(&subject.interface),
+                effect: t.screened.placement.effect.id.into(),
+                name: t.screened.placement.effect.name.into(),
+                family: family(t.screened.placement.effect),
+                place: t.screened.placement.place(&subject.interface),
                 fit_gain: Some(t.fit_gain),
                 check_gain: Some(t.check_gain),
                 p: Some(t.p),
@@ -97,13 +98,12 @@ impl<'a> Round<'a> {
 
     /// Why an effect does not count, if it does not.
     fn why_not(&self, t: &Tried) -> Option<String> {
-        let level = LEVEL / self.tried.len().max(1) as f64;
         let enough = |gain: f64| gain > MIN_GAIN;
         let little = |runs: &str| {
             format!("takes away less than {} % of the error of the {runs} runs", 100.0 * MIN_GAIN)
         };
         match t {
-            _ if t.p > level || t.p.is_nan() => {
+            _ if !t.is_confirmed(self.tried.len()) => {
                 Some("no gain on the check runs that chance does not make".into())
             }
             _ if !enough(t.check_gain) => Some(little("check")),
@@ -147,6 +147,7 @@ impl<'a> Round<'a> {
     /// The number of the candidate that is right, if one is.
     fn chosen(&self) -> Option<usize> {
         let named = self.best(|t| self.may_be_named(t)).map(|n| self.within_its_ranges(n));
+        let named = named.map(|n| self.no_more_than_needed(n));
         let unnamed = self.best(|t| !is_named(t) && self.counts(t));
         let chosen = match (named, unnamed) {
             (Some(n), Some(e)) if self.is_clearly_better(&self.tried[e], &self.tried[n]) => e,
@@ -170,6 +171,22 @@ impl<'a> Round<'a> {
         let rivals = self.rivals(named).into_iter().filter(|i| !self.runs_out(*i));
         let score = |i: &usize| self.score(&self.tried[*i]);
         rivals.min_by(|a, b| score(a).total_cmp(&score(b))).unwrap_or(named)
+    }
+
+    /// The candidate itself, or the simpler one at its place that it is no more than: the parameter that sets it apart is known
+    /// to be where it says nothing, or not known.
+    fn no_more_than_needed(&self, named: usize) -> usize {
+        let (rivals, t) = (self.rivals(named), &self.tried[named]);
+        let is_simpler = |i: &usize| self.says_no_more(t, &self.tried[*i]);
+        rivals.into_iter().find(is_simpler).unwrap_or(named)
+    }
+
+    /// Whether an effect is no more than a simpler one at the same place.
+    fn says_no_more(&self, t: &Tried, simple: &Tried) -> bool {
+        let (own, other) = (&t.screened.placement, &simple.screened.placement);
+        own.targets == other.targets
+            && nested::simpler(own.effect.id)
+                .any(|n| n.simpler == other.effect.id && !sets_apart(self.study, &t.fitted, n))
     }
 
     fn runs_out(&self, i: usize) -> bool {
@@ -201,7 +218,9 @@ impl<'a> Round<'a> {
             let t = &self.tried[i];
             self.may_be_named(t) && is_as_good(t) && (may_run_out || !self.runs_out(i))
         };
-        (0..self.tried.len()).filter(|i| *i == chosen || fits(*i)).collect()
+        // what is no more than the chosen one is no rival of it
+        let is_more = |i: usize| !self.says_no_more(&self.tried[i], best);
+        (0..self.tried.len()).filter(|i| *i == chosen || (fits(*i) && is_more(*i))).collect()
     }
 
     fn reason(&self, i: usize, chosen: Option<usize>, rivals: &[usize]) -> String {
@@ -235,26 +254,27 @@ impl<'a> Round<'a> {
         let t = &self.tried[chosen];
         // the same effect at the same place from a signal that is as good is no rival
         let is_same = |r: &Tried| {
-            r.placement.effect.id == t.placement.effect.id && r.placement.targets == t.placement.targets
+            r.screened.placement.effect.id == t.screened.placement.effect.id
+                && r.screened.placement.targets == t.screened.placement.targets
         };
         let (same, mut others): (Vec<_>, Vec<_>) =
             rivals.iter().copied().zip(shares).partition(|(i, _)| is_same(of(i)));
         others.sort_by(|a, b| b.1.total_cmp(&a.1));
         let alternative = |(i, share): &(usize, f64)| Alternative {
-            effect: of(i).placement.effect.id.into(),
-            family: family(of(i).placement.effect),
-            place: of(i).placement.place(&subject.interface),
+            effect: of(i).screened.placement.effect.id.into(),
+            family: family(of(i).screened.placement.effect),
+            place: of(i).screened.placement.place(&subject.interface),
             confidence: *share,
         };
         let is_named = is_named(t);
         let share: f64 = same.iter().map(|(_, share)| share).sum();
         let finding = Finding {
-            effect: if is_named { t.placement.effect.id.into() } else { "unknown".into() },
-            name: t.placement.effect.name.into(),
-            family: if is_named { family(t.placement.effect) } else { "unknown".into() },
-            place: t.placement.place(&subject.interface),
+            effect: if is_named { t.screened.placement.effect.id.into() } else { "unknown".into() },
+            name: t.screened.placement.effect.name.into(),
+            family: if is_named { family(t.screened.placement.effect) } else { "unknown".into() },
+            place: t.screened.placement.place(&subject.interface),
             channels: affected(self.study, subject, t, self.before),
-            depends_on: t.placement.depends_on(&subject.interface),
+            depends_on: t.screened.placement.depends_on(&subject.interface),
             confidence: OFTEN_RIGHT * if is_named { share.max(LEAST_SHARE) } else { 1.0 },
             parameters: estimates(self.study, &t.fitted),
             alternatives: others.iter().map(alternative).collect(),
@@ -270,7 +290,7 @@ impl<'a> Round<'a> {
 }
 
 fn is_named(t: &Tried) -> bool {
-    !empirical::is(t.placement.effect)
+    !empirical::is(t.screened.placement.effect)
 }
 
 /// What a candidate leaves of each channel in each block of all runs.

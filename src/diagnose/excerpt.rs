@@ -14,6 +14,7 @@ pub(super) fn beginning(run: &Run, seconds: f64) -> Run {
         start: drive.start,
         step: drive.step,
         inputs: drive.inputs.iter().map(|(v, values)| (*v, first(values, points))).collect(),
+        begins: drive.begins.clone(),
         points,
     };
     let channel = |c: &Channel| Channel { values: first(&c.values, samples), ..c.clone() };
@@ -50,6 +51,7 @@ pub(super) fn coarser(run: &Run) -> Run {
         start: drive.start,
         step: drive.step * parts as f64,
         inputs: drive.inputs.iter().map(|(v, values)| (*v, thin(values))).collect(),
+        begins: drive.begins.clone(),
         points: (drive.points - 1) / parts + 1,
     };
     Run { drive: Arc::new(drive), ..run.clone() }
@@ -77,6 +79,7 @@ pub(super) fn finer(run: &Run) -> Run {
         start: drive.start,
         step: drive.step / PARTS as f64,
         inputs: drive.inputs.iter().map(|(v, values)| (*v, refine(values))).collect(),
+        begins: drive.begins.clone(),
         points,
     };
     Run { drive: Arc::new(drive), ..run.clone() }
@@ -90,7 +93,8 @@ mod tests {
     fn the_beginning_of_a_run_is_that_of_its_drive_and_samples() {
         let course = |n: usize| (0..n).map(|k| k as f64).collect::<Vec<f64>>();
         // 10 s of it, two communication steps for a sample
-        let drive = Drive { start: 1.0, step: 0.05, inputs: vec![(0, course(201))], points: 201 };
+        let drive =
+            Drive { start: 1.0, step: 0.05, inputs: vec![(0, course(201))], begins: Vec::new(), points: 201 };
         let time: Vec<f64> = (0..101).map(|k| 1.0 + 0.1 * f64::from(k)).collect();
         let channels = vec![Channel { variable: 1, values: course(101), counts: true }];
         let run = Run { name: "a.csv".into(), drive: Arc::new(drive), time, channels };

@@ -224,7 +224,8 @@ impl Stand<'_> {
         let mut results = self.study.bench.run(&setups, &drives, &watch).into_iter();
         let mut answers = Vec::new();
         for (rival, _) in points {
-            let lag = rival.model.parameters.last().map_or(0.0, |lag| lag * self.study.lag);
+            let lag =
+                rival.model.parameters.get(self.study.free.len()).map_or(0.0, |lag| lag * self.study.lag);
             let of = |drive: &Arc<Drive>| {
                 let traces = results.next()?.ok()?;
                 let run = Run {

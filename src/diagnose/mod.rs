@@ -7,6 +7,7 @@ mod excerpt;
 mod experiment;
 mod given;
 pub mod hygiene;
+mod in_turn;
 mod left;
 pub mod loads;
 pub mod locate;

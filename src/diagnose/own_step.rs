@@ -124,7 +124,7 @@ mod tests {
         let mut run = Run {
             name: String::new(),
             time: (0..points).map(|k| 2e-3 * k as f64).collect(),
-            drive: Arc::new(Drive { start: 0.0, step: 2e-3, inputs, points }),
+            drive: Arc::new(Drive { start: 0.0, step: 2e-3, inputs, begins: Vec::new(), points }),
             channels: Vec::new(),
         };
         let watch: Arc<[usize]> = Arc::from([find("force_y")]);

@@ -151,6 +151,7 @@ impl<'a> Opened<'a> {
             check_runs: check_runs.iter().collect(),
             values: Vec::new(),
             free: study.free.iter().filter(|p| own(p.variable)).cloned().collect(),
+            zeros: zeros(&study.zeros, &measured),
             weights: measured.iter().map(|c| study.weights[*c]).collect(),
             ..*study
         };
@@ -188,4 +189,12 @@ impl<'a> Opened<'a> {
             ..run.clone()
         }
     }
+}
+
+/// What those channels may show at zero, by their numbers among them.
+fn zeros(all: &[(usize, f64)], channels: &[usize]) -> Vec<(usize, f64)> {
+    let own = |(place, channel): (usize, &usize)| {
+        all.iter().find(|(c, _)| c == channel).map(|(_, most)| (place, *most))
+    };
+    channels.iter().enumerate().filter_map(own).collect()
 }

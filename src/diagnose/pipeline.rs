@@ -11,10 +11,10 @@ use super::result::{Diagnosis, Estimate, Finding, Use, Verdict};
 use super::roles::Roles;
 use super::runs::Map;
 use super::search::{Found, search};
-use super::study::{Fitted, Model, Study, differences, first_weights};
+use super::study::{Fitted, Model, Study, differences, first_weights, zeros};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
-use super::{experiment, hygiene, locate};
+use super::{experiment, hygiene, locate, tables};
 use crate::Result;
 use crate::fit::{Bench, Run};
 use crate::model::Settings;
@@ -104,6 +104,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         values: Vec::new(),
         free: Vec::new(),
         lag: 0.0,
+        zeros: Vec::new(),
         weights: Vec::new(),
         redundancy: 1.0,
     };
@@ -113,17 +114,17 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     }
     study.weights = first_weights(&study.fit_runs);
     study.lag = RECORDER_LAG * shortest_interval(&study.fit_runs);
+    study.zeros = zeros(&recorded.all());
 
     progress("fitting the model's own parameters", 0.05);
     let derivatives = study.choose_free(&subject.free)?;
-    let nominal = study.nominal();
-    let mut base = refit(&mut study, &nominal, Some(&derivatives))?;
+    let mut base = refit(&mut study, Some(&derivatives))?;
     let mut base_rest = study.rest(&base.model, &study.check_runs)?;
 
     let against = |study: &Study<'_>, model: &Model| recorded.faults_against(study, &subject, model);
     faults.extend(against(&study, &base.model)?);
     // a refit bends the model towards channels that are exchanged or in other units, as far as it can
-    let gross = against(&study, &nominal)?.into_iter().filter(|f| f.kind.is_gross());
+    let gross = against(&study, &study.nominal())?.into_iter().filter(|f| f.kind.is_gross());
     let new = gross.filter(|g| !faults.iter().any(|f| f.kind.is_gross() && f.channel == g.channel));
     let new: Vec<hygiene::Fault> = new.collect();
     faults.extend(new);
@@ -133,9 +134,10 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         (study.fit_runs, study.check_runs) = (with(shared, Use::Fit), with(shared, Use::Check));
         study.weights = first_weights(&study.fit_runs);
         // what was fitted to other runs is no place to begin
-        base = refit(&mut study, &nominal, None)?;
+        base = refit(&mut study, None)?;
         base_rest = study.rest(&base.model, &study.check_runs)?;
     }
+    let nominal = study.nominal();
     let check_runs = study.check_runs.clone();
     let base_model = base.model.clone();
     let found = if faults.iter().any(|f| is_fatal(f) && !f.kind.is_of_some_runs()) {
@@ -181,7 +183,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         (0..study.weights.len()).map(|c| locate::noise(&check_runs, &base_rest.simulated, c)).collect();
     let map = locate::map(&check_runs, &base_rest.simulated, &subject.interface, &roles, &noise);
     progress("writing it down", 0.95);
-    let nominal_rest = study.rest(&nominal, &study.check_runs)?;
+    let nominal_rest = study.rest(&study.nominal_as_recorded()?, &study.check_runs)?;
     let units = base_rest.by_channel();
     let improved = sign_flip(&differences(&nominal_rest.in_units(&units), &base_rest.in_units(&units)));
     let current_fit = study.fit_rest(&current)?;
@@ -203,6 +205,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         findings,
         check,
         parameters: fitted_parameters(&study, &subject, &current),
+        zeros: tables::zeros(&study, &subject, &current),
         candidates,
         map,
         parts,
@@ -215,6 +218,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     diagnosis.summary = summary(&diagnosis, total);
     diagnosis.next_experiment = experiment::sentence(experiment.as_ref(), &next_experiment(&diagnosis));
     diagnosis.experiment = experiment;
+    diagnosis.notes.extend(tables::cautions(&diagnosis, &subject, &roles));
     let check = traces(&study, &subject, &base_model, &current.model, &recorded)?;
     diagnosis.simulated = bench.simulated();
     diagnosis.notes.push(words_on(diagnosis.simulated, &recorded.all()));
@@ -225,10 +229,14 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     Ok(Outcome { diagnosis, parameters, attachments, intervals, check, subject })
 }
 
-/// Fits the model's own parameters, and weighs the channels by what is left of them. Derivatives where it begins may be
+/// Fits the model's own parameters from where they are given, and weighs the channels by what is left of them. Derivatives where it begins may be
 /// known.
-fn refit(study: &mut Study<'_>, from: &Model, known: Option<&DMatrix<f64>>) -> Result<Fitted> {
-    let mut base = study.fit_roughly(from, FIRST, known)?;
+fn refit(study: &mut Study<'_>, known: Option<&DMatrix<f64>>) -> Result<Fitted> {
+    let mut base = study.fit_roughly(&study.nominal(), FIRST, known)?;
+    let rest = study.fit_rest(&base)?;
+    if study.drop_visible_zeros(&base, &rest) {
+        base = study.fit_roughly(&study.nominal(), FIRST, known)?;
+    }
     for iterations in [FIRST, FINAL] {
         let rest = study.fit_rest(&base)?;
         let from = study.weigh_by(&base, &rest);

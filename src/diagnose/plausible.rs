@@ -2,6 +2,7 @@
 
 use super::study::{Fitted, Model, Rest, Study};
 use super::tables::estimates;
+use crate::effect::catalogue::nested::{Nested, Place};
 
 /// Iterations of a fit within what is plausible.
 const KEEP: usize = 10;
@@ -45,4 +46,20 @@ pub(super) fn runs_out(study: &Study<'_>, fitted: &Fitted) -> bool {
         let ends = [(estimate.low, low), (estimate.high, high)];
         ends.iter().any(|(estimate, end)| p.off != Some(*end) && estimate.is_none_or(|e| e == end * scale))
     })
+}
+
+/// Whether the parameter of the last effect that sets it apart from a simpler one is away from where it does not, beyond its
+/// interval.
+pub(super) fn sets_apart(study: &Study<'_>, fitted: &Fitted, nested: &Nested) -> bool {
+    let Some((placement, _)) = fitted.model.effects.last() else { return false };
+    let parameters = placement.effect.parameters.iter().zip(&placement.scales);
+    let mut all = estimates(study, fitted).into_iter().zip(parameters);
+    let Some((estimate, (parameter, scale))) = all.find(|(e, _)| e.name == nested.parameter) else {
+        return false;
+    };
+    let (Some(low), Some(high)) = (estimate.low, estimate.high) else { return false };
+    match nested.place {
+        Place::Off => parameter.off.is_some_and(|off| low > off * scale || high < off * scale),
+        Place::Low => low > parameter.search.0 * scale,
+    }
 }

@@ -388,5 +388,9 @@ fn programme(
     let slack = 1e-9 * (inputs[moved].high - inputs[moved].low);
     let beyond = range.iter().any(|v| *v > inputs[moved].high + slack || *v < inputs[moved].low - slack);
     let driven = inputs.iter().map(|i| i.variable).zip(courses).collect();
-    Programme { words, drive: Arc::new(Drive { start, step, inputs: driven, points }), beyond }
+    Programme {
+        words,
+        drive: Arc::new(Drive { start, step, inputs: driven, begins: Vec::new(), points }),
+        beyond,
+    }
 }

@@ -9,13 +9,15 @@ use super::study::{Model, Study};
 use super::subject::Subject;
 use super::witnesses::{Shared, share_out};
 use crate::effect::Role;
-use crate::fit::Run;
+use crate::fit::{Drive, Run};
 use crate::model::Causality;
 use crate::recording::Recording;
 use crate::stats::median_interval;
 use crate::{Error, Result};
 use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A gap of more intervals is long: hygiene takes five for a gap, which inputs that are bridged survive.
 const LONG_GAP: f64 = 20.0;
@@ -77,6 +79,11 @@ impl Recorded {
             if *use_ != Use::Leave {
                 let mut run = prepare(&subject.interface, recording, name, step)?;
                 run.channels.iter_mut().for_each(|c| c.counts = counts(c.variable));
+                let angles = run.channels.iter_mut().filter(|c| roles.is(c.variable, Role::WheelAngle));
+                angles.for_each(|c| unwrap(&mut c.values));
+                let counting = run.channels.iter().filter(|c| c.counts);
+                let begins = counting.filter_map(|c| Some((c.variable, *c.values.first()?))).collect();
+                run.drive = Arc::new(Drive { begins, ..Drive::clone(&run.drive) });
                 runs.push((run, *use_));
             }
         }
@@ -198,6 +205,23 @@ fn leave_out_after(recording: &mut Recording, gap: &mut hygiene::Fault) {
     }
 }
 
+/// Has an angle \[rad\] count on that an encoder begins anew with each turn.
+fn unwrap(angle: &mut [f64]) {
+    let (least, most) =
+        angle.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+    // what spans more than a turn counts on already
+    if most - least > TAU {
+        return;
+    }
+    let mut turns = 0.0;
+    let mut last = angle.first().copied().unwrap_or_default();
+    for value in angle {
+        turns -= ((*value - last) / TAU).round();
+        last = *value;
+        *value += TAU * turns;
+    }
+}
+
 /// Runs for one use.
 pub(super) fn with(runs: &[(Run, Use)], wanted: Use) -> Vec<&Run> {
     runs.iter().filter(|(_, use_)| *use_ == wanted).map(|(run, _)| run).collect()
@@ -272,6 +296,19 @@ pub(super) fn fault(fault: &hygiene::Fault) -> super::result::Fault {
 mod tests {
     use super::*;
     use crate::recording::Channel;
+
+    #[test]
+    fn angles_that_begin_anew_with_each_turn_count_on() {
+        let truth: Vec<f64> = (0..400).map(|k| 1.0 + 8.0 * (0.01 * f64::from(k)).sin()).collect();
+        let mut angle: Vec<f64> = truth.iter().map(|a| a.rem_euclid(TAU)).collect();
+        unwrap(&mut angle);
+        assert!(angle.iter().zip(&truth).all(|(a, t)| (a - t).abs() < 1e-12));
+        // half a turn and more from sample to sample, but not wrapped
+        let fast: Vec<f64> = (0..9).map(|k| 5.0 * f64::from(k)).collect();
+        let mut same = fast.clone();
+        unwrap(&mut same);
+        assert_eq!(same, fast);
+    }
 
     #[test]
     fn what_comes_after_a_long_gap_is_left_out_if_most_was_before_it() {

@@ -18,6 +18,9 @@ pub struct Diagnosis {
     pub check: Vec<ChannelCheck>,
     /// The model's own parameters that were fitted.
     pub parameters: Vec<Fitted>,
+    /// What sensors show at zero: small offsets of channels in all runs, fitted with the parameters. They are no findings.
+    #[serde(default)]
+    pub zeros: Vec<Estimate>,
     /// Where simulation and recordings differ after the refit of the model's own parameters.
     pub map: Vec<Cell>,
     /// Of a wired system: its parts, each with its loop open.
@@ -134,6 +137,9 @@ pub struct Fitted {
     pub high: Option<f64>,
     /// Unit of all four.
     pub unit: String,
+    /// The bound of its range that keeps it from going on, if one does: then it says nothing of the machine.
+    #[serde(default)]
+    pub held_at: Option<f64>,
 }
 
 /// How well a channel of the check runs fits: root mean squares of measurement minus simulation.

@@ -211,7 +211,7 @@ pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: O
     if points > MAX_POINTS {
         return Err(Error::file(format!("{name}: {points} steps of {step} s are more than can be kept")));
     }
-    let mut drive = Drive { start: *first, step, inputs: Vec::new(), points };
+    let mut drive = Drive { start: *first, step, inputs: Vec::new(), begins: Vec::new(), points };
     let grid: Vec<f64> = (0..points).map(|k| drive.time(k).min(*last)).collect();
     let mut channels = Vec::new();
     for channel in &recording.channels {

@@ -5,7 +5,7 @@ use super::placement::Placement;
 use super::span::spanned;
 use super::study::Model;
 use crate::Result;
-use crate::effect::{Attachment, Port, empirical};
+use crate::effect::{Attachment, Parameter, Port, empirical};
 use crate::fit::{Bench, Channel, Drive, OutputError, Run, Setup, Traces, replay, side_by_side};
 use crate::model::{Causality, Interface};
 use crate::stats::mean_or_zero;
@@ -58,18 +58,36 @@ pub struct Screened {
     pub placement: Placement,
     /// Parameters, as multiples of their scales.
     pub values: Vec<f64>,
+    /// Parameters of a size with which it explains something as a whole, if any was tried that does.
+    pub whole: Option<Vec<f64>>,
     /// Share of the squared residual that it explains.
     pub gain: f64,
-    /// Number of places at which the effect was looked for.
+    /// Number of places at which the effect was looked for, and at which all effects were.
     pub places: usize,
+    pub all_places: usize,
 }
 
-/// A form of an effect at a placement: by number, with its parameters where the effect is off.
+/// A form of an effect at a placement, by number.
+#[derive(Debug, Clone)]
 struct Probe {
     placement: usize,
+    /// Parameters where the effect is off; or all of them, of one that is tried as a whole: what sticks or touches
+    /// answers to a small amplitude as if it did not.
     shape: Vec<f64>,
-    /// Which of them are amplitudes.
+    /// Which of them are amplitudes, each with a column of its own; none of a whole, which has one.
     amplitudes: Vec<usize>,
+}
+
+impl Probe {
+    fn is_whole(&self) -> bool {
+        self.amplitudes.is_empty()
+    }
+
+    /// What is simulated for it: an amplitude by number, or all of it.
+    fn jobs(&self) -> impl Iterator<Item = (&Self, Option<usize>)> {
+        let whole = self.is_whole().then_some((self, None));
+        self.amplitudes.iter().map(move |i| (self, Some(*i))).chain(whole)
+    }
 }
 
 /// What a probe explains: share of the squared residual, and amounts of its amplitudes.
@@ -86,13 +104,14 @@ struct Linear {
 impl<'a> Screen<'a> {
     /// Prepares: traces of all signals and the linear problem of the fitted parameters.
     ///
-    /// `problem` is that of the model on the runs, `point` where it stands, `simulated` what it gives there.
+    /// `problem` is that of the model on the runs, `point` where it stands, `steps` those of differences by the unknowns that
+    /// can still explain something, by number, `simulated` what it gives there.
     pub fn new(
         problem: &OutputError<'a>,
         simulated: &[Traces],
         model: &'a Model,
         point: &[f64],
-        steps: &[f64],
+        steps: &[(usize, f64)],
         watch: Arc<[usize]>,
         weights: &'a [f64],
     ) -> Option<Self> {
@@ -106,9 +125,9 @@ impl<'a> Screen<'a> {
             .map(std::result::Result::ok)
             .collect();
         let mut points = vec![point.to_vec()];
-        for (i, step) in steps.iter().enumerate() {
+        for (i, step) in steps {
             let mut moved = point.to_vec();
-            moved[i] += step;
+            moved[*i] += step;
             points.push(moved);
         }
         let rows: usize = runs.iter().map(|r| r.time.len() * r.channels.len()).sum();
@@ -125,7 +144,7 @@ impl<'a> Screen<'a> {
         let mut answers = problem.simulate(&points).into_iter();
         let base = by_run(&answers.next()??);
         let residual = by_run(simulated).into_iter().map(|r| -r).collect();
-        let derivative = |(answer, step): (Option<Vec<Traces>>, &f64)| -> Option<Column> {
+        let derivative = |(answer, (_, step)): (Option<Vec<Traces>>, &(usize, f64))| -> Option<Column> {
             let moved = by_run(&answer?);
             Some(moved.iter().zip(&base).map(|(a, b)| (a - b) / *step).collect())
         };
@@ -166,7 +185,10 @@ impl<'a> Screen<'a> {
         for placement in best(true).chain(best(false)) {
             let own = &mut forms[placement];
             own.sort_by(|a, b| b.0.total_cmp(&a.0));
-            chosen.extend(own.drain(..).take(KEPT_SHAPES).map(|(_, k)| k));
+            for whole in [false, true] {
+                let alike = own.iter().filter(|(_, k)| probes[*k].is_whole() == whole);
+                chosen.extend(alike.take(KEPT_SHAPES).map(|(_, k)| k));
+            }
         }
         chosen.sort_unstable();
         chosen.dedup();
@@ -174,16 +196,11 @@ impl<'a> Screen<'a> {
         let mut count = 0;
         for (first, probe) in first_of.iter_mut().zip(&probes) {
             *first = count;
-            count += probe.amplitudes.len();
+            count += probe.jobs().count();
         }
-        let kept: Vec<Probe> = (chosen.iter())
-            .map(|k| {
-                let Probe { placement, shape, amplitudes } = &probes[*k];
-                Probe { placement: *placement, shape: shape.clone(), amplitudes: amplitudes.clone() }
-            })
-            .collect();
+        let kept: Vec<Probe> = chosen.iter().map(|k| probes[*k].clone()).collect();
         let others = self.columns(interface, placements, &kept, FIRST..self.runs.len());
-        let numbers = chosen.iter().flat_map(|k| (0..probes[*k].amplitudes.len()).map(|i| first_of[*k] + i));
+        let numbers = chosen.iter().flat_map(|k| (0..probes[*k].jobs().count()).map(|i| first_of[*k] + i));
         let both: Vec<Option<Column>> = numbers
             .zip(others)
             .map(|(number, other)| Some([columns[number].take()?, other?].concat()))
@@ -215,7 +232,13 @@ impl<'a> Screen<'a> {
             let most = if self.is_replayed(placement) { MAX_REPLAYED } else { MAX_SHAPES };
             let skip = shapes.len().div_ceil(most).max(1);
             let probe = |shape: Vec<f64>| Probe { placement: number, shape, amplitudes: amplitudes.clone() };
-            probes.extend(shapes.into_iter().step_by(skip).map(probe));
+            for shape in shapes.into_iter().step_by(skip) {
+                if !self.is_replayed(placement) {
+                    let whole = |values| Probe { placement: number, shape: values, amplitudes: Vec::new() };
+                    probes.extend(wholes(placement, &shape).into_iter().map(whole));
+                }
+                probes.push(probe(shape));
+            }
         }
         probes
     }
@@ -235,17 +258,21 @@ impl<'a> Screen<'a> {
         let Linear { basis, residual } = self.linear(count);
         let total = residual.norm_squared().max(f64::MIN_POSITIVE);
         let mut first = 0;
-        let own: Vec<&[Option<Column>]> = (probes.iter())
+        let own: Vec<(&Probe, &[Option<Column>])> = (probes.iter())
             .map(|probe| {
-                let own = &columns[first..first + probe.amplitudes.len()];
+                let own = &columns[first..first + probe.jobs().count()];
                 first += own.len();
-                own
+                (probe, own)
             })
             .collect();
-        let of = |own: &&[Option<Column>]| -> Explained {
+        let of = |(probe, own): &(&Probe, &[Option<Column>])| -> Explained {
             let own: Vec<DVector<f64>> =
                 own.iter().map(|c| Some(joined(c.as_ref()?, count))).collect::<Option<_>>()?;
             let clean: Vec<DVector<f64>> = own.iter().map(|c| c - &basis * basis.tr_mul(c)).collect();
+            if let ([change], true) = (&clean[..], probe.is_whole()) {
+                let gain = total - (&residual - change).norm_squared();
+                return (gain > 0.0).then_some((gain / total, Vec::new()));
+            }
             let (gain, amounts) = explain(&clean, &own, &residual)?;
             Some((gain / total, amounts))
         };
@@ -271,15 +298,16 @@ impl<'a> Screen<'a> {
         probes: &[Probe],
         runs: Range<usize>,
     ) -> Vec<Option<Column>> {
-        let jobs: Vec<(&Probe, usize)> =
-            probes.iter().flat_map(|probe| probe.amplitudes.iter().map(move |i| (probe, *i))).collect();
-        let step_of = |(probe, i): &(&Probe, usize)| {
-            let parameter = &placements[probe.placement].effect.parameters[*i];
-            parameter.probes.first().copied().unwrap_or(0.01)
+        let jobs: Vec<(&Probe, Option<usize>)> = probes.iter().flat_map(Probe::jobs).collect();
+        let step_of = |(probe, amplitude): &(&Probe, Option<usize>)| {
+            let parameters = placements[probe.placement].effect.parameters;
+            amplitude.map_or(1.0, |i| parameters[i].probes.first().copied().unwrap_or(0.01))
         };
-        let attach = |job: &(&Probe, usize)| {
+        let attach = |job: &(&Probe, Option<usize>)| {
             let mut values = job.0.shape.clone();
-            values[job.1] += step_of(job);
+            if let Some(amplitude) = job.1 {
+                values[amplitude] += step_of(job);
+            }
             placements[job.0.placement].attach(&values)
         };
         let mut columns: Vec<Option<Column>> = vec![None; jobs.len()];
@@ -296,7 +324,11 @@ impl<'a> Screen<'a> {
         // the first answer to a change at a place is in proportion: sums of changes are answered by the sums
         let courses: Vec<Option<DVector<f64>>> = of_setup
             .iter()
-            .map(|k| self.course(interface, &attach(&jobs[*k]), runs.clone(), step_of(&jobs[*k])))
+            .map(|k| {
+                // a whole is no sum of what others do
+                let small = jobs[*k].1.map(|_| attach(&jobs[*k]))?;
+                self.course(interface, &small, runs.clone(), step_of(&jobs[*k]))
+            })
             .collect();
         let mut sums: Vec<Option<Vec<(usize, f64)>>> = vec![None; jobs.len()];
         let mut places: Vec<(&[usize], Port)> = Vec::new();
@@ -458,9 +490,25 @@ impl<'a> Screen<'a> {
     }
 }
 
+/// Parameters of an effect as a whole: its amplitudes at each of the sizes that they say may be tried, with one shape.
+fn wholes(placement: &Placement, shape: &[f64]) -> Vec<Vec<f64>> {
+    let parameters = placement.effect.parameters;
+    let sizes = |p: &Parameter| p.off.map_or(0, |_| p.probes.len().saturating_sub(1));
+    let count = parameters.iter().map(sizes).max().unwrap_or(0);
+    let at = |size: usize| {
+        let value = |(p, value): (&Parameter, &f64)| match p.off {
+            Some(off) => p.probes.get(size + 1).map_or(off, |amount| off + amount),
+            None => *value,
+        };
+        parameters.iter().zip(shape).map(value).collect()
+    };
+    (0..count).map(at).collect()
+}
+
 /// The best form of each placement, the best placement first.
 fn best_of_each(placements: &[Placement], probes: &[Probe], explained: &[Explained]) -> Vec<Screened> {
     let mut best: Vec<Option<Screened>> = vec![None; placements.len()];
+    let mut whole_gains = vec![0.0; placements.len()];
     for (probe, explained) in probes.iter().zip(explained) {
         let Some((gain, amounts)) = explained else { continue };
         let placement = &placements[probe.placement];
@@ -469,9 +517,18 @@ fn best_of_each(placements: &[Placement], probes: &[Probe], explained: &[Explain
             let (low, high) = placement.effect.parameters[*i].search;
             values[*i] = (placement.effect.parameters[*i].off.unwrap_or(0.0) + amount).clamp(low, high);
         }
-        if best[probe.placement].as_ref().is_none_or(|b| b.gain < *gain) {
+        let best = &mut best[probe.placement];
+        if best.as_ref().is_none_or(|b| b.gain < *gain) {
+            // what was found for it as a whole stays, whatever amplitudes promise
+            let whole = best.take().and_then(|b| b.whole);
             let placement = placement.clone();
-            best[probe.placement] = Some(Screened { placement, values, gain: *gain, places: 1 });
+            *best = Some(Screened { placement, values, whole, gain: *gain, places: 1, all_places: 1 });
+        }
+        if probe.is_whole() && whole_gains[probe.placement] < *gain {
+            whole_gains[probe.placement] = *gain;
+            if let Some(best) = best {
+                best.whole = Some(probe.shape.clone());
+            }
         }
     }
     let mut found: Vec<Screened> = best.into_iter().flatten().collect();

@@ -2,9 +2,10 @@
 //! is left.
 
 use super::begin::{Begun, begin};
-use super::candidates::{Tried, polish, screen};
+use super::candidates::{Before, Tried, polish, screen};
 use super::decision::{Decision, Round};
 use super::experiment::Rival;
+use super::in_turn::check_in_turn;
 use super::left::Left;
 use super::locate;
 use super::pipeline::FINAL;
@@ -85,10 +86,12 @@ pub(super) fn search(
         // what is found first unbends parameters
         let nominal = (round == 0).then_some(nominal);
         let begun = begin(study, subject, roles, &found.current, nominal, &screened, round);
-        let finish = |begun: &Begun| begun.finish(study, &fit, &found.check);
+        let before = Before { fit: &fit, check: &found.check };
+        let finish = |begun: &Begun| begun.finish(study, before);
         let mut tried: Vec<Tried> =
             side_by_side(study.bench.threads(), &begun, finish).into_iter().flatten().flatten().collect();
-        polish(study, &mut tried, &fit, &found.check);
+        polish(study, &mut tried, before);
+        check_in_turn(study, &mut tried, &found.current);
         let rests = (&found.check, &found.base_check);
         match Round::new(study, &tried, rests, round == 0).decide(subject, &mut found.candidates) {
             Decision::Nothing => break,
@@ -96,7 +99,8 @@ pub(super) fn search(
                 found.findings.push(finding);
                 if found.rivals.is_empty() && !others.is_empty() {
                     let rivals = std::iter::once(i).chain(others).map(|k| &tried[k]);
-                    found.rivals = rivals.map(|t| Rival::of(study, &t.placement, &t.fitted)).collect();
+                    found.rivals =
+                        rivals.map(|t| Rival::of(study, &t.screened.placement, &t.fitted)).collect();
                 }
                 let t = tried.swap_remove(i);
                 // what is left of a channel is what counts from here on

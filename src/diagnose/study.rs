@@ -19,7 +19,18 @@ const PRIOR: f64 = 0.3;
 const REACH: f64 = 1.0;
 /// Step of differences for parameters, as a share.
 const STEP: f64 = 1e-3;
-/// Parameters that are fitted at most; those with the most effect on the outputs.
+/// What a sensor may show at zero, as a share of what its channel spans in all runs, and what is known beforehand of it:
+/// bridges and amplifiers drift by up to 1 % of what they are made for from one balancing to the next, and recordings use a
+/// part of that. More is a finding.
+const ZERO: f64 = 0.02;
+const ZERO_PRIOR: f64 = 0.5;
+/// And what shows above the rest of the errors by so many standard deviations is a finding, too: whoever looks at the sensor sees it.
+const VISIBLE: f64 = 3.0;
+/// Iterations of a fit of nothing but what the recorder makes: it is nearly linear.
+const RECORDER: usize = 5;
+/// The effect that says so.
+const BIAS: &str = "sensor-bias";
+/// Parameters that are fitted at most if the user does not say which; those with the most effect on the outputs.
 const MAX_FREE: usize = 14;
 /// A parameter that moves the outputs by less than this share of their size, over its whole prior, stays.
 const MIN_EFFECT: f64 = 1e-3;
@@ -28,6 +39,7 @@ const BLOCKS: usize = 24;
 const FEW_BLOCKS: usize = 8;
 
 /// A model with its recordings.
+#[derive(Clone)]
 pub struct Study<'a> {
     /// What runs.
     pub bench: &'a Bench,
@@ -41,6 +53,8 @@ pub struct Study<'a> {
     pub free: Vec<FreeParameter>,
     /// Largest lag of all channels \[s\] that filters of a recorder may make, and no physics.
     pub lag: f64,
+    /// Channels that may show something at zero, by number, and how much at most, in their units.
+    pub zeros: Vec<(usize, f64)>,
     /// Weight of each measured channel.
     pub weights: Vec<f64>,
     /// How many neighbouring samples tell as much as one.
@@ -50,7 +64,8 @@ pub struct Study<'a> {
 /// Effects at places with their fitted parameters, and the fitted parameters of the model.
 #[derive(Debug, Clone)]
 pub struct Model {
-    /// Values of the free parameters, as multiples of their sizes, and of the recorder's lag.
+    /// Values of the free parameters, as multiples of their sizes, of the recorder's lag, and of what channels show at
+    /// zero.
     pub parameters: Vec<f64>,
     /// Effects, with parameters as multiples of their scales.
     pub effects: Vec<(Placement, Vec<f64>)>,
@@ -122,6 +137,7 @@ impl Study<'_> {
         let knob = |p: &FreeParameter| Knob::Parameter(p.variable, p.scale);
         let mut knobs: Vec<Knob> = self.free.iter().map(knob).collect();
         knobs.push(Knob::Lag(self.lag));
+        knobs.extend(self.zeros.iter().map(|(channel, most)| Knob::Zero(*channel, *most)));
         let mut first = 0;
         for (placement, _) in &model.effects {
             let end = first + placement.targets.len();
@@ -160,6 +176,24 @@ impl Study<'_> {
             .collect();
         let lag = Unknown { start: 0.0, mean: 0.0, low: 0.0, high: 1.0, step: 0.05, prior: 1.0, reach: 1.0 };
         unknowns.push(lag);
+        let zero = Unknown {
+            start: 0.0,
+            mean: 0.0,
+            low: -1.0,
+            high: 1.0,
+            step: 0.01,
+            prior: ZERO_PRIOR,
+            reach: f64::INFINITY,
+        };
+        // where an effect says what a channel shows at zero, nothing else does
+        let none = Unknown { low: 0.0, high: 0.0, prior: 1e-6, ..zero };
+        let is_said = |channel: usize| {
+            let variable = self.fit_runs.first().and_then(|r| r.channels.get(channel)).map(|c| c.variable);
+            let is_bias =
+                |p: &Placement| p.effect.id == BIAS && variable.is_some_and(|v| p.targets.contains(&v));
+            model.effects.iter().any(|(placement, _)| is_bias(placement))
+        };
+        unknowns.extend(self.zeros.iter().map(|(channel, _)| if is_said(*channel) { none } else { zero }));
         for (placement, _) in &model.effects {
             for parameter in placement.effect.parameters {
                 let (low, high) = placement.limits(parameter);
@@ -192,11 +226,61 @@ impl Study<'_> {
         model.parameters.iter().copied().chain(of_effects).collect()
     }
 
+    /// The same with its runs exchanged.
+    pub fn turned(&self) -> Study<'_> {
+        Study { fit_runs: self.check_runs.clone(), check_runs: self.fit_runs.clone(), ..self.clone() }
+    }
+
     /// The model as it is given.
     pub fn nominal(&self) -> Model {
         let mut parameters: Vec<f64> = self.free.iter().map(|p| p.nominal / p.scale).collect();
-        parameters.push(0.0);
+        parameters.resize(self.own(), 0.0);
         Model { parameters, effects: Vec::new() }
+    }
+
+    /// How many unknowns a model without effects has.
+    pub(super) fn own(&self) -> usize {
+        self.free.len() + 1 + self.zeros.len()
+    }
+
+    /// The model as it is given, with the recorder's lag and what channels show at zero fitted, which say nothing of the
+    /// machine.
+    ///
+    /// # Errors
+    /// A model that cannot be run.
+    pub fn nominal_as_recorded(&self) -> Result<Model> {
+        let given = self.free.iter().map(|p| (p.variable, p.nominal));
+        let values = self.values.iter().copied().chain(given).collect();
+        let recorder = Study { free: Vec::new(), values, ..self.clone() };
+        let fitted = recorder.fit_roughly(&recorder.nominal(), RECORDER, None)?;
+        let mut model = self.nominal();
+        model.parameters.truncate(self.free.len());
+        model.parameters.extend(fitted.model.parameters);
+        Ok(model)
+    }
+
+    /// Takes from the channels that may show something at zero those that show too much for that, with a model fitted to the fit
+    /// runs. Returns whether there are any.
+    pub fn drop_visible_zeros(&mut self, fitted: &Fitted, rest: &Rest) -> bool {
+        let first = self.free.len() + 1;
+        let is_small = |k: usize, (channel, most): (usize, f64)| {
+            let (mut count, mut sum, mut square) = (0.0, 0.0, 0.0);
+            for (run, traces) in self.fit_runs.iter().zip(&rest.simulated) {
+                for (m, s) in run.channels[channel].values.iter().zip(&traces[channel]) {
+                    count += 1.0;
+                    sum += m - s;
+                    square += (m - s).powi(2);
+                }
+            }
+            let beside = (square / count - (sum / count).powi(2)).max(0.0).sqrt();
+            let zero = fitted.model.parameters[first + k].abs() * most;
+            zero < most && zero <= VISIBLE * beside
+        };
+        let all = self.zeros.iter().copied().enumerate();
+        let small: Vec<(usize, f64)> = all.filter(|(k, zero)| is_small(*k, *zero)).map(|(_, z)| z).collect();
+        let dropped = small.len() < self.zeros.len();
+        self.zeros = small;
+        dropped
     }
 
     /// Fits a model to the fit runs, beginning where it stands.
@@ -251,7 +335,7 @@ impl Study<'_> {
         }
         let options = Options { redundancy: self.redundancy, ..options };
         let fit = least_squares(&problem, &unknowns, options)?;
-        let own = self.free.len() + 1;
+        let own = self.own();
         let parameters = fit.x[..own].to_vec();
         let mut rest = fit.x[own..].iter();
         let effects = model
@@ -376,7 +460,10 @@ impl Study<'_> {
             }
         }
         effects.sort_by(|a, b| b.1.norm_squared().total_cmp(&a.1.norm_squared()));
-        let chosen = most_by_themselves(effects.iter().map(|e| e.1.clone()).collect(), MAX_FREE);
+        // who asks for more gets more
+        let asked = self.free.iter().filter(|p| p.asked).count();
+        let most = MAX_FREE.max(asked);
+        let chosen = most_by_themselves(effects.iter().map(|e| e.1.clone()).collect(), most);
         self.free = chosen.iter().map(|k| candidates[effects[*k].0].clone()).collect();
         let derivatives: Vec<DVector<f64>> = chosen.iter().map(|k| &effects[*k].1 * (size / PRIOR)).collect();
         Ok(if derivatives.is_empty() {
@@ -472,6 +559,18 @@ pub(super) fn negligible(runs: &[&Run], channel: usize) -> f64 {
     let size: f64 = channels().map(|c| about_line(&c.values)).sum();
     let n: usize = channels().map(|c| c.values.len()).sum();
     1e-3 * (size / n.max(1) as f64).sqrt()
+}
+
+/// What channels may show at zero: by number and in their units. What counts from any zero has none.
+pub fn zeros(runs: &[&Run]) -> Vec<(usize, f64)> {
+    let count = runs.first().map_or(0, |r| r.channels.len());
+    let span = |c: usize| {
+        let values = || runs.iter().filter_map(|r| r.channels.get(c)).flat_map(|c| &c.values).copied();
+        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+    };
+    let counts = |c: usize| runs.iter().filter_map(|r| r.channels.get(c)).any(|c| c.counts);
+    let channels = (0..count).filter(|c| !counts(*c)).map(|c| (c, ZERO * span(c)));
+    channels.filter(|(_, most)| most.is_finite() && *most > 0.0).collect()
 }
 
 /// Weights of channels before anything is known: one over their spread.

@@ -4,10 +4,13 @@ use super::pipeline::CheckTraces;
 use super::placement::Placement;
 use super::reading::Recorded;
 use super::result::{ChannelCheck, Diagnosis, Estimate, Finding, Fitted as FittedParameter, Verdict};
+use super::roles::Roles;
 use super::study::{Fitted, Model, Noise, Rest, Study};
 use super::subject::Subject;
 use crate::Result;
+use crate::effect::Role;
 use crate::fit::Covariance;
+use crate::model::Causality;
 use crate::recording::Recording;
 
 /// Parameters of the last effect with 95 % intervals.
@@ -18,7 +21,7 @@ pub(super) fn estimates(study: &Study<'_>, fitted: &Fitted) -> Vec<Estimate> {
 /// Parameters of all effects with 95 % intervals.
 pub(super) fn all_estimates(study: &Study<'_>, fitted: &Fitted) -> Vec<Vec<Estimate>> {
     let covariance = fitted.fit.covariance(&fitted.unknowns, study.redundancy);
-    let mut first = study.free.len() + 1;
+    let mut first = study.own();
     let mut all = Vec::new();
     for (placement, values) in &fitted.model.effects {
         all.push(estimates_of(placement, values, &covariance, first));
@@ -64,6 +67,7 @@ pub(super) fn fitted_parameters(
     fitted: &Fitted,
 ) -> Vec<FittedParameter> {
     let covariance = fitted.fit.covariance(&fitted.unknowns, study.redundancy);
+    let held = fitted.fit.held_by_bounds(&fitted.unknowns);
     let of = |(i, p): (usize, &super::subject::FreeParameter)| {
         let x = fitted.model.parameters[i];
         let known = covariance.is_told(i, &fitted.unknowns[i]);
@@ -76,9 +80,54 @@ pub(super) fn fitted_parameters(
             low: known.then_some(ends[0].min(ends[1])),
             high: known.then_some(ends[0].max(ends[1])),
             unit: info.unit.clone().unwrap_or_else(|| "1".into()),
+            held_at: held.contains(&i).then_some(x * p.scale),
         }
     };
     study.free.iter().enumerate().map(of).collect()
+}
+
+/// What channels show at zero.
+pub(super) fn zeros(study: &Study<'_>, subject: &Subject, fitted: &Fitted) -> Vec<Estimate> {
+    let covariance = fitted.fit.covariance(&fitted.unknowns, study.redundancy);
+    let channels = study.fit_runs.first().map_or(&[][..], |run| &run.channels[..]);
+    let of = |(k, (channel, most)): (usize, &(usize, f64))| {
+        let info = &subject.interface.variables[channels.get(*channel)?.variable];
+        let i = study.free.len() + 1 + k;
+        let x = fitted.model.parameters[i];
+        let ends = covariance.interval(i, x).map(|end| end * most);
+        Some(Estimate {
+            name: info.name.clone(),
+            value: x * most,
+            low: Some(ends[0]),
+            high: Some(ends[1]),
+            unit: info.unit.clone().unwrap_or_else(|| "1".into()),
+        })
+    };
+    study.zeros.iter().enumerate().filter_map(of).collect()
+}
+
+/// What a reader has to know of parameters that ended at a bound, and of forces that could not be looked for.
+pub(super) fn cautions(diagnosis: &Diagnosis, subject: &Subject, roles: &Roles) -> Vec<String> {
+    let held = diagnosis.parameters.iter().filter_map(|p| Some((p, p.held_at?)));
+    let mut notes: Vec<String> = held
+        .map(|(p, bound)| {
+            format!(
+                "{} ended at {bound:.4} {}, the bound of its range: its range is too narrow ([fit] can give another), or it stands in for what is missing.",
+                p.name, p.unit
+            )
+        })
+        .collect();
+    let takes_forces = |v: usize| {
+        let info = &subject.interface.variables[v];
+        info.causality == Causality::Input && info.is_real() && roles.is(v, Role::Force)
+    };
+    if diagnosis.verdict == Verdict::Unknown && !(0..subject.interface.variables.len()).any(takes_forces) {
+        notes.push(
+            "The model has no input for a force or moment: friction, stops, springs and all else that would push at its parts could not be tried. An input in N or N.m that is zero by itself lets them in."
+                .into(),
+        );
+    }
+    notes
 }
 
 pub(super) fn channel_checks(

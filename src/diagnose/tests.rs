@@ -30,7 +30,7 @@ fn record_brake(folder: &Path) {
         let pressure = |t: f64| 4e6 + sines.iter().map(|[a, f, p]| a * (TAU * f * t + p).sin()).sum::<f64>();
         let fine: Vec<f64> = (0..=4000).map(|k| pressure(1e-3 * f64::from(k))).collect();
         let inputs = vec![(find("driver_pressure"), fine)];
-        let drive = Arc::new(Drive { start: 0.0, step: 1e-3, inputs, points: 4001 });
+        let drive = Arc::new(Drive { start: 0.0, step: 1e-3, inputs, begins: Vec::new(), points: 4001 });
         let setup = Arc::new(Setup { values: vec![(find("friction"), 0.43)], attachments: Vec::new() });
         let watch: Arc<[usize]> = Arc::from([find("brake_torque"), find("driver_pressure")]);
         let traces = bench.run(&[setup], &[drive], &watch).pop().unwrap().unwrap();
@@ -135,7 +135,7 @@ fn friction_at_the_reference_pressure_is_fitted() {
                 (find("slip"), slip),
             ];
             inputs.sort_by_key(|i| i.0);
-            let drive = Arc::new(Drive { start: 0.0, step: 2e-3, inputs, points });
+            let drive = Arc::new(Drive { start: 0.0, step: 2e-3, inputs, begins: Vec::new(), points });
             let traces =
                 bench.run(&[Arc::new(setup.clone())], &[Arc::clone(&drive)], &watch).pop().unwrap().unwrap();
             let channels = measured.iter().zip(traces).map(|(v, values)| Channel {
@@ -160,6 +160,7 @@ fn friction_at_the_reference_pressure_is_fitted() {
         values: Vec::new(),
         free: Vec::new(),
         lag: 0.0,
+        zeros: Vec::new(),
         redundancy: 1.0,
     };
     study.choose_free(&subject.free).unwrap();
@@ -178,7 +179,13 @@ fn what_only_changes_outputs_or_the_lag_is_not_simulated_again() {
     let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
     let points = 1001;
     let course = (0..points).map(|k| 4e6 + 1e6 * (0.02 * k as f64).sin()).collect();
-    let drive = Arc::new(Drive { start: 0.0, step: 1e-3, inputs: vec![(pressure, course)], points });
+    let drive = Arc::new(Drive {
+        start: 0.0,
+        step: 1e-3,
+        inputs: vec![(pressure, course)],
+        begins: Vec::new(),
+        points,
+    });
     let run = Run {
         name: String::new(),
         time: (0..points).map(|k| drive.time(k)).collect(),

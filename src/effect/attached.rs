@@ -91,6 +91,8 @@ pub struct Attached<S: Slave + ?Sized> {
     before: Vec<Changed>,
     after: Vec<Changed>,
     signals: Vec<Signal>,
+    /// What variables show at the start that effects are driven by.
+    begins: Vec<(usize, f64)>,
     state: State,
     inner: Box<S>,
 }
@@ -122,6 +124,8 @@ struct State {
     stepped: bool,
     /// Of each signal: value of the variable, rate or integral, and rate of the value.
     signals: Vec<(f64, f64, f64)>,
+    /// Of each signal: what effects get more than the slave says.
+    ahead: Vec<f64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -174,6 +178,7 @@ impl<S: Slave + ?Sized> Attached<S> {
                 outputs: Vec::new(),
                 stepped: false,
                 signals: Vec::new(),
+                ahead: Vec::new(),
             },
             attachments,
             interface,
@@ -181,10 +186,18 @@ impl<S: Slave + ?Sized> Attached<S> {
             before,
             after,
             signals,
+            begins: Vec::new(),
             inner,
         };
         attached.forget();
         Ok(attached)
+    }
+
+    /// Has the values of a variable, as effects get them, count from this one on, before the start: a wheel's angle counts from
+    /// an index that the slave does not know. By itself a variable begins where the slave has it begin.
+    pub fn begin_at(&mut self, variable: usize, value: f64) {
+        self.begins.retain(|(v, _)| *v != variable);
+        self.begins.push((variable, value));
     }
 
     /// The slave without effects.
@@ -218,6 +231,7 @@ impl<S: Slave + ?Sized> Attached<S> {
             outputs: vec![(0.0, 0.0); self.after.len()],
             stepped: false,
             signals: vec![(0.0, 0.0, 0.0); self.signals.len()],
+            ahead: vec![0.0; self.signals.len()],
         };
     }
 
@@ -236,7 +250,9 @@ impl<S: Slave + ?Sized> Attached<S> {
 
     /// Reads the signals at a communication point that is `dt` after the last.
     fn sense(&mut self, dt: f64) -> Result<()> {
-        for (signal, (value, more, slope)) in self.signals.iter().zip(&mut self.state.signals) {
+        let is_start = self.state.phase == Phase::Starting;
+        let signals = self.signals.iter().zip(&mut self.state.signals).zip(&mut self.state.ahead);
+        for ((signal, (value, more, slope)), ahead) in signals {
             let info = &self.interface.variables[signal.variable];
             let now = if info.causality == Causality::Input {
                 self.state.values[signal.variable]
@@ -251,6 +267,9 @@ impl<S: Slave + ?Sized> Attached<S> {
                 Source::Integral => *more += 0.5 * dt * (now + *value),
             }
             *value = now;
+            if is_start && let Some((_, begin)) = self.begins.iter().find(|(v, _)| *v == signal.variable) {
+                *ahead = begin - now;
+            }
         }
         Ok(())
     }
@@ -265,7 +284,7 @@ impl<S: Slave + ?Sized> Attached<S> {
                 // before a step the end of the step is not known: signals run on as they did
                 let ahead = if after { 0.0 } else { dt };
                 *driver = match self.signals[*place].source {
-                    Source::Value => value + slope * ahead,
+                    Source::Value => value + self.state.ahead[*place] + slope * ahead,
                     Source::Rate => more,
                     Source::Integral => more + (value + 0.5 * slope * ahead) * ahead,
                 };
@@ -615,7 +634,8 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
             && like(state.fresh.len(), self.own)
             && like(state.expected.len(), self.before.len())
             && like(state.outputs.len(), self.after.len())
-            && like(state.signals.len(), self.signals.len());
+            && like(state.signals.len(), self.signals.len())
+            && like(state.ahead.len(), self.signals.len());
         if !fits {
             return Err(Error::call("the bytes are the state of another slave"));
         }

@@ -103,7 +103,8 @@ pub struct Parameter {
     pub plausible: (f64, f64),
     /// How far a fit may go.
     pub search: (f64, f64),
-    /// Values to try first: for an amplitude one small value, for a shape a coarse grid.
+    /// Values to try first: for a shape a coarse grid; for an amplitude one small value, and behind it, of what sticks or
+    /// touches, sizes that are tried as a whole, because small amounts of it do something else.
     pub probes: &'static [f64],
 }
 

@@ -20,6 +20,9 @@ pub struct Drive {
     pub step: f64,
     /// Values of the driven inputs at every communication point: index of the variable and values.
     pub inputs: Vec<(usize, Vec<f64>)>,
+    /// What signals show at the start that count on and on, as the angle of a wheel does, where it was recorded: index of
+    /// the variable and value. Effects get them from there.
+    pub begins: Vec<(usize, f64)>,
     /// Number of communication points.
     pub points: usize,
 }
@@ -179,6 +182,9 @@ fn drive(slave: &mut Attached<dyn Slave>, fixed: &[(usize, Value)], task: &Task)
     }
     for (variable, value) in &setup.values {
         slave.set(*variable, *value)?;
+    }
+    for (variable, value) in &drive.begins {
+        slave.begin_at(*variable, *value);
     }
     let last = drive.points.saturating_sub(1);
     slave.start(drive.start, Some(drive.time(last)))?;

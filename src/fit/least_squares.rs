@@ -117,6 +117,17 @@ impl Fit {
         let at_one = |i: &usize| self.x[*i] <= unknowns[*i].low || self.x[*i] >= unknowns[*i].high;
         (0..self.x.len().min(unknowns.len())).filter(at_one).collect()
     }
+
+    /// Those of them that would go on if there were no bound, by the derivatives at the end.
+    pub fn held_by_bounds(&self, unknowns: &[Unknown]) -> Vec<usize> {
+        let residuals = DVector::from_column_slice(&self.residuals);
+        let is_held = |i: &usize| {
+            let slope = self.jacobian.column(*i).dot(&residuals);
+            let (is_low, is_high) = (self.x[*i] <= unknowns[*i].low, self.x[*i] >= unknowns[*i].high);
+            is_low && (is_high || slope > 0.0) || is_high && slope < 0.0
+        };
+        self.at_bounds(unknowns).into_iter().filter(is_held).collect()
+    }
 }
 
 /// Steps are damped at least so much, relative to the information on each unknown: then two that do the same have a step,
@@ -404,7 +415,14 @@ mod tests {
         // one unknown is met by its bound; a fit that begins where this one ended has nothing left to do
         let bound = [unknown(1.0, 0.0, 10.0), unknown(3.0, 1.0, 5.0)];
         let there = fit(&bound, 40, 1e-12);
-        assert_eq!(there.at_bounds(&bound), [1]);
+        assert_eq!((there.at_bounds(&bound), there.held_by_bounds(&bound)), (vec![1], vec![1]));
+        // from above, too; and one that is at a bound and would go inwards is not held by it
+        let above = [unknown(1.0, 0.0, 10.0), unknown(0.2, 0.0, 0.5)];
+        assert_eq!(fit(&above, 40, 1e-12).held_by_bounds(&above), [1]);
+        let begun = [unknown(3.0, 3.0, 10.0), unknown(1.5, 0.0, 1.5)];
+        let begun = (fit(&begun, 1, 1e-4), begun);
+        assert_eq!(begun.0.at_bounds(&begun.1), [0, 1]);
+        assert_eq!(begun.0.held_by_bounds(&begun.1), [0_usize; 0]);
         let again = fit(&[unknown(there.x[0], 0.0, 10.0), unknown(1.0, 1.0, 5.0)], 40, 1e-4);
         assert!(again.end.is_converged() && again.iterations == 1, "{:?} {}", again.end, again.iterations);
     }

@@ -85,6 +85,8 @@ pub enum Knob {
     },
     /// A lag of all recorded channels \[s\] behind the inputs, and its scale: filters of the recorder.
     Lag(f64),
+    /// What a measured channel shows at zero in all runs: number of the channel and scale, in its unit.
+    Zero(usize, f64),
 }
 
 /// The residuals of some runs as a function of the unknowns.
@@ -165,7 +167,7 @@ impl OutputError<'_> {
                         attachment.parameters[parameter].value = value * scale;
                     }
                 }
-                Knob::Lag(_) => {}
+                Knob::Lag(_) | Knob::Zero(..) => {}
             }
         }
         setup
@@ -174,6 +176,17 @@ impl OutputError<'_> {
     fn lag(&self, point: &[f64]) -> f64 {
         let of = |(knob, x): (&Knob, &f64)| if let Knob::Lag(scale) = knob { x * scale } else { 0.0 };
         self.knobs.iter().zip(point).map(of).sum()
+    }
+
+    /// What each channel shows at zero.
+    fn zeros(&self, point: &[f64]) -> Vec<f64> {
+        let mut zeros = vec![0.0; self.weights.len()];
+        for (knob, x) in self.knobs.iter().zip(point) {
+            if let Knob::Zero(channel, scale) = knob {
+                zeros[*channel] += x * scale;
+            }
+        }
+        zeros
     }
 
     /// The outputs that are compared.
@@ -209,7 +222,7 @@ impl OutputError<'_> {
     }
 
     /// The simulated channels of every run at its samples, for each point; `None` where a run fails. What differs in
-    /// effects on outputs or in the lag only is simulated once, and what was simulated last is not simulated again.
+    /// effects on outputs, in the lag or in zeros only is simulated once, and what was simulated last is not simulated again.
     pub fn simulate(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<Traces>>> {
         let parted: Vec<(Setup, Vec<Attachment>)> =
             points.iter().map(|p| self.parted(self.setup(p))).collect();
@@ -244,7 +257,7 @@ impl OutputError<'_> {
                 return None;
             }
             let found = fresh.iter().chain(kept.iter()).find(|k| k.is(key, &drives, &watch))?;
-            self.sampled(found, outside, self.lag(point))
+            self.sampled(found, outside, self.lag(point), &self.zeros(point))
         };
         let answers = (keys.iter().zip(&parted).zip(points))
             .map(|((key, (_, outside)), point)| answer(key, outside, point))
@@ -259,9 +272,9 @@ impl OutputError<'_> {
     }
 
     /// The channels of every run at its samples, behind effects on outputs.
-    fn sampled(&self, kept: &Kept, outside: &[Attachment], lag: f64) -> Option<Vec<Traces>> {
+    fn sampled(&self, kept: &Kept, outside: &[Attachment], lag: f64, zeros: &[f64]) -> Option<Vec<Traces>> {
         let of = |(run, traces): (&&Run, &Traces)| -> Option<Traces> {
-            let channel = |channel: &Channel| {
+            let channel = |(c, channel): (usize, &Channel)| {
                 let column = kept.watch.iter().position(|v| *v == channel.variable)?;
                 let mut changed: Option<Vec<f64>> = None;
                 for effect in outside.iter().filter(|a| a.target == channel.variable) {
@@ -273,10 +286,12 @@ impl OutputError<'_> {
                     changed = Some(now);
                 }
                 let mut values = run.sample(changed.as_deref().unwrap_or(&traces[column]), lag);
+                let zero = zeros.get(c).copied().unwrap_or_default();
+                values.iter_mut().for_each(|v| *v += zero);
                 channel.same_zero(&mut values);
                 Some(values)
             };
-            run.channels.iter().map(channel).collect()
+            run.channels.iter().enumerate().map(channel).collect()
         };
         self.runs.iter().zip(kept.traces.as_ref()?.iter()).map(of).collect()
     }

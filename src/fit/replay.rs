@@ -27,8 +27,9 @@ pub fn replay(
         let mut drivers = [0.0; MAX_DRIVERS];
         for (i, (signal, values)) in attachment.drivers.iter().zip(&signals).enumerate().take(MAX_DRIVERS) {
             let (now, last) = (values[k], values[k.saturating_sub(1)]);
+            let begin = drive.begins.iter().find(|(v, _)| *v == signal.variable);
             drivers[i] = match signal.source {
-                Source::Value => now,
+                Source::Value => now + begin.map_or(0.0, |(_, begin)| begin - values[0]),
                 Source::Rate if k > 0 => (now - last) / dt,
                 Source::Rate => 0.0,
                 Source::Integral => {

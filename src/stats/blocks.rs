@@ -51,6 +51,13 @@ pub fn sign_flip(gains: &[f64]) -> f64 {
     as_good as f64 / (DRAWS + 1) as f64
 }
 
+/// The probability that chance makes the product of two independent probabilities of chance as small as it is (Fisher): of
+/// the product P it is P (1 - ln P).
+pub fn product(a: f64, b: f64) -> f64 {
+    let p = a * b;
+    if p > 0.0 { p * (1.0 - p.ln()) } else { p }
+}
+
 /// How often each of several models has the least `score` when blocks are drawn anew: `errors[model][block]`.
 /// `score` is given the number of a model and the blocks that were drawn of it.
 pub fn bootstrap_shares<B>(errors: &[Vec<B>], score: impl Fn(usize, &[&B]) -> f64) -> Vec<f64> {
@@ -76,6 +83,17 @@ pub fn bootstrap_shares<B>(errors: &[Vec<B>], score: impl Fn(usize, &[&B]) -> f6
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_product_of_two_chances_is_a_chance() {
+        let mut random = SplitMix64::new(3);
+        let products: Vec<f64> = (0..100_000).map(|_| product(random.uniform(), random.uniform())).collect();
+        for level in [0.001, 0.01, 0.1, 0.5] {
+            let share = products.iter().filter(|p| **p < level).count() as f64 / products.len() as f64;
+            let scatter = (level * (1.0 - level) / products.len() as f64).sqrt();
+            assert!((share - level).abs() < 4.0 * scatter, "{level}: {share}");
+        }
+    }
 
     #[test]
     fn redundancy_of_filtered_noise_is_that_of_its_spectrum() {

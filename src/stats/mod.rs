@@ -33,7 +33,7 @@ pub(crate) mod testing;
 pub(crate) mod welch;
 
 #[cfg(feature = "host")]
-pub use blocks::{bootstrap_shares, redundancy, sign_flip};
+pub use blocks::{bootstrap_shares, product, redundancy, sign_flip};
 #[cfg(feature = "host")]
 pub(crate) use interpolate::within;
 #[cfg(feature = "host")]

@@ -133,6 +133,72 @@ def test_repeats_of_a_run_tell_what_is_no_noise(study, tmp_path, repeats, verdic
         assert "comes again in repeats" in found["findings"][0]["evidence"]
 
 
+def rewritten(case, folder, parameters="", name=None, column=lambda head, values: [(head, values)], mapped=""):
+    """A case told otherwise: files with other names, columns with other heads and values, a map. Returns what `diagnose` is called with."""
+    recordings = folder / "recordings"
+    recordings.mkdir(parents=True)
+    for number, path in enumerate(sorted((case / "recordings").glob("*.csv"))):
+        head, *rows = csv.reader(path.read_text().splitlines())
+        columns = [new for h, values in zip(head, zip(*rows)) for new in column(h, np.array(values, float))]
+        with open(recordings / (name(number) if name else path.name), "w", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow([h for h, _ in columns])
+            writer.writerows(zip(*([f"{v:.12g}" for v in values] for _, values in columns)))
+    (folder / "parameters.toml").write_text(parameters)
+    (folder / "map.toml").write_text(mapped)
+    return ["--recordings", recordings, "--parameters", folder / "parameters.toml", "--map", folder / "map.toml"]
+
+
+def heavier(factor):
+    """The machine with all masses and forces so many times larger."""
+    start = {"mass": 10.0, "stiffness": 4000.0, "damping": 80.0}
+    return {
+        "parameters": "[parameters]\n" + "".join(f"{name} = {factor * value!r}\n" for name, value in start.items()),
+        "column": lambda head, values: [(head, factor * values if head.startswith("force") else values)],
+    }
+
+
+def in_other_words(head, values):
+    words = {"time [s]": ("t", 1), "force [N]": ("Kraft (kN)", 1e-3), "position [m]": ("x/mm", 1e3)}
+    name, factor = words.get(head, (head, 1))
+    return [(name, factor * values)]
+
+
+OTHERWISE = {
+    "runs in another order": {"name": lambda number: f"{99 - number}.csv"},
+    "a channel of something else": {
+        "column": lambda head, values: [(head, values)] + [("oil [K]", np.sin(values))] * head.startswith("time"),
+        "mapped": '[channels]\noil = {}\n',
+    },
+    "other names and units": {
+        "column": in_other_words,
+        "mapped": "[channels]\n"
+        't = { variable = "time", unit = "s" }\n'
+        '"Kraft (kN)" = { variable = "force", unit = "kN" }\n'
+        '"x/mm" = { variable = "position", unit = "mm" }\n',
+    },
+    "a thousand times as heavy": heavier(1e3),
+    "a thousandth of it": heavier(1e-3),
+}
+
+
+@pytest.mark.parametrize("otherwise", OTHERWISE)
+@pytest.mark.parametrize("number", [20, 23])
+def test_the_answer_does_not_depend_on_how_it_is_told(study, tmp_path, number, otherwise):
+    said = rewritten(study / "cases" / f"case-{number:03}", tmp_path, **OTHERWISE[otherwise])
+    done = latsch("diagnose", study / "models" / "oscillator.fmu", *said, "--output", tmp_path / "output")
+    assert done.returncode == 0, done.stderr
+    found, usual = json.loads((tmp_path / "output" / "diagnosis.json").read_text()), diagnosis(study, number)
+    names = [[(f["effect"], f["place"], f["depends_on"]) for f in d["findings"]] for d in (found, usual)]
+    assert (found["verdict"], names[0]) == (usual["verdict"], names[1]), found["summary"]
+    # forces grow with the machine
+    is_heavier = otherwise in ("a thousand times as heavy", "a thousandth of it")
+    [first], [before] = found["findings"][0]["parameters"], usual["findings"][0]["parameters"]
+    factor = found["parameters"][0]["start"] / usual["parameters"][0]["start"] if "N" in before["unit"] and is_heavier else 1
+    assert first["unit"] == before["unit"]
+    assert factor * before["low"] <= first["value"] <= factor * before["high"]
+
+
 def test_a_gap_is_a_fault_and_no_physics():
     number = 122
     found = diagnosis(prove(TARGET / "prove-test-9", [number], seed=9), number)

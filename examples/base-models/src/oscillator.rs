@@ -31,14 +31,14 @@ impl Model for Oscillator {
     ];
     fn variables() -> Table<Self> {
         Table::new([
-            parameter("mass", "kg", real!(mass), 10.0, "Mass (placeholder)").range(1.0, 100.0).tunable(),
+            parameter("mass", "kg", real!(mass), 10.0, "Mass (placeholder)").range(1e-9, 1e9).tunable(),
             parameter("stiffness", "N/m", real!(stiffness), 4000.0, "Stiffness of the spring (placeholder)")
-                .range(100.0, 1e5)
+                .range(1e-6, 1e12)
                 .tunable(),
             parameter("damping", "N.s/m", real!(damping), 80.0, "Damping (placeholder)")
-                .range(0.0, 1e4)
+                .range(0.0, 1e12)
                 .tunable(),
-            input("force", "N", real!(force), 0.0, "Force on the mass").range(-1e6, 1e6),
+            input("force", "N", real!(force), 0.0, "Force on the mass").range(-1e12, 1e12),
             output("position", "m", real!(position), "Position of the mass").nominal(0.01),
             output("velocity", "m/s", real!(velocity), "Velocity of the mass").nominal(0.2),
             output(

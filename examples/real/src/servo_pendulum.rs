@@ -4,7 +4,8 @@ use latsch::model::{Model, Table, input, output, parameter};
 use latsch::{Result, real};
 use serde::{Deserialize, Serialize};
 
-/// J φ'' = k (U - k φ') / R - d φ' - m g l sin φ, where the controller gives U.
+/// J φ'' = k (U - k φ') / R - d φ' - m g l sin φ + M, where the controller gives U. Recordings do not have the moment M: it
+/// is there for what is left out.
 #[derive(Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ServoPendulum {
     mass: f64,
@@ -18,6 +19,8 @@ pub struct ServoPendulum {
     goal: f64,
     enable: f64,
     supply_voltage: f64,
+    other_moment: f64,
+    motor_moment: f64,
     position: f64,
     velocity: f64,
 }
@@ -29,16 +32,22 @@ const WHOLE: f64 = 256.0 * 885.0;
 const STEP: f64 = 1e-3;
 
 impl ServoPendulum {
-    fn acceleration(&self, position: f64, velocity: f64) -> f64 {
+    /// What the motor turns the pendulum with.
+    fn motor(&self, position: f64, velocity: f64) -> f64 {
         let counts = (self.goal - position) * COUNTS / std::f64::consts::TAU;
         let duty = (self.gain * counts / WHOLE).clamp(-1.0, 1.0);
         let voltage = duty * self.supply_voltage;
         // a motor that is not driven is open: no current brakes it
         let current = self.enable * (voltage - self.torque_constant * velocity) / self.resistance;
+        self.torque_constant * current
+    }
+
+    fn acceleration(&self, position: f64, velocity: f64) -> f64 {
         let (sin, _) = libm::sincos(position);
-        let moment = self.torque_constant * current
+        let moment = self.motor(position, velocity)
             - self.viscous_friction * velocity
-            - self.mass * self.gravity * self.length * sin;
+            - self.mass * self.gravity * self.length * sin
+            + self.other_moment;
         moment / (self.mass * self.length * self.length + self.armature_inertia)
     }
 }
@@ -84,6 +93,14 @@ impl Model for ServoPendulum {
             input("goal", "rad", real!(goal), 0.0, "Angle that is commanded"),
             input("enable", "1", real!(enable), 1.0, "1 where the motor is driven, else 0"),
             input("supply_voltage", "V", real!(supply_voltage), 7.4, "Supply at the servo").nominal(7.4),
+            input(
+                "other_moment",
+                "N.m",
+                real!(other_moment),
+                0.0,
+                "Moment of what else acts on the pendulum",
+            ),
+            output("motor_moment", "N.m", real!(motor_moment), "Moment of the motor, at the gear's end"),
             output("position", "rad", real!(position), "Angle of the pendulum, 0 where it hangs"),
             output("velocity", "rad/s", real!(velocity), "Speed of the pendulum"),
         ])
@@ -99,6 +116,7 @@ impl Model for ServoPendulum {
     fn initialize(&mut self) -> Result<()> {
         self.position = self.goal;
         self.velocity = 0.0;
+        self.motor_moment = self.motor(self.position, self.velocity);
         Ok(())
     }
 
@@ -113,6 +131,7 @@ impl Model for ServoPendulum {
         let d = slope(x + length * c.0, v + length * c.1);
         self.position = x + length / 6.0 * (a.0 + 2.0 * b.0 + 2.0 * c.0 + d.0);
         self.velocity = v + length / 6.0 * (a.1 + 2.0 * b.1 + 2.0 * c.1 + d.1);
+        self.motor_moment = self.motor(self.position, self.velocity);
         Ok(())
     }
 }

@@ -5,10 +5,13 @@ use super::{Fault, FaultKind, Severity, run_name, short};
 use crate::stats::deviation;
 use std::collections::BTreeMap;
 
-/// What may be left, as a share of the measured channel's deviation, beside the simulation of the other
-/// channel: half of it allows for large model errors, but unrelated channels leave 1 or more.
+/// What may be left of a measured channel beside the simulation of the other one, as a share of its deviation: half of it
+/// allows for large model errors. Exchanged channels have it as a geometric mean, as likelihoods multiply: one that rests but for
+/// its noise says little, and another beside it may say all.
 const LEFT: f64 = 0.5;
-/// And at most this share of what the channel's own simulation leaves.
+/// And of each: unrelated channels leave 1 or more.
+const EACH: f64 = 1.0;
+/// And each leaves at most this share of what its own simulation leaves.
 const BETTER: f64 = 0.5;
 /// A swap in less than half of the runs needs more: narrow-band signals may resemble each other once.
 const RARE: f64 = 0.5;
@@ -78,8 +81,7 @@ pub fn swapped(table: &mut Table) -> Vec<Fault> {
     faults
 }
 
-/// Which channel's simulation each moved channel agrees with, and the worst shares left as named and
-/// exchanged.
+/// Which channel's simulation each moved channel agrees with, and the shares left as named and exchanged, geometric means.
 fn permutation(table: &Table, run: usize) -> Option<(BTreeMap<usize, usize>, f64, f64)> {
     let present: Vec<usize> = (0..table.channels.len()).filter(|c| table.pairs[*c][run].is_some()).collect();
     let left = |i: usize, j: usize| -> f64 {
@@ -92,22 +94,24 @@ fn permutation(table: &Table, run: usize) -> Option<(BTreeMap<usize, usize>, f64
         }
     };
     let mut moved = BTreeMap::new();
-    let (mut worst_own, mut worst_other) = (f64::INFINITY, 0.0_f64);
+    let (mut all_own, mut all_other) = (1.0, 1.0);
     for &i in &present {
         let own = left(i, i);
         let Some((j, other)) = present.iter().map(|j| (*j, left(i, *j))).min_by(|a, b| a.1.total_cmp(&b.1))
         else {
             continue;
         };
-        if j != i && other < LEFT && other < BETTER * own {
+        if j != i && other < EACH && other < BETTER * own {
             moved.insert(i, j);
-            worst_own = worst_own.min(own);
-            worst_other = worst_other.max(other);
+            all_own *= own;
+            all_other *= other;
         }
     }
     // a permutation: what goes comes from somewhere
     let mut targets: Vec<usize> = moved.values().copied().collect();
     targets.sort_unstable();
     let sources: Vec<usize> = moved.keys().copied().collect();
-    (!moved.is_empty() && targets == sources).then_some((moved, worst_own, worst_other))
+    let mean = |product: f64| product.powf(1.0 / moved.len().max(1) as f64);
+    let (own, other) = (mean(all_own), mean(all_other));
+    (!moved.is_empty() && targets == sources && other < LEFT).then_some((moved, own, other))
 }

@@ -28,7 +28,7 @@ pub const EFFECT: Effect = Effect {
             Scale::of("1", 1, [0, 0, 0]),
             (0.0, 2.0),
             (-2.0, 2.0),
-            &[0.02],
+            &[0.02, 0.06, 0.2, 0.6],
         ),
         Parameter::shape(
             "length",

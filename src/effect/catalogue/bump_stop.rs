@@ -26,7 +26,7 @@ pub const EFFECT: Effect = Effect {
             Scale::of("1", 1, [-1, 0, 0]),
             (0.0, 30.0),
             (-30.0, 30.0),
-            &[0.05],
+            &[0.05, 1.0, 5.0],
         ),
         Parameter::amplitude(
             "lower",
@@ -34,7 +34,7 @@ pub const EFFECT: Effect = Effect {
             Scale::of("1", 1, [-1, 0, 0]),
             (0.0, 30.0),
             (-30.0, 30.0),
-            &[0.05],
+            &[0.05, 1.0, 5.0],
         ),
         Parameter::shape(
             "gap",

@@ -25,7 +25,7 @@ pub const EFFECT: Effect = Effect {
             Scale::of("1", 1, [-1, 0, 0]),
             (0.0, 2.0),
             (-2.0, 2.0),
-            &[0.02],
+            &[0.02, 0.3, 1.0],
         ),
         Parameter::shape(
             "gap",

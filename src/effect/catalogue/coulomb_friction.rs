@@ -28,7 +28,7 @@ pub const EFFECT: Effect = Effect {
             off: Some(0.0),
             plausible: (0.0, 2.0),
             search: (-2.0, 2.0),
-            probes: &[0.02],
+            probes: &[0.02, 0.06, 0.2, 0.6],
         },
         Parameter {
             name: "velocity",
@@ -37,7 +37,7 @@ pub const EFFECT: Effect = Effect {
             off: None,
             plausible: (1e-4, 0.2),
             search: (1e-3, 0.2),
-            probes: &[0.01],
+            probes: &[0.01, 0.1],
         },
     ],
     apply,

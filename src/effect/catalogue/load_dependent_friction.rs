@@ -26,7 +26,7 @@ pub const EFFECT: Effect = Effect {
             Scale::of("1", 1, [0, -1, 0]),
             (0.0, 1.0),
             (-1.0, 1.0),
-            &[0.02],
+            &[0.02, 0.1, 0.4],
         ),
         Parameter::shape(
             "velocity",
@@ -34,7 +34,7 @@ pub const EFFECT: Effect = Effect {
             Scale::of("1", 0, [1, 0, 0]),
             (0.0001, 0.2),
             (0.001, 0.2),
-            &[0.02],
+            &[0.02, 0.1],
         ),
     ],
     apply,

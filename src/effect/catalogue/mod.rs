@@ -42,6 +42,7 @@ mod load_sensitivity;
 mod loss_of_contact;
 mod mains_hum;
 mod maxwell_element;
+pub mod nested;
 mod non_uniformity;
 mod operator;
 mod pad_fade;

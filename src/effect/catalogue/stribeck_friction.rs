@@ -23,7 +23,7 @@ pub const EFFECT: Effect = Effect {
             Scale::of("1", 1, [0, 0, 0]),
             (0.0, 2.0),
             (-2.0, 2.0),
-            &[0.02],
+            &[0.02, 0.06, 0.2, 0.6],
         ),
         Parameter::amplitude(
             "peak",
@@ -31,7 +31,7 @@ pub const EFFECT: Effect = Effect {
             Scale::of("1", 1, [0, 0, 0]),
             (0.0, 2.0),
             (-2.0, 2.0),
-            &[0.02],
+            &[0.02, 0.03, 0.1, 0.3],
         ),
         Parameter::shape(
             "velocity",

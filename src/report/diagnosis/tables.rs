@@ -99,6 +99,7 @@ pub(super) fn parameters(diagnosis: &Diagnosis) -> Section {
     for p in &diagnosis.parameters {
         let change = 100.0 * (p.value / p.start - 1.0);
         let change = if change.is_finite() { signed(change) } else { number(f64::NAN) };
+        let change = if p.held_at.is_some() { format!("{change}, at its bound") } else { change };
         own = own.row([
             p.name.clone(),
             number(p.start),
@@ -108,7 +109,14 @@ pub(super) fn parameters(diagnosis: &Diagnosis) -> Section {
             change,
         ]);
     }
-    if own.is_empty() { section } else { section.with(own.html()) }
+    if !own.is_empty() {
+        section = section.with(own.html());
+    }
+    let mut zeros = Table::new(&["channel shows at zero", "value", "unit", "95 % interval"]);
+    for z in &diagnosis.zeros {
+        zeros = zeros.row([z.name.clone(), number(z.value), z.unit.clone(), interval(z.low, z.high)]);
+    }
+    if zeros.is_empty() { section } else { section.with(zeros.html()) }
 }
 
 pub(super) fn unexplained(diagnosis: &Diagnosis, runs: &[Compared]) -> Section {
