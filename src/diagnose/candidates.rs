@@ -267,11 +267,16 @@ pub(super) fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
 }
 
 impl Tried {
+    /// Which effect, and where.
+    pub fn placement(&self) -> &Placement {
+        &self.screened.placement
+    }
+
     /// What its form costs, in units of twice the logarithm of a likelihood with so many independent
     /// samples (Schwarz's criterion): its parameters, and the places among which it could choose.
     pub fn price(&self, independent: f64) -> f64 {
-        let Screened { placement, places, .. } = &self.screened;
-        placement.effect.parameters.len() as f64 * independent.ln() + 2.0 * (*places as f64).ln()
+        let parameters = self.placement().effect.parameters.len() as f64;
+        parameters * independent.ln() + 2.0 * (self.screened.places as f64).ln()
     }
 }
 

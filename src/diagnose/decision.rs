@@ -71,10 +71,10 @@ impl<'a> Round<'a> {
         candidates.extend((0..self.tried.len()).map(|i| {
             let t = &self.tried[i];
             Candidate {
-                effect: t.screened.placement.effect.id.into(),
-                name: t.screened.placement.effect.name.into(),
-                family: family(t.screened.placement.effect),
-                place: t.screened.placement.place(&subject.interface),
+                effect: t.placement().effect.id.into(),
+                name: t.placement().effect.name.into(),
+                family: family(t.placement().effect),
+                place: t.placement().place(&subject.interface),
                 fit_gain: Some(t.fit_gain),
                 check_gain: Some(t.check_gain),
                 p: Some(t.p),
@@ -183,7 +183,7 @@ impl<'a> Round<'a> {
 
     /// Whether an effect is no more than a simpler one at the same place.
     fn says_no_more(&self, t: &Tried, simple: &Tried) -> bool {
-        let (own, other) = (&t.screened.placement, &simple.screened.placement);
+        let (own, other) = (t.placement(), simple.placement());
         own.targets == other.targets
             && nested::simpler(own.effect.id)
                 .any(|n| n.simpler == other.effect.id && !sets_apart(self.study, &t.fitted, n))
@@ -254,35 +254,38 @@ impl<'a> Round<'a> {
         let t = &self.tried[chosen];
         // the same effect at the same place from a signal that is as good is no rival
         let is_same = |r: &Tried| {
-            r.screened.placement.effect.id == t.screened.placement.effect.id
-                && r.screened.placement.targets == t.screened.placement.targets
+            r.placement().effect.id == t.placement().effect.id
+                && r.placement().targets == t.placement().targets
         };
         let (same, mut others): (Vec<_>, Vec<_>) =
             rivals.iter().copied().zip(shares).partition(|(i, _)| is_same(of(i)));
         others.sort_by(|a, b| b.1.total_cmp(&a.1));
         let alternative = |(i, share): &(usize, f64)| Alternative {
-            effect: of(i).screened.placement.effect.id.into(),
-            family: family(of(i).screened.placement.effect),
-            place: of(i).screened.placement.place(&subject.interface),
+            effect: of(i).placement().effect.id.into(),
+            family: family(of(i).placement().effect),
+            place: of(i).placement().place(&subject.interface),
             confidence: *share,
         };
         let is_named = is_named(t);
         let share: f64 = same.iter().map(|(_, share)| share).sum();
         let finding = Finding {
-            effect: if is_named { t.screened.placement.effect.id.into() } else { "unknown".into() },
-            name: t.screened.placement.effect.name.into(),
-            family: if is_named { family(t.screened.placement.effect) } else { "unknown".into() },
-            place: t.screened.placement.place(&subject.interface),
+            effect: if is_named { t.placement().effect.id.into() } else { "unknown".into() },
+            name: t.placement().effect.name.into(),
+            family: if is_named { family(t.placement().effect) } else { "unknown".into() },
+            place: t.placement().place(&subject.interface),
             channels: affected(self.study, subject, t, self.before),
-            depends_on: t.screened.placement.depends_on(&subject.interface),
+            depends_on: t.placement().depends_on(&subject.interface),
             confidence: OFTEN_RIGHT * if is_named { share.max(LEAST_SHARE) } else { 1.0 },
             parameters: estimates(self.study, &t.fitted),
             alternatives: others.iter().map(alternative).collect(),
             evidence: format!(
-                "It takes away {:.0} % of the squared error of the check runs and {:.0} % of that of the fit runs beyond the refit; chance does so with a probability of {:.1e}.",
+                "It takes away {:.0} % of the squared error of the check runs and {:.0} % of that of the fit runs beyond the refit; chance does so with a probability of {:.1e}{}.",
                 100.0 * t.check_gain,
                 100.0 * t.fit_gain,
-                t.p
+                t.p,
+                t.p_in_turn.map_or(String::new(), |p| format!(
+                    " in the check runs, and of {p:.1e} there and in the fit runs, foretold by a fit to the check runs"
+                ))
             ),
         };
         (finding, others.into_iter().map(|(i, _)| i).collect())
@@ -290,7 +293,7 @@ impl<'a> Round<'a> {
 }
 
 fn is_named(t: &Tried) -> bool {
-    !empirical::is(t.screened.placement.effect)
+    !empirical::is(t.placement().effect)
 }
 
 /// What a candidate leaves of each channel in each block of all runs.

@@ -41,12 +41,12 @@ pub(super) fn check_in_turn(study: &Study<'_>, tried: &mut [Tried], current: &Fi
     };
     let Some(without) = foretold(current) else { return };
     let of = |t: &Tried| {
-        let with = foretold(&t.fitted)?;
+        let with = is_open(t).then(|| foretold(&t.fitted))??;
         let units = with.by_channel();
         let p = sign_flip(&differences(&without.in_units(&units), &with.in_units(&units)));
         Some(product(p, t.p))
     };
-    let answers = side_by_side(study.bench.threads(), tried, |t| if is_open(t) { of(t) } else { None });
+    let answers = side_by_side(study.bench.threads(), tried, of);
     for (t, answer) in tried.iter_mut().zip(answers) {
         t.p_in_turn = answer.flatten();
     }

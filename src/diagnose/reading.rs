@@ -209,8 +209,8 @@ fn leave_out_after(recording: &mut Recording, gap: &mut hygiene::Fault) {
 fn unwrap(angle: &mut [f64]) {
     let (least, most) =
         angle.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
-    // what spans more than a turn counts on already
-    if most - least > TAU {
+    // what spans more than a turn, and its noise, counts on already
+    if most - least > 1.1 * TAU {
         return;
     }
     let mut turns = 0.0;
@@ -300,9 +300,12 @@ mod tests {
     #[test]
     fn angles_that_begin_anew_with_each_turn_count_on() {
         let truth: Vec<f64> = (0..400).map(|k| 1.0 + 8.0 * (0.01 * f64::from(k)).sin()).collect();
-        let mut angle: Vec<f64> = truth.iter().map(|a| a.rem_euclid(TAU)).collect();
+        // a hair of noise, so that it spans a little more than a turn
+        let noise = |k: usize| 1e-3 * (k as f64).sin();
+        let noisy = |(k, a): (usize, &f64)| a.rem_euclid(TAU) + noise(k);
+        let mut angle: Vec<f64> = truth.iter().enumerate().map(noisy).collect();
         unwrap(&mut angle);
-        assert!(angle.iter().zip(&truth).all(|(a, t)| (a - t).abs() < 1e-12));
+        assert!(angle.iter().zip(&truth).all(|(a, t)| (a - t).abs() < 2e-3));
         // half a turn and more from sample to sample, but not wrapped
         let fast: Vec<f64> = (0..9).map(|k| 5.0 * f64::from(k)).collect();
         let mut same = fast.clone();

@@ -99,8 +99,7 @@ pub(super) fn search(
                 found.findings.push(finding);
                 if found.rivals.is_empty() && !others.is_empty() {
                     let rivals = std::iter::once(i).chain(others).map(|k| &tried[k]);
-                    found.rivals =
-                        rivals.map(|t| Rival::of(study, &t.screened.placement, &t.fitted)).collect();
+                    found.rivals = rivals.map(|t| Rival::of(study, t.placement(), &t.fitted)).collect();
                 }
                 let t = tried.swap_remove(i);
                 // what is left of a channel is what counts from here on

@@ -112,7 +112,7 @@ pub(super) fn cautions(diagnosis: &Diagnosis, subject: &Subject, roles: &Roles) 
     let mut notes: Vec<String> = held
         .map(|(p, bound)| {
             format!(
-                "{} ended at {bound:.4} {}, the bound of its range: its range is too narrow ([fit] can give another), or it stands in for what is missing.",
+                "{} ended at {bound:.3e} {}, the bound of its range: its range is too narrow ([fit] can give another), or it stands in for what is missing.",
                 p.name, p.unit
             )
         })

@@ -4,7 +4,7 @@ use super::study::Study;
 use super::*;
 use crate::effect::find as find_effect;
 use crate::effect::{Attachment, Chosen, Signal, Source};
-use crate::fit::{Bench, Channel, Drive, Knob, OutputError, Run, Setup};
+use crate::fit::{Bench, Channel, Drive, Knob, OutputError, Run, Setup, replay};
 use crate::model::Settings;
 use crate::recording::{Channel as Recorded, Recording, write_csv};
 use crate::report::{CheckRun, diagnosis_report};
@@ -232,4 +232,92 @@ fn what_only_changes_outputs_or_the_lag_is_not_simulated_again() {
     assert_eq!(bench.simulated(), before);
     problem.simulate(&[vec![0.41, 0.0, 0.02]]);
     assert!((bench.simulated() - before - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn what_is_locked_to_a_wheel_has_its_phase_from_the_recorded_angle() {
+    let subject = Subject::load("magic-formula-flat-track", &Settings::default()).unwrap();
+    let find = |name: &str| subject.interface.index(name).unwrap();
+    let [force, angle, speed] = ["force_x", "wheel_angle", "wheel_speed"].map(find);
+    let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
+    let (points, begin) = (501, 2.0);
+    let slip = (0..points).map(|k| -0.05 * (0.02 * k as f64).sin()).collect();
+    let inputs = vec![(find("path_speed"), vec![10.0; points]), (find("slip"), slip)];
+    let drive = Arc::new(Drive { start: 0.0, step: 2e-3, inputs, begins: vec![(angle, begin)], points });
+    let watch: Arc<[usize]> = Arc::from([force, angle, speed]);
+    let run_one = |attachments: Vec<Attachment>| {
+        let setup = Setup { values: Vec::new(), attachments };
+        bench.run(&[Arc::new(setup)], &[Arc::clone(&drive)], &watch).pop().unwrap().unwrap()
+    };
+    let signal = |variable: usize| Signal { variable, source: Source::Value };
+    let (a, b) = (0.03, -0.02);
+    let imbalance = Attachment {
+        effect: find_effect("imbalance").unwrap(),
+        target: force,
+        drivers: vec![signal(angle), signal(speed)],
+        parameters: [a, b].map(|value| Chosen { value, range: FREE, unit: None }).to_vec(),
+    };
+    let without = run_one(Vec::new());
+    assert!(without[1][0].abs() < 1e-9, "the model's wheel begins at {}", without[1][0]);
+    let with = run_one(vec![imbalance.clone()]);
+    let replayed = replay(&imbalance, &without[0], &drive, &watch, &without).unwrap();
+    for k in 0..points {
+        let theta = without[1][k] + begin;
+        let added = without[2][k].powi(2) * (a * theta.cos() + b * theta.sin());
+        assert!((with[0][k] - without[0][k] - added).abs() < 1e-6, "{k}");
+        assert!((with[0][k] - replayed[k]).abs() < 1e-6, "{k}");
+    }
+}
+
+#[test]
+fn a_small_zero_of_a_sensor_is_fitted_and_one_that_shows_is_left_to_an_effect() {
+    let subject = Subject::load("brake-hydraulics", &Settings::default()).unwrap();
+    let find = |name: &str| subject.interface.index(name).unwrap();
+    let (pressure, torque) = (find("driver_pressure"), find("brake_torque"));
+    let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
+    let points = 1001;
+    let course = (0..points).map(|k| 4e6 + 3e6 * (0.02 * k as f64).sin()).collect();
+    let inputs = vec![(pressure, course)];
+    let drive = Arc::new(Drive { start: 0.0, step: 1e-3, inputs, begins: Vec::new(), points });
+    let simulated = bench
+        .run(&[Arc::new(Setup::default())], &[Arc::clone(&drive)], &Arc::from([torque]))
+        .pop()
+        .unwrap()
+        .unwrap();
+    let span =
+        simulated[0].iter().copied().fold(0.0, f64::max) - simulated[0].iter().copied().fold(1e9, f64::min);
+    let noise = 0.002 * span;
+    let zeros_with = |offset: f64| {
+        let mut random = crate::stats::SplitMix64::new(6);
+        let values = simulated[0].iter().map(|t| t + offset + noise * random.normal()).collect();
+        let run = Run {
+            name: String::new(),
+            time: (0..points).map(|k| drive.time(k)).collect(),
+            drive: Arc::clone(&drive),
+            channels: vec![Channel { variable: torque, values, counts: false }],
+        };
+        let mut study = Study {
+            bench: &bench,
+            fit_runs: vec![&run],
+            check_runs: vec![&run],
+            values: Vec::new(),
+            free: Vec::new(),
+            lag: 0.0,
+            zeros: super::study::zeros(&[&run]),
+            weights: vec![1.0 / noise],
+            redundancy: 1.0,
+        };
+        let fitted = study.fit(&study.nominal(), 8).unwrap();
+        let rest = study.fit_rest(&fitted).unwrap();
+        let most = study.zeros[0].1;
+        let dropped = study.drop_visible_zeros(&fitted, &rest);
+        assert_eq!(study.zeros.is_empty(), dropped);
+        (fitted.model.parameters[1] * most, dropped)
+    };
+    // twice the noise, 0.4 % of the span: found to the noise over the root of the samples
+    let (zero, dropped) = zeros_with(2.0 * noise);
+    assert!((zero - 2.0 * noise).abs() < 4.0 * noise / (points as f64).sqrt() && !dropped, "{zero}");
+    // more than three times the noise shows, and so does what is beyond 2 % of the span
+    assert!(zeros_with(4.0 * noise).1);
+    assert!(zeros_with(-0.05 * span).1);
 }

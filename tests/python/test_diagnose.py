@@ -133,6 +133,58 @@ def test_repeats_of_a_run_tell_what_is_no_noise(study, tmp_path, repeats, verdic
         assert "comes again in repeats" in found["findings"][0]["evidence"]
 
 
+def made(folder, force, start=0.0):
+    """Seven runs of an oscillator with a force of position and velocity beside its spring, by the classical Runge-Kutta method
+    in steps of 0.1 ms, with 1 % of noise."""
+    folder.mkdir()
+    dice = np.random.default_rng(1)
+    amplitude, frequency, phase = dice.uniform(30, 120, (6, 7)), dice.uniform(0.3, 6, (6, 7)), dice.uniform(0, 6, (6, 7))
+    mass, stiffness, damping, step, parts = 10.5, 3800.0, 84.0, 1e-4, 50
+
+    def drive(t):
+        return (amplitude * np.sin(2 * np.pi * frequency * t + phase)).sum(axis=0)
+
+    def slope(t, x, v):
+        return np.array([v, (drive(t) - damping * v - stiffness * x + force(x, v)) / mass])
+
+    state = np.array([drive(0) / stiffness + start * np.sign(drive(0)), np.zeros(7)])
+    times, states = 0.005 * np.arange(2000), []
+    for t in times:
+        states.append(state)
+        for part in range(parts):
+            at = t + part * step
+            a = slope(at, *state)
+            b = slope(at + step / 2, *(state + step / 2 * a))
+            c = slope(at + step / 2, *(state + step / 2 * b))
+            d = slope(at + step, *(state + step * c))
+            state = state + step / 6 * (a + 2 * b + 2 * c + d)
+    states = np.array(states)
+    states += 0.01 * states.std(axis=0) * dice.standard_normal(states.shape)
+    for run in range(7):
+        inputs = [drive(t)[run] for t in times]
+        write(folder / f"{run}.csv", "time [s],force [N],position [m],velocity [m/s]", times, inputs, *states[:, :, run].T)
+
+
+@pytest.mark.parametrize(
+    "effect, parameter, truth, force, start",
+    [
+        # sharper than any range of the velocity: Stribeck's peak would be zero
+        ("coulomb-friction", "force", 4.0, lambda x, v: -4.0 * np.tanh(v / 0.002), 0.0),
+        ("clearance", "gap", 0.003, lambda x, v: 3800.0 * np.clip(x, -0.003, 0.003), 0.003),
+    ],
+)
+def test_what_sticks_or_touches_has_its_own_name_and_no_other(study, tmp_path, effect, parameter, truth, force, start):
+    made(tmp_path / "recordings", force, start)
+    model = study / "models" / "oscillator.fmu"
+    done = latsch("diagnose", model, "--recordings", tmp_path / "recordings", "--output", tmp_path / "output")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "output" / "diagnosis.json").read_text())
+    [finding] = found["findings"]
+    assert (found["verdict"], finding["effect"], finding["place"]) == ("effect", effect, "force at force"), found["summary"]
+    [estimate] = [p for p in finding["parameters"] if p["name"] == parameter]
+    assert estimate["value"] == pytest.approx(truth, rel=0.05)
+
+
 def rewritten(case, folder, parameters="", name=None, column=lambda head, values: [(head, values)], mapped=""):
     """A case told otherwise: files with other names, columns with other heads and values, a map. Returns what `diagnose` is called with."""
     recordings = folder / "recordings"

@@ -59,7 +59,35 @@ pub fn units_and_signs(table: &mut Table) -> Vec<Fault> {
         faults.extend(signs(table, channel));
         faults.extend(units(table, channel));
     }
+    reversed_input(table, &mut faults);
     faults
+}
+
+/// All sensors of a machine that are reversed in the same runs are an input that is: one cause, not many.
+fn reversed_input(table: &Table, faults: &mut Vec<Fault>) {
+    let compared =
+        (0..table.channels.len()).filter(|c| table.pairs[*c].iter().flatten().next().is_some()).count();
+    let signs: Vec<&Fault> = faults.iter().filter(|f| f.kind == FaultKind::WrongSign).collect();
+    let Some(first) = signs.first().copied().cloned() else { return };
+    if compared < 2 || signs.len() < compared || signs.iter().any(|f| f.runs != first.runs) {
+        return;
+    }
+    let is_input = |name: &String| !table.channels.contains(name);
+    let names = table.measured.first().map_or(&[][..], |r| &r.channels[..]).iter().map(|c| &c.name);
+    let inputs: Vec<&str> = names.filter(|name| is_input(name)).map(String::as_str).collect();
+    faults.retain(|f| f.kind != FaultKind::WrongSign);
+    faults.push(Fault {
+        channel: if let [only] = inputs[..] { Some(only.into()) } else { None },
+        evidence: format!(
+            "In {} run(s) all {compared} measured outputs go against the simulation: an input is reversed, not {compared} sensors.",
+            first.runs.len()
+        ),
+        advice: format!(
+            "Check the sign convention of {}, and reverse what is wrong in these runs.",
+            inputs.join(", ")
+        ),
+        ..first
+    });
 }
 
 fn signs(table: &mut Table, channel: usize) -> Option<Fault> {
