@@ -192,8 +192,7 @@ fn widened(study: &Study<'_>, mut fitted: Fitted) -> Fitted {
         let ended: Vec<usize> = (placement.effect.parameters.iter().zip(&*values).enumerate())
             .filter(|(_, (p, value))| {
                 let (low, high) = placement.limits(p);
-                let has_size = p.scale.target != 0 || p.scale.drivers != [0; 3];
-                p.off.is_some() && has_size && (**value <= low || **value >= high)
+                p.off.is_some() && !p.scale.is_plain() && (**value <= low || **value >= high)
             })
             .map(|(i, _)| i)
             .collect();

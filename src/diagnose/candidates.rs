@@ -1,7 +1,7 @@
 //! Candidates: effects screened at all their places, and the best of them fitted inside the simulation.
 
 use super::excerpt::coarser;
-use super::placement::{Placement, Site, is_tunable, sizes};
+use super::placement::{Placement, Site, is_tunable, own_time, sizes};
 use super::plausible::{implausible, plausible};
 use super::roles::Roles;
 use super::screen::{Screen, Screened};
@@ -150,7 +150,9 @@ pub(super) fn screen(
         }
     }
     let tunable = study.free.iter().map(|p| p.variable).filter(|v| is_tunable(interface, *v)).collect();
-    let site = Site { interface, roles, measured: &measured, driven, tunable, size, rate };
+    let moving: Vec<usize> = measured.iter().chain(&driven).copied().collect();
+    let time = own_time(&moving, &watch, &drives, &screen.traces);
+    let site = Site { interface, roles, measured: &measured, driven, tunable, size, rate, time };
     let known = |placement: &Placement| {
         current
             .model

@@ -3,7 +3,6 @@
 use super::decision::LEVEL;
 use super::excerpt::finer;
 use super::left::NOISE_MARGIN;
-use super::own_step::LongerStep;
 use super::parts::errors_of_parts;
 use super::placement::Placement;
 use super::reading::{Recorded, fault, shortest_interval, with};
@@ -11,6 +10,7 @@ use super::result::{Diagnosis, Estimate, Finding, Use, Verdict};
 use super::roles::Roles;
 use super::runs::Map;
 use super::search::{Found, search};
+use super::steps::LongerStep;
 use super::study::{Fitted, Model, Study, differences, first_weights, zeros};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
@@ -87,7 +87,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     progress("reading", 0.0);
     let mut subject = Subject::load(&request.model, &request.settings)?;
     let roles = Roles::of(&subject.interface, &request.map.roles())?;
-    let (recorded, mut faults) = Recorded::read(request, &subject, &roles)?;
+    let (mut recorded, mut faults) = Recorded::read(request, &subject, &roles)?;
     let switched = subject.follow_recorded_motions(&recorded.inputs())?;
     let mut notes: Vec<String> =
         switched.iter().map(|v| motions_are_followed(&subject.interface.variables[*v].name)).collect();
@@ -97,6 +97,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         std::thread::available_parallelism().map_or(1, usize::from)
     };
     let bench = Bench::new(&subject.factory, &subject.fixed, threads)?;
+    notes.extend(recorded.take_shorter_steps(&bench, &subject, &roles)?);
     let mut study = Study {
         bench: &bench,
         fit_runs: recorded.with(Use::Fit),

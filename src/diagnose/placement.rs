@@ -6,6 +6,8 @@ use crate::effect::{Attachment, Chosen, Effect, Parameter, Port, Role, Signal, S
 use crate::fit::{Drive, Traces};
 use crate::model::unit::Unit;
 use crate::model::{Causality, Interface, Kind, Variability};
+use crate::stats::{about_mean, median};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Parameters that effects without a parameter of their own are tried at.
@@ -129,6 +131,8 @@ pub struct Site<'a> {
     pub size: Vec<f64>,
     /// Typical size of the rate and integral of every variable.
     pub rate: Vec<(f64, f64)>,
+    /// The machine's own time \[s\].
+    pub time: f64,
 }
 
 impl Site<'_> {
@@ -184,7 +188,8 @@ impl Site<'_> {
                 }
                 let own = self.size[targets[0]];
                 let scale = |parameter: &Parameter| {
-                    let factor = own.powi(i32::from(parameter.scale.target));
+                    let time = self.time.powi(i32::from(parameter.scale.time));
+                    let factor = time * own.powi(i32::from(parameter.scale.target));
                     sizes
                         .iter()
                         .zip(parameter.scale.drivers)
@@ -232,8 +237,11 @@ impl Site<'_> {
             Unit::parse(text).ok().filter(|u| u.factor == 1.0 && u.offset == 0.0)
         };
         let scale = parameter.scale;
-        if scale.unit == "1" && scale.target == 1 && scale.drivers == [0; 3] {
-            return self.interface.variables[target].unit.clone();
+        let alone = scale.unit == "1" && scale.drivers == [0; 3];
+        match (scale.target, scale.time) {
+            (1, 0) if alone => return self.interface.variables[target].unit.clone(),
+            (0, -1) if alone => return Some("Hz".into()),
+            _ => {}
         }
         let mut exponents = Unit::parse(scale.unit).ok()?.exponents;
         let mut add = |more: [i8; 8], power: i8, seconds: i8| {
@@ -242,6 +250,7 @@ impl Site<'_> {
             }
             exponents[2] += seconds * power;
         };
+        add([0; 8], 1, scale.time);
         if scale.target != 0 {
             add(of(target)?.exponents, scale.target, 0);
         }
@@ -308,6 +317,23 @@ fn combinations(lists: &[Vec<Signal>], interface: &Interface) -> Vec<Vec<Signal>
     all.sort_by_key(|c| std::cmp::Reverse(kinship(c)));
     all.truncate(if lists.len() > 1 { MAX_COMBINATIONS } else { all.len() });
     all
+}
+
+/// The machine's own time: the period of a motion with the spread and rate of a traced variable, of the one in the middle of
+/// those `that` are asked for; 1 s where nothing moves.
+pub fn own_time(that: &[usize], watch: &[usize], drives: &[Arc<Drive>], traces: &[Traces]) -> f64 {
+    let period = |variable: &usize| {
+        let column = watch.iter().position(|v| v == variable)?;
+        let (mut spread, mut rate) = (0.0, 0.0);
+        for (drive, run) in drives.iter().zip(traces) {
+            let values = &run[column];
+            spread += about_mean(values);
+            rate += values.windows(2).map(|w| ((w[1] - w[0]) / drive.step).powi(2)).sum::<f64>();
+        }
+        Some(TAU * (spread / rate).sqrt())
+    };
+    let periods: Vec<f64> = that.iter().filter_map(period).filter(|p| p.is_finite() && *p > 0.0).collect();
+    if periods.is_empty() { 1.0 } else { median(&periods) }
 }
 
 /// Typical sizes of traced variables, and of their rates and integrals: root mean squares over runs.

@@ -5,11 +5,12 @@ use super::pipeline::Request;
 use super::result::{RunUse, Use};
 use super::roles::Roles;
 use super::runs::{Map, are_given, courses, prepare, uses};
+use super::steps::ShorterSteps;
 use super::study::{Model, Study};
 use super::subject::Subject;
 use super::witnesses::{Shared, share_out};
 use crate::effect::Role;
-use crate::fit::{Drive, Run};
+use crate::fit::{Bench, Drive, Run};
 use crate::model::Causality;
 use crate::recording::Recording;
 use crate::stats::median_interval;
@@ -34,6 +35,8 @@ pub(super) struct Recorded {
     uses: Vec<Use>,
     /// Whether the user said so.
     are_given: bool,
+    /// The communication step, where it is given \[s\].
+    step: Option<f64>,
     /// Those that are used, ready to be simulated.
     pub runs: Vec<(Run, Use)>,
 }
@@ -72,23 +75,50 @@ impl Recorded {
             None => uses(&request.recordings, &names, &courses(&recordings))?,
         };
         let step = request.step.or(subject.own_step());
+        let mut recorded = Self { names, recordings, uses, are_given, step, runs: Vec::new() };
+        recorded.runs = recorded.prepared(subject, roles, 1)?;
+        same_channels(subject, &recorded.runs)?;
+        Ok((recorded, faults))
+    }
+
+    /// All runs that are used, ready to be simulated, with communication points so much closer than usual, where no step is
+    /// given.
+    fn prepared(&self, subject: &Subject, roles: &Roles, finer: u32) -> Result<Vec<(Run, Use)>> {
         let counts =
             |variable: usize| [Role::WheelAngle, Role::TravelDistance].iter().any(|r| roles.is(variable, *r));
-        let mut runs: Vec<(Run, Use)> = Vec::new();
-        for ((name, recording), use_) in names.iter().zip(&recordings).zip(&uses) {
-            if *use_ != Use::Leave {
-                let mut run = prepare(&subject.interface, recording, name, step)?;
-                run.channels.iter_mut().for_each(|c| c.counts = counts(c.variable));
-                let angles = run.channels.iter_mut().filter(|c| roles.is(c.variable, Role::WheelAngle));
-                angles.for_each(|c| unwrap(&mut c.values));
-                let counting = run.channels.iter().filter(|c| c.counts);
-                let begins = counting.filter_map(|c| Some((c.variable, *c.values.first()?))).collect();
-                run.drive = Arc::new(Drive { begins, ..Drive::clone(&run.drive) });
-                runs.push((run, *use_));
-            }
+        let used = self.names.iter().zip(&self.recordings).zip(&self.uses);
+        let used = used.filter(|(_, use_)| **use_ != Use::Leave);
+        used.map(|((name, recording), use_)| {
+            let mut run = prepare(&subject.interface, recording, name, self.step, finer)?;
+            run.channels.iter_mut().for_each(|c| c.counts = counts(c.variable));
+            let angles = run.channels.iter_mut().filter(|c| roles.is(c.variable, Role::WheelAngle));
+            angles.for_each(|c| unwrap(&mut c.values));
+            let counting = run.channels.iter().filter(|c| c.counts);
+            let begins = counting.filter_map(|c| Some((c.variable, *c.values.first()?))).collect();
+            run.drive = Arc::new(Drive { begins, ..Drive::clone(&run.drive) });
+            Ok((run, *use_))
+        })
+        .collect()
+    }
+
+    /// Has the runs simulated with as many communication steps per sample as the model needs; says so, if these are more
+    /// than usual.
+    ///
+    /// # Errors
+    /// Too many steps.
+    pub fn take_shorter_steps(
+        &mut self,
+        bench: &Bench,
+        subject: &Subject,
+        roles: &Roles,
+    ) -> Result<Option<String>> {
+        if self.step.is_some() {
+            return Ok(None);
         }
-        same_channels(subject, &runs)?;
-        Ok((Self { names, recordings, uses, are_given, runs }, faults))
+        let with = |finer: u32| self.prepared(subject, roles, finer);
+        let Some((shorter, runs)) = ShorterSteps::of(bench, with)? else { return Ok(None) };
+        self.runs = runs;
+        Ok(Some(shorter.words()))
     }
 
     /// The inputs that recordings hold.

@@ -88,7 +88,12 @@ impl Roles {
             Role::WheelSpeed => &[(Role::WheelAngle, Source::Rate)],
             _ => &[],
         };
-        let direct = with(role, Source::Value);
+        let mut direct = with(role, Source::Value);
+        if role == Role::Velocity {
+            // the speed that a machine has by itself is a velocity of it; the one that a rig gives it is none
+            let own = |s: &Signal| interface.variables[s.variable].causality == Causality::Output;
+            direct.extend(with(Role::TravelSpeed, Source::Value).into_iter().filter(own));
+        }
         let made =
             sources.iter().map(|(role, source)| with(*role, *source)).find(|signals| !signals.is_empty());
         if direct.is_empty() { made.unwrap_or_default() } else { direct }
@@ -146,6 +151,7 @@ fn roles_of(info: &VariableInfo) -> Vec<Role> {
         PASCAL => Role::Pressure,
         KELVIN => Role::Temperature,
         WATT => Role::FrictionPower,
+        _ if info.causality == Causality::Input => Role::Command,
         _ => Role::Other,
     };
     match role {
@@ -280,6 +286,7 @@ mod tests {
             tunable: Vec::new(),
             size: vec![1.0; count],
             rate: vec![(1.0, 1.0); count],
+            time: 1.0,
         };
         let name = |v: &usize| interface.variables[*v].name.clone();
         let place = |p: &super::super::placement::Placement| {
@@ -325,6 +332,19 @@ mod tests {
         }
         let force = slave.get(interface.find("force_x").unwrap()).unwrap();
         assert!((force - 500.0 * (1.0 - 0.01_f64.tanh())).abs() < 1e-3, "{force}");
+    }
+
+    #[test]
+    fn the_speed_of_a_vehicle_drives_friction_and_that_of_a_rig_does_not() {
+        let roles = |model: &str| {
+            let subject = super::super::subject::Subject::load(model, &Settings::default()).unwrap();
+            let roles = Roles::of(&subject.interface, &[]).unwrap();
+            names(&subject.interface, &roles, Role::Velocity)
+        };
+        let vehicle = roles("magic-formula-corner");
+        assert!(vehicle.contains(&"vehicle_speed".to_owned()), "{vehicle:?}");
+        let rig = roles("magic-formula-flat-track");
+        assert!(!rig.contains(&"path_speed".to_owned()), "{rig:?}");
     }
 
     #[test]

@@ -16,8 +16,8 @@ use std::sync::Arc;
 
 /// Names that tell the use of recordings.
 const RUNS_FILE: &str = "runs.toml";
-/// Communication steps per sample at most: inputs are straight between samples, and the model has a step
-/// of its own.
+/// Communication steps per sample at most, as long as the model does not ask for more: inputs are nearly straight between
+/// samples, and the model has a step of its own.
 const MAX_PARTS: f64 = 2.0;
 /// Communication steps in one run at most.
 const MAX_POINTS: usize = 2_000_000;
@@ -189,11 +189,18 @@ fn traits(run: &[&[f64]]) -> Vec<f64> {
     all
 }
 
-/// A run of a recording on a model: inputs on an even grid, outputs as measured.
+/// A run of a recording on a model: inputs on an even grid, outputs as measured. Communication points are `step` apart, if
+/// that is given, or else `finer` times as close as usual.
 ///
 /// # Errors
 /// Channels that are no variables or cannot be converted, no inputs or outputs, too many steps.
-pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: Option<f64>) -> Result<Run> {
+pub fn prepare(
+    interface: &Interface,
+    recording: &Recording,
+    name: &str,
+    step: Option<f64>,
+    finer: u32,
+) -> Result<Run> {
     let at = |e: Error| e.at(name);
     let (Some(first), Some(last)) = (recording.time.first(), recording.time.last()) else {
         return Err(Error::file(format!("{name}: the recording is empty")));
@@ -205,7 +212,8 @@ pub fn prepare(interface: &Interface, recording: &Recording, name: &str, step: O
     let step = step.unwrap_or_else(|| {
         let whole = (interval / interface.communication_step - 1e-6).ceil();
         // a whole part of the interval between samples, unless the model's step is longer than that
-        if whole > 1.0 { interval / whole.min(MAX_PARTS) } else { interface.communication_step }
+        let usual = if whole > 1.0 { interval / whole.min(MAX_PARTS) } else { interface.communication_step };
+        usual / f64::from(finer)
     });
     let points = ((last - first) / step - 1e-6).ceil() as usize + 1;
     if points > MAX_POINTS {

@@ -453,21 +453,17 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
     }
 
     fn set_all(&mut self, variables: &[usize], values: &[f64], rates: &[f64]) -> Result<()> {
-        let interpolates = self.inner.can_interpolate();
         let apart = |v: &usize| *v >= self.own || self.before.iter().any(|c| c.variable == *v);
         if variables.iter().any(apart) {
             for ((variable, value), rate) in variables.iter().zip(values).zip(rates) {
                 self.set(*variable, *value)?;
-                if interpolates {
-                    self.set_rate(*variable, *rate)?;
-                }
+                self.set_rate(*variable, *rate)?;
             }
             return Ok(());
         }
         self.inner.set_all(variables, values, rates)?;
         for ((variable, value), rate) in variables.iter().zip(values).zip(rates) {
-            self.state.values[*variable] = *value;
-            self.state.rates[*variable] = if interpolates { *rate } else { 0.0 };
+            (self.state.values[*variable], self.state.rates[*variable]) = (*value, *rate);
         }
         Ok(())
     }
@@ -483,10 +479,10 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
     fn set_rate(&mut self, variable: usize, rate: f64) -> Result<()> {
         let info = self.interface.variables.get(variable);
         let later = self.state.phase == Phase::Running
-            && self.before.iter().any(|c| c.variable == variable)
-            && info.is_some_and(|info| info.causality == Causality::Input)
-            && rate.is_finite()
-            && self.inner.can_interpolate();
+            && (!self.inner.can_interpolate() || self.before.iter().any(|c| c.variable == variable))
+            && variable < self.own
+            && info.is_some_and(|info| info.causality == Causality::Input && info.is_real())
+            && rate.is_finite();
         if !later {
             // also where it is refused: in the slave's words
             self.inner.set_rate(variable, rate)?;
@@ -497,8 +493,10 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
         Ok(())
     }
 
+    /// Always: a slave that only holds its inputs gets their means over each step, and what they are at its end before
+    /// outputs are read. Held from the step's beginning they would be half a step late.
     fn can_interpolate(&self) -> bool {
-        self.inner.can_interpolate()
+        true
     }
 
     fn start(&mut self, start: f64, stop: Option<f64>) -> Result<()> {
@@ -567,6 +565,15 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
 
     fn step(&mut self, time: f64, length: f64) -> Result<()> {
         let interpolates = self.inner.can_interpolate();
+        // of a slave that holds its inputs: what they are at the end of the step
+        let mut ends = Vec::new();
+        for variable in 0..if interpolates { 0 } else { self.own } {
+            let (value, rate) = (self.state.values[variable], self.state.rates[variable]);
+            if rate != 0.0 && !self.before.iter().any(|c| c.variable == variable) {
+                self.inner.set(variable, value + 0.5 * rate * length)?;
+                ends.push((variable, value + rate * length));
+            }
+        }
         for i in 0..self.before.len() {
             let variable = self.before[i].variable;
             let (value, rate) = (self.state.values[variable], self.state.rates[variable]);
@@ -575,20 +582,26 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
             let changed = self.change(false, i, goal, time + length, length);
             // a jump of the master's value passes on at once
             let begin = if got == expected { value } else { got + (value - expected) };
-            if changed == goal && begin == value {
+            if changed == goal && begin == value && (interpolates || rate == 0.0) {
                 self.inner.set(variable, value)?;
-                if interpolates && rate != 0.0 {
+                if rate != 0.0 {
                     self.inner.set_rate(variable, rate)?;
                 }
             } else if interpolates && self.interface.variables[variable].causality == Causality::Input {
                 self.inner.set(variable, begin)?;
                 self.inner.set_rate(variable, (changed - begin) / length)?;
+            } else if self.interface.variables[variable].causality == Causality::Input {
+                self.inner.set(variable, 0.5 * (begin + changed))?;
+                ends.push((variable, changed));
             } else {
                 self.inner.set(variable, changed)?;
             }
             self.state.expected[i] = (goal, changed);
         }
         self.inner.step(time, length)?;
+        for (variable, end) in ends {
+            self.inner.set(variable, end)?;
+        }
         self.state.time = time + length;
         self.state.stepped = true;
         // what the master does not set again runs on

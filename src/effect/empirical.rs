@@ -120,13 +120,21 @@ const fn modulation() -> Effect {
     }
 }
 
-/// Time constants of the memory \[s\].
+/// Time constants of the memory, over the longest.
 const MEMORY: [f64; 3] = [0.02, 0.15, 1.0];
 
 const LAGGED: &[Parameter] = &[
-    term("short", "Term with the signal behind 0.02 s", 1),
-    term("medium", "Term with the signal behind 0.15 s", 1),
-    term("long", "Term with the signal behind 1 s", 1),
+    term("short", "Term with the signal behind 0.02 of the time", 1),
+    term("medium", "Term with the signal behind 0.15 of the time", 1),
+    term("long", "Term with the signal behind the time", 1),
+    Parameter::shape(
+        "time",
+        "Longest time constant of the memory",
+        Scale::own_time(1),
+        (0.3, 3.0),
+        (0.3, 3.0),
+        &[1.0],
+    ),
 ];
 
 const fn history() -> Effect {
@@ -136,7 +144,7 @@ const fn history() -> Effect {
         family: Family::Mechanism,
         port: Port::Output,
         also: &[],
-        equation: "y + a x_1 + b x_2 + c x_3, x_i behind first-order lags of 0.02, 0.15 and 1 s",
+        equation: "y + a x_1 + b x_2 + c x_3, x_i behind first-order lags of 0.02 T, 0.15 T and T",
         source: SOURCE,
         signature: SIGNATURE,
         confused_with: &[],
@@ -147,7 +155,7 @@ const fn history() -> Effect {
             let x = call.drivers[0];
             let mut sum = 0.0;
             for (i, tau) in MEMORY.iter().enumerate() {
-                sum += p[i] * (memory.lag(2 * i, x, *tau, call.dt) - x);
+                sum += p[i] * (memory.lag(2 * i, x, tau * p[3], call.dt) - x);
             }
             call.target + sum
         },
@@ -181,7 +189,7 @@ const GROWTH: &[Parameter] = &[
     Parameter {
         name: "growth",
         description: "Relative growth per time",
-        scale: Scale::plain("1/s"),
+        scale: Scale::own_time(-1),
         off: Some(0.0),
         plausible: (-1.0, 1.0),
         search: (-1.0, 1.0),
@@ -190,7 +198,7 @@ const GROWTH: &[Parameter] = &[
     Parameter {
         name: "curve",
         description: "Relative growth per time squared",
-        scale: Scale::plain("1/s2"),
+        scale: Scale::own_time(-2),
         off: Some(0.0),
         plausible: (-1.0, 1.0),
         search: (-1.0, 1.0),
@@ -202,7 +210,7 @@ const OVER_TIME: &[Parameter] = &[
     Parameter {
         name: "growth",
         description: "Relative growth per time",
-        scale: Scale::plain("1/s"),
+        scale: Scale::own_time(-1),
         off: Some(0.0),
         plausible: (-1.0, 1.0),
         search: (-1.0, 1.0),
@@ -211,7 +219,7 @@ const OVER_TIME: &[Parameter] = &[
     Parameter {
         name: "curve",
         description: "Relative growth per time squared",
-        scale: Scale::plain("1/s2"),
+        scale: Scale::own_time(-2),
         off: Some(0.0),
         plausible: (-1.0, 1.0),
         search: (-1.0, 1.0),
@@ -220,7 +228,7 @@ const OVER_TIME: &[Parameter] = &[
     Parameter {
         name: "drift",
         description: "Change per time",
-        scale: Scale::of("1/s", 1, [0; 3]),
+        scale: Scale::of("1", 1, [0; 3]).per_time(1),
         off: Some(0.0),
         plausible: (-1.0, 1.0),
         search: (-1.0, 1.0),

@@ -222,6 +222,9 @@ fn natural_unit(
     let scale = parameter.scale;
     let of = |variable: usize| interface.variables.get(variable).and_then(|v: &VariableInfo| v.unit.clone());
     match (scale.unit, scale.target, scale.drivers) {
+        ("1", 0, [0, 0, 0]) if scale.time == 1 => Some("s".into()),
+        ("1", 0, [0, 0, 0]) if scale.time == -1 => Some("Hz".into()),
+        _ if scale.time != 0 => None,
         (unit, 0, [0, 0, 0]) => Some(unit.into()),
         ("1", 1, [0, 0, 0]) => of(target),
         ("1", 0, powers) if powers.iter().map(|p| p.unsigned_abs()).sum::<u8>() == 1 => {
@@ -293,8 +296,7 @@ fn chosen(
 /// size of the signals, a wide range around the value on the same side of zero.
 fn own_range(parameter: &Parameter, value: f64) -> Interval {
     let (low, high) = parameter.search;
-    let plain = parameter.scale.target == 0 && parameter.scale.drivers == [0; 3];
-    match plain {
+    match parameter.scale.is_plain() {
         true => (low, high),
         false if low < 0.0 => (f64::NEG_INFINITY, f64::INFINITY),
         // a scale on which something happens is never zero

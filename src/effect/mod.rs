@@ -72,17 +72,35 @@ pub struct Scale {
     pub target: i8,
     /// Power of each driver; of a fourth and fifth none.
     pub drivers: [i8; 3],
+    /// Power of the machine's own time: the period of its motions, which is about 1 s for a car and a millisecond or an
+    /// hour for others \[s\].
+    pub time: i8,
 }
 
 impl Scale {
     /// A plain number in an SI unit.
     pub const fn plain(unit: &'static str) -> Self {
-        Self { unit, target: 0, drivers: [0; 3] }
+        Self::of(unit, 0, [0; 3])
+    }
+
+    /// A power of the machine's own time: 1 for a time, -1 for a frequency.
+    pub const fn own_time(power: i8) -> Self {
+        Self { time: power, ..Self::plain("1") }
     }
 
     /// Times the changed number's scale to the power `target` and the drivers' to `drivers`.
     pub const fn of(unit: &'static str, target: i8, drivers: [i8; 3]) -> Self {
-        Self { unit, target, drivers }
+        Self { unit, target, drivers, time: 0 }
+    }
+
+    /// Per machine's own time.
+    pub const fn per_time(self, power: i8) -> Self {
+        Self { time: -power, ..self }
+    }
+
+    /// Whether it is a plain number in its unit, whatever the machine.
+    pub const fn is_plain(&self) -> bool {
+        self.target == 0 && self.time == 0 && matches!(self.drivers, [0, 0, 0])
     }
 }
 

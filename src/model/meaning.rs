@@ -48,6 +48,8 @@ pub enum Role {
     Temperature,
     /// Power that a contact loses, or that friction turns into heat \[W\].
     FrictionPower,
+    /// What an actuator is told or fed, where it is none of these: a voltage, a current, a flow, a valve's opening.
+    Command,
     /// A parameter: coefficient of friction or grip \[1\].
     Friction,
     /// A parameter: stiffness of a tire, spring or bushing.

@@ -369,12 +369,16 @@ fn spike(look: &Look, i: usize) -> Option<(usize, f64)> {
     };
     let before = around(i.saturating_sub(16)..i - 1);
     let behind = around(i + length..(i + length + 16).min(values.len() - 1));
+    // what swings out and back, however fast, is on its way before the jump and after it
+    let beside = [i.checked_sub(2), (i + length + 1 < values.len()).then_some(i + length)];
+    let beside = beside.into_iter().flatten().map(step).fold(0.0, f64::max);
     let quiet = match (before.is_finite(), behind.is_finite()) {
         (true, true) => before.max(behind),
         _ => before.min(behind),
     };
     let zero = (i..i + length).all(|j| look.near_zero(values[j]));
     let enough = if zero { 0.1 } else { 0.5 } * look.amplitude;
+    let quiet = quiet.max(beside);
     (far > FAR * quiet && far > enough && quiet.is_finite()).then_some((length, far))
 }
 

@@ -17,18 +17,31 @@ pub const EFFECT: Effect = Effect {
         ("relaxation-length", "the lag goes with 1/V"),
         ("actuator-resonance", "overshoots"),
     ],
-    targets: &[Role::Position, Role::Velocity, Role::SlipAngle, Role::Camber, Role::Slip, Role::TravelSpeed],
+    targets: MOTIONS,
     drivers: &[],
     parameters: &[Parameter::amplitude(
         "time",
         "Time in which 63 % of a step are reached",
-        Scale::plain("s"),
+        Scale::own_time(1),
         (0.0, 1.0),
         (0.0, 2.0),
         &[0.005],
     )],
     apply,
 };
+
+/// What actuators do that are no brake and no force: they move something, or let current, heat or a fluid flow.
+pub(super) const MOTIONS: &[Role] = &[
+    Role::Position,
+    Role::Velocity,
+    Role::SlipAngle,
+    Role::Camber,
+    Role::Slip,
+    Role::TravelSpeed,
+    Role::Temperature,
+    Role::FrictionPower,
+    Role::Command,
+];
 
 fn apply(p: &[f64], memory: &mut Memory, call: &Call<'_>) -> f64 {
     if p[0] <= 0.0 { call.target } else { memory.lag(0, call.target, p[0], call.dt) }

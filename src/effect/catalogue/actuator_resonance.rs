@@ -1,7 +1,8 @@
 //! A motion that rings.
 
+use super::actuator_lag::MOTIONS;
 use super::operator::share_through_mode;
-use crate::effect::{Effect, Family, Parameter, Port, Role, Scale};
+use crate::effect::{Effect, Family, Parameter, Port, Scale};
 
 /// A share of the commanded motion passes a mode.
 pub const EFFECT: Effect = Effect {
@@ -14,7 +15,7 @@ pub const EFFECT: Effect = Effect {
     source: "standard engineering knowledge",
     signature: "all outputs ring at one fixed frequency after fast commands",
     confused_with: &[("frame-resonance", "one output only"), ("actuator-lag", "no overshoot")],
-    targets: &[Role::Position, Role::Velocity, Role::SlipAngle, Role::Camber],
+    targets: MOTIONS,
     drivers: &[],
     parameters: &[
         Parameter::amplitude(
@@ -28,7 +29,7 @@ pub const EFFECT: Effect = Effect {
         Parameter::shape(
             "frequency",
             "Frequency",
-            Scale::plain("Hz"),
+            Scale::own_time(-1),
             (2.0, 100.0),
             (1.0, 200.0),
             &[5.0, 15.0, 40.0],

@@ -39,7 +39,7 @@ pub const EFFECT: Effect = Effect {
         Parameter::shape(
             "time",
             "Time over which the amplitude is felt",
-            Scale::plain("s"),
+            Scale::own_time(1),
             (0.01, 10.0),
             (0.02, 5.0),
             &[0.1, 0.5],

@@ -32,7 +32,7 @@ pub const EFFECT: Effect = Effect {
         Parameter::shape(
             "frequency",
             "Frequency",
-            Scale::plain("Hz"),
+            Scale::own_time(-1),
             (1.0, 60.0),
             (0.5, 100.0),
             &[4.0, 12.0, 35.0],

@@ -33,7 +33,7 @@ pub const EFFECT: Effect = Effect {
         Parameter::shape(
             "frequency",
             "Frequency",
-            Scale::plain("Hz"),
+            Scale::own_time(-1),
             (2.0, 300.0),
             (1.0, 400.0),
             &[8.0, 20.0, 50.0, 120.0],

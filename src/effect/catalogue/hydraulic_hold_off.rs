@@ -30,7 +30,8 @@ pub const EFFECT: Effect = Effect {
     apply,
 };
 
-fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
+/// What is given is less than what is asked for, by the same amount, and nothing below that.
+pub(super) fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
     if p[0] <= 0.0 {
         return call.target;
     }

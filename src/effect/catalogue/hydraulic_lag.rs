@@ -23,7 +23,7 @@ pub const EFFECT: Effect = Effect {
     parameters: &[Parameter::amplitude(
         "time",
         "Time in which 63 % of a step are reached",
-        Scale::plain("s"),
+        Scale::own_time(1),
         (0.0, 0.5),
         (0.0, 1.0),
         &[0.005],

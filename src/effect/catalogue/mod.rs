@@ -1,6 +1,8 @@
 //! The catalogue: one file per effect, by family.
 
+mod actuator_dead_band;
 mod actuator_lag;
+mod actuator_rate_limit;
 mod actuator_resonance;
 mod added_inertia;
 mod aero_drag;
@@ -144,6 +146,8 @@ pub const EFFECTS: &[Effect] = &[
     guide_friction::EFFECT,
     guide_drag::EFFECT,
     actuator_lag::EFFECT,
+    actuator_rate_limit::EFFECT,
+    actuator_dead_band::EFFECT,
     actuator_resonance::EFFECT,
     sensor_delay::EFFECT,
     sensor_lag::EFFECT,

@@ -21,7 +21,7 @@ pub const EFFECT: Effect = Effect {
     parameters: &[Parameter {
         name: "delay",
         description: "How old the told value is",
-        scale: Scale::plain("s"),
+        scale: Scale::own_time(1),
         off: Some(0.0),
         plausible: (0.0, 0.5),
         search: (0.0, 0.5),

@@ -21,7 +21,7 @@ pub const EFFECT: Effect = Effect {
     parameters: &[Parameter::amplitude(
         "rate",
         "Change of the zero per second",
-        Scale::of("1/s", 1, [0, 0, 0]),
+        Scale::of("1", 1, [0, 0, 0]).per_time(1),
         (-0.1, 0.1),
         (-1.0, 1.0),
         &[0.002],

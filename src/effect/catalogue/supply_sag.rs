@@ -31,7 +31,7 @@ pub const EFFECT: Effect = Effect {
         Parameter::shape(
             "time",
             "Time in which the supply follows",
-            Scale::plain("s"),
+            Scale::own_time(1),
             (0.001, 2.0),
             (0.001, 5.0),
             &[0.01, 0.3],

@@ -27,7 +27,7 @@ pub const EFFECT: Effect = Effect {
         Parameter::shape(
             "rate",
             "Largest change per second",
-            Scale::of("1/s", 1, [0, 0, 0]),
+            Scale::of("1", 1, [0, 0, 0]).per_time(1),
             (0.2, 100.0),
             (0.1, 200.0),
             &[1.0, 5.0, 25.0],
@@ -36,7 +36,8 @@ pub const EFFECT: Effect = Effect {
     apply,
 };
 
-fn apply(p: &[f64], memory: &mut Memory, call: &Call<'_>) -> f64 {
+/// What is given runs after what is asked for, and no faster than that.
+pub(super) fn apply(p: &[f64], memory: &mut Memory, call: &Call<'_>) -> f64 {
     if p[0] == 0.0 {
         return call.target;
     }

@@ -32,7 +32,7 @@ pub const EFFECT: Effect = Effect {
         Parameter::shape(
             "time",
             "Time constant",
-            Scale::plain("s"),
+            Scale::own_time(1),
             (0.0005, 5.0),
             (0.0002, 10.0),
             &[0.003, 0.03, 0.3],

@@ -53,7 +53,11 @@ pub fn write_session(seed: u64, number: u64, programme: &Path, folder: &Path) ->
     write_json(&folder.join("truth.json"), &session.truth)
 }
 
-fn write_json(path: &Path, value: &impl Serialize) -> Result<(), String> {
+/// Writes what can be told as JSON.
+///
+/// # Errors
+/// A place that cannot be written.
+pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), String> {
     let text = serde_json::to_string_pretty(value).map_err(|e| format!("{}: {e}", path.display()))?;
     write(path, &(text + "\n"))
 }

@@ -16,6 +16,7 @@ pub mod fault;
 pub mod files;
 pub mod flat_track;
 pub mod hidden;
+pub mod machines;
 pub mod programme;
 pub mod random;
 pub mod recording;

@@ -2,7 +2,7 @@
 
 use clap::Parser;
 use latsch_truth::study::{name, study};
-use latsch_truth::{files, score};
+use latsch_truth::{files, machines, score};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -18,6 +18,8 @@ enum Command {
         output: PathBuf,
         #[command(flatten)]
         seed: Seed,
+        #[command(flatten)]
+        of: Of,
     },
     /// Write the answers of cases; only the scorer may see them, and only when all diagnoses are there
     Answers {
@@ -28,6 +30,8 @@ enum Command {
         output: PathBuf,
         #[command(flatten)]
         seed: Seed,
+        #[command(flatten)]
+        of: Of,
     },
     /// Write what a rig records of a tire along the measurement programme of an identification
     Rig {
@@ -46,6 +50,8 @@ enum Command {
     Count {
         #[command(flatten)]
         seed: Seed,
+        #[command(flatten)]
+        of: Of,
     },
     /// List every case with its kind: this breaks the seal, it is for those who build the study
     Reveal {
@@ -68,6 +74,19 @@ struct Seed {
     seed: u64,
 }
 
+#[derive(clap::Args)]
+struct Of {
+    /// The study of random machines in place of the one of the base models
+    #[arg(long)]
+    machines: bool,
+}
+
+impl Of {
+    fn count(&self, seed: u64) -> usize {
+        if self.machines { machines::count() } else { study(seed).len() }
+    }
+}
+
 fn main() -> ExitCode {
     match run(&Command::parse()) {
         Ok(()) => ExitCode::SUCCESS,
@@ -84,19 +103,23 @@ fn index(number: usize) -> Result<usize, String> {
 
 fn run(command: &Command) -> Result<(), String> {
     match command {
-        Command::Case { number, output, seed } => files::write_case(seed.seed, index(*number)?, output),
-        Command::Answers { numbers, output, seed } => {
-            let all: Vec<usize> = (1..=study(seed.seed).len()).collect();
+        Command::Case { number, output, seed, of } => {
+            let write = if of.machines { machines::write_case } else { files::write_case };
+            write(seed.seed, index(*number)?, output)
+        }
+        Command::Answers { numbers, output, seed, of } => {
+            let write = if of.machines { machines::write_answer } else { files::write_answer };
+            let all: Vec<usize> = (1..=of.count(seed.seed)).collect();
             for number in if numbers.is_empty() { &all } else { numbers } {
-                files::write_answer(seed.seed, index(*number)?, output)?;
+                write(seed.seed, index(*number)?, output)?;
             }
             Ok(())
         }
         Command::Rig { number, programme, output, seed } => {
             files::write_session(seed.seed, *number, programme, output)
         }
-        Command::Count { seed } => {
-            println!("{}", study(seed.seed).len());
+        Command::Count { seed, of } => {
+            println!("{}", of.count(seed.seed));
             Ok(())
         }
         Command::Reveal { seed } => {

@@ -27,7 +27,7 @@ fn rise(x: f64) -> f64 {
 }
 
 impl Wave {
-    fn at(&self, t: f64) -> f64 {
+    pub(crate) fn at(&self, t: f64) -> f64 {
         let fade = rise(t / 0.4);
         match self {
             Self::Rest => 0.0,

@@ -85,7 +85,7 @@ pub fn record(case: &Case) -> Recorded {
 }
 
 /// Values at other times that are near their own.
-fn at_stamps(time: &[f64], values: &[f64], stamps: &[f64]) -> Vec<f64> {
+pub(crate) fn at_stamps(time: &[f64], values: &[f64], stamps: &[f64]) -> Vec<f64> {
     let at = |k: usize| {
         let (from, to) = if stamps[k] < time[k] { (k.saturating_sub(1), k) } else { (k, k + 1) };
         let (from, to) = if to < time.len() { (from, to) } else { (time.len() - 2, time.len() - 1) };
@@ -95,7 +95,7 @@ fn at_stamps(time: &[f64], values: &[f64], stamps: &[f64]) -> Vec<f64> {
     (0..stamps.len()).map(at).collect()
 }
 
-fn file_name(run: usize) -> String {
+pub(crate) fn file_name(run: usize) -> String {
     format!("run-{:02}.csv", run + 1)
 }
 

@@ -37,7 +37,19 @@ impl Refit {
                 column
             })
             .collect();
+        Self::of(nominal, columns)
+    }
+
+    /// From all samples as they are, and how they change with each parameter; channels take turns.
+    #[must_use]
+    pub(crate) fn of(nominal: Vec<f64>, columns: Vec<Vec<f64>>) -> Self {
         Self { nominal, columns: orthonormal(columns) }
+    }
+
+    /// Per channel the rms of what is left of samples that are otherwise.
+    #[must_use]
+    pub(crate) fn left(&self, with: &[f64], channels: usize) -> Vec<f64> {
+        over_noise_of(with, self, channels)
     }
 
     /// As [`over_noise`], for another world on the same runs.

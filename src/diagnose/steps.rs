@@ -1,15 +1,24 @@
-//! The step of the model's own time grid: as long as the recordings cannot tell. Every simulation of a diagnosis then takes
-//! as much less time.
+//! Steps of simulations, held against the noise of the recordings: the model's own ones as long as they cannot tell, so that
+//! every simulation takes as much less time, and communication steps as short as they ask for.
 
+use super::result::Use;
 use super::subject::Subject;
+use crate::Result;
 use crate::fit::{Bench, Knob, OutputError, Run, Traces};
 use crate::model::{Role, Value};
-use crate::stats::{median, noise, root_mean_square};
+use crate::stats::{deviation, median, noise, root_mean_square};
 use std::sync::Mutex;
 
 /// What a longer step may change of a channel in any run, as a share of the channel's noise: a four-hundredth of its square,
 /// half of what the least effect that is fitted has to explain.
 const SHARE: f64 = 0.05;
+
+/// Communication steps at most where there is usually one: with 32 per sample nothing that was sampled is left between them.
+const MOST_FINER: u32 = 16;
+
+/// What sensors err by at least, over how much their channel moves: those of class 0.2. Shorter steps for recordings with less
+/// noise, which are simulated ones, would cost more than they tell.
+const CLASS: f64 = 2e-3;
 
 /// A step that is longer than the model's.
 pub(super) struct LongerStep {
@@ -49,16 +58,8 @@ impl LongerStep {
         if longer.is_empty() {
             return None;
         }
-        let problem = OutputError {
-            bench,
-            runs: [fit_runs, check_runs].concat(),
-            knobs: vec![Knob::Parameter(variable, 1.0)],
-            values: Vec::new(),
-            attachments: Vec::new(),
-            weights: Vec::new(),
-            kept: Mutex::default(),
-        };
-        let simulate = |step: f64| problem.simulate(&[vec![step]]).pop().flatten();
+        let runs = [fit_runs, check_runs].concat();
+        let simulate = |step: f64| simulated(bench, &runs, Some((variable, step)));
         let (noises, reference) = (noises(fit_runs), simulate(*own)?);
         longer.into_iter().find_map(|step| {
             let change = most_changed(&simulate(step)?, &reference, &noises);
@@ -75,6 +76,87 @@ impl LongerStep {
             100.0 * change
         )
     }
+}
+
+/// Communication steps that are shorter than usual, because the model's answer to the recorded inputs depends on them.
+pub(super) struct ShorterSteps {
+    /// How many there are where there is usually one.
+    finer: u32,
+    /// What half of the usual ones changes of a channel, and half of these ones, as a share of its noise.
+    usual: f64,
+    change: f64,
+}
+
+impl ShorterSteps {
+    /// The longest of half, a quarter, ... of the usual communication steps of which half changes nothing that recordings can
+    /// tell, with the runs that take them: inputs are handed over more often. `prepared` makes the runs with steps so much
+    /// shorter. `None` if the usual ones are short enough, or where the model takes no shorter ones.
+    ///
+    /// # Errors
+    /// Those of `prepared`.
+    pub fn of(
+        bench: &Bench,
+        prepared: impl Fn(u32) -> Result<Vec<(Run, Use)>>,
+    ) -> Result<Option<(Self, Vec<(Run, Use)>)>> {
+        let answer = |runs: &[(Run, Use)]| {
+            simulated(bench, &runs.iter().map(|(run, _)| run).collect::<Vec<_>>(), None)
+        };
+        let mut runs = prepared(1)?;
+        let to_fit: Vec<&Run> =
+            runs.iter().filter(|(_, use_)| *use_ == Use::Fit).map(|(run, _)| run).collect();
+        let noises: Vec<f64> =
+            noises(&to_fit).iter().zip(spreads(&to_fit)).map(|(n, s)| n.max(CLASS * s)).collect();
+        let Some(mut now) = answer(&runs) else { return Ok(None) };
+        let (mut finer, mut usual) = (1, None);
+        while finer < MOST_FINER {
+            let halved = prepared(2 * finer)?;
+            let Some(next) = answer(&halved) else { break };
+            let change = changed(&now, &next, &noises);
+            if change <= SHARE {
+                let found = usual.map(|usual| (Self { finer, usual, change }, runs));
+                return Ok(found);
+            }
+            usual.get_or_insert(change);
+            (finer, runs, now) = (2 * finer, halved, next);
+        }
+        // as near as it gets
+        Ok(usual.map(|usual| (Self { finer, usual, change: f64::NAN }, runs)))
+    }
+
+    /// What is said of them.
+    pub fn words(&self) -> String {
+        let Self { finer, usual, change } = self;
+        let left = if change.is_nan() { "still more".to_owned() } else { format!("{:.1} %", 100.0 * change) };
+        format!(
+            "Simulated with communication steps {finer} times as short as usual: half of the usual ones changes a channel by {:.0} % of its noise, half of these by {left}.",
+            100.0 * usual
+        )
+    }
+}
+
+/// What a model answers in runs, if it does, with a parameter set to this value.
+fn simulated(bench: &Bench, runs: &[&Run], with: Option<(usize, f64)>) -> Option<Vec<Traces>> {
+    let problem = OutputError {
+        bench,
+        runs: runs.to_vec(),
+        knobs: with.iter().map(|(variable, _)| Knob::Parameter(*variable, 1.0)).collect(),
+        values: Vec::new(),
+        attachments: Vec::new(),
+        weights: Vec::new(),
+        kept: Mutex::default(),
+    };
+    problem.simulate(&[with.iter().map(|(_, value)| *value).collect()]).pop().flatten()
+}
+
+/// How much a channel differs from the reference over all runs, as a share of its noise: of the one that does so most.
+fn changed(simulated: &[Traces], reference: &[Traces], noises: &[f64]) -> f64 {
+    let course = |runs: &[Traces], c: usize| -> Vec<f64> {
+        runs.iter().filter_map(|run| run.get(c)).flatten().copied().collect()
+    };
+    let of = |c: usize| vec![vec![course(simulated, c)]];
+    let reference = |c: usize| vec![vec![course(reference, c)]];
+    let each = noises.iter().enumerate().map(|(c, noise)| most_changed(&of(c), &reference(c), &[*noise]));
+    each.fold(0.0, f64::max)
 }
 
 /// The most that a channel of a run differs from the reference, as a share of the channel's noise.
@@ -97,6 +179,16 @@ fn noises(runs: &[&Run]) -> Vec<f64> {
             runs.iter().filter_map(|r| Some((r, r.channels.get(c).filter(|c| !c.values.is_empty())?)));
         let each: Vec<f64> = measured.map(|(r, channel)| noise(&r.time, &channel.values)).collect();
         if each.is_empty() { 0.0 } else { median(&each) }
+    };
+    (0..count).map(of).collect()
+}
+
+/// How much each channel moves: as in the run in which it moves most.
+fn spreads(runs: &[&Run]) -> Vec<f64> {
+    let count = runs.iter().map(|r| r.channels.len()).max().unwrap_or(0);
+    let of = |c: usize| {
+        let each = runs.iter().filter_map(|r| Some(deviation(&r.channels.get(c)?.values)));
+        each.fold(0.0, f64::max)
     };
     (0..count).map(of).collect()
 }

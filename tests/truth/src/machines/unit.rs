@@ -1,0 +1,234 @@
+//! A machine as an FMU of somebody else: C that is written for it, compiled by the system's compiler, and no code of latsch.
+
+use super::mechanism::{Element, GRAVITY, Machine, Sensor};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::Command;
+
+/// The FMI functions, the same for all machines.
+const FUNCTIONS: &str = include_str!("unit.c");
+
+/// Writes the FMU of a machine with the parameters that its builder believes in.
+///
+/// # Errors
+/// No C compiler, or a place that cannot be written.
+pub fn write(machine: &Machine, name: &str, start: &[f64], to: &Path) -> Result<(), String> {
+    let place = |e: std::io::Error| format!("{}: {e}", to.display());
+    let folder = to.with_extension("build");
+    std::fs::create_dir_all(&folder).map_err(place)?;
+    let (source, library) = (folder.join("unit.c"), folder.join("unit.so"));
+    std::fs::write(&source, self::source(machine, name, start)).map_err(place)?;
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    let done = Command::new(&compiler)
+        .args(["-O2", "-ffp-contract=off", "-shared", "-fPIC", "-o"])
+        .args([&library, &source])
+        .arg("-lm")
+        .output()
+        .map_err(|e| format!("{compiler}: {e}"))?;
+    if !done.status.success() {
+        return Err(format!("{compiler}: {}", String::from_utf8_lossy(&done.stderr)));
+    }
+    let mut zip = zip::ZipWriter::new(std::fs::File::create(to).map_err(place)?);
+    let options = zip::write::SimpleFileOptions::default();
+    let entries = [
+        ("modelDescription.xml".to_owned(), description(machine, name, start).into_bytes()),
+        (format!("binaries/linux64/{name}.so"), std::fs::read(&library).map_err(place)?),
+    ];
+    for (entry, bytes) in entries {
+        zip.start_file(entry, options).map_err(|e| e.to_string())?;
+        zip.write_all(&bytes).map_err(place)?;
+    }
+    zip.finish().map_err(|e| e.to_string())?;
+    std::fs::remove_dir_all(&folder).map_err(place)
+}
+
+fn source(machine: &Machine, name: &str, start: &[f64]) -> String {
+    let list = |values: &[f64]| {
+        let all: Vec<String> = values.iter().map(|v| format!("{v:e}")).collect();
+        if all.is_empty() { "0".to_owned() } else { all.join(", ") }
+    };
+    let mut text = String::from("#include <math.h>\n");
+    let counts = [
+        ("PARAMETERS", machine.parameters.len()),
+        ("INPUTS", machine.inputs.len()),
+        ("STATES", machine.states()),
+        ("OUTPUTS", machine.outputs.len()),
+    ];
+    for (what, count) in counts {
+        let _ = writeln!(text, "#define {what} {count}");
+    }
+    let _ = writeln!(text, "#define LONGEST {:e}", machine.time / 40.0);
+    let _ = writeln!(text, "#define GUID \"{name}\"");
+    let _ = writeln!(text, "static const double start_values[] = {{{}}};", list(start));
+    let _ = writeln!(text, "static const double start_inputs[] = {{{}}};", list(&start_inputs(machine)));
+    let (n, stores) = (machine.bodies.len(), machine.stores.len());
+    text += "static void slope(const double *p, const double *u, const double *x, double *dx) {\n";
+    let _ = writeln!(text, "    double f[{}] = {{0}}, q[{}] = {{0}}, e;", n.max(1), stores.max(1));
+    for element in &machine.elements {
+        let _ = writeln!(text, "    e = {};", effort(machine, *element));
+        let others = |text: &mut String, array: &str, from: usize, to: Option<usize>| {
+            let _ = writeln!(text, "    {array}[{from}] -= e;");
+            if let Some(to) = to {
+                let _ = writeln!(text, "    {array}[{to}] += e;");
+            }
+        };
+        match *element {
+            Element::Spring { from, to, .. }
+            | Element::Cubic { from, to, .. }
+            | Element::Damper { from, to, .. }
+            | Element::Orifice { from, to, .. } => others(&mut text, "f", from, to),
+            Element::Gravity { body, .. } | Element::Push { body, .. } | Element::Shaken { body, .. } => {
+                others(&mut text, "f", body, None);
+            }
+            Element::Motor { body, current, input, inductance, resistance, constant } => {
+                others(&mut text, "f", body, None);
+                let (i, w) = (machine.other(current), machine.velocity(body));
+                let _ = writeln!(
+                    text,
+                    "    dx[{i}] = (u[{input}] - p[{resistance}] * x[{i}] - p[{constant}] * x[{w}]) / p[{inductance}];"
+                );
+            }
+            Element::Cylinder { body, pressure, input, time, .. } => {
+                others(&mut text, "f", body, None);
+                let k = machine.other(pressure);
+                let _ = writeln!(text, "    dx[{k}] = (u[{input}] - x[{k}]) / p[{time}];");
+            }
+            Element::Inflow { store, .. } => others(&mut text, "q", store, None),
+            Element::Conductance { from, to, .. } | Element::Outlet { from, to, .. } => {
+                others(&mut text, "q", from, to);
+            }
+        }
+    }
+    for b in 0..n {
+        let _ =
+            writeln!(text, "    dx[{b}] = x[{}], dx[{}] = f[{b}] / p[{}];", n + b, n + b, machine.bodies[b]);
+    }
+    for s in 0..stores {
+        let _ = writeln!(text, "    dx[{}] = q[{s}] / p[{}];", machine.store(s), machine.stores[s]);
+    }
+    text += "    (void)f, (void)q, (void)u;\n}\n";
+    text += "static void begin(const double *p, const double *u, double *x) {\n    double s;\n";
+    text += "    for (int k = 0; k < STATES; k++) x[k] = 0;\n";
+    for element in machine.elements.iter().rev() {
+        match *element {
+            Element::Conductance { from, to, conductance } => {
+                let after = to.map_or("0".to_owned(), |t| format!("x[{}]", machine.store(t)));
+                let _ = writeln!(text, "    x[{}] = u[0] / p[{conductance}] + {after};", machine.store(from));
+            }
+            Element::Outlet { from, area, .. } => {
+                let _ = writeln!(
+                    text,
+                    "    s = u[0] / p[{area}], x[{}] = s * s / {};",
+                    machine.store(from),
+                    2.0 * GRAVITY
+                );
+            }
+            _ => {}
+        }
+    }
+    text += "    (void)p, (void)u, (void)s;\n}\n";
+    text += "static void measure(const double *p, const double *u, const double *x, double *y) {\n";
+    text += "    double dx[STATES + 1];\n    slope(p, u, x, dx);\n";
+    for (k, (_, sensor)) in machine.outputs.iter().enumerate() {
+        let shown = match *sensor {
+            Sensor::State(s) => format!("x[{s}]"),
+            Sensor::Rate(s) => format!("dx[{s}]"),
+            Sensor::Force(e) => effort(machine, machine.elements[e]),
+        };
+        let _ = writeln!(text, "    y[{k}] = {shown};");
+    }
+    text + "}\n" + FUNCTIONS
+}
+
+/// What an element gives, as C.
+fn effort(machine: &Machine, element: Element) -> String {
+    let between = |from: usize, to: Option<usize>| match to {
+        Some(to) => format!("(x[{from}] - x[{to}])"),
+        None => format!("x[{from}]"),
+    };
+    let speed =
+        |from: usize, to: Option<usize>| between(machine.velocity(from), to.map(|t| machine.velocity(t)));
+    let level = |from: usize, to: Option<usize>| between(machine.store(from), to.map(|t| machine.store(t)));
+    match element {
+        Element::Spring { from, to, stiffness } => format!("p[{stiffness}] * {}", between(from, to)),
+        Element::Cubic { from, to, stiffness } => format!("p[{stiffness}] * pow({}, 3)", between(from, to)),
+        Element::Damper { from, to, damping } => format!("p[{damping}] * {}", speed(from, to)),
+        Element::Orifice { from, to, damping } => {
+            let v = speed(from, to);
+            format!("p[{damping}] * {v} * fabs({v})")
+        }
+        Element::Gravity { body, moment } => format!("p[{moment}] * sin(x[{body}])"),
+        Element::Push { input, .. } | Element::Inflow { input, .. } => format!("-u[{input}]"),
+        Element::Shaken { body, input, stiffness } => format!("p[{stiffness}] * (x[{body}] - u[{input}])"),
+        Element::Motor { current, constant, .. } => format!("-p[{constant}] * x[{}]", machine.other(current)),
+        Element::Cylinder { pressure, area, .. } => format!("-p[{area}] * x[{}]", machine.other(pressure)),
+        Element::Conductance { from, to, conductance } => {
+            format!("p[{conductance}] * {}", level(from, to))
+        }
+        Element::Outlet { from, area, .. } => {
+            format!("p[{area}] * sqrt({} * fmax(x[{}], 0))", 2.0 * GRAVITY, machine.store(from))
+        }
+    }
+}
+
+/// Inputs of machines at rest.
+fn start_inputs(machine: &Machine) -> Vec<f64> {
+    vec![0.0; machine.inputs.len()]
+}
+
+fn description(machine: &Machine, name: &str, start: &[f64]) -> String {
+    let units: std::collections::BTreeSet<&str> = machine
+        .parameters
+        .iter()
+        .map(|p| p.unit)
+        .chain(machine.inputs.iter().map(|v| v.unit))
+        .chain(machine.outputs.iter().map(|(v, _)| v.unit))
+        .collect();
+    let mut text = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"2.0\" modelName=\"{name}\" \
+         guid=\"{name}\" generationTool=\"a machine of no one's choosing\" numberOfEventIndicators=\"0\">\n  \
+         <CoSimulation modelIdentifier=\"{name}\" canHandleVariableCommunicationStepSize=\"true\" \
+         canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\" \
+         canNotUseMemoryManagementFunctions=\"true\"/>\n  <UnitDefinitions>\n"
+    );
+    for unit in units {
+        let _ = writeln!(text, "    <Unit name=\"{unit}\"/>");
+    }
+    text += "  </UnitDefinitions>\n  <ModelVariables>\n";
+    let mut reference = 0;
+    let mut variable = |text: &mut String, name: &str, unit: &str, rest: &str, start: Option<f64>| {
+        let start = start.map_or(String::new(), |v| format!(" start=\"{v:e}\""));
+        let _ = writeln!(
+            text,
+            "    <ScalarVariable name=\"{name}\" valueReference=\"{reference}\" {rest}><Real unit=\"{unit}\"{start}/></ScalarVariable>"
+        );
+        reference += 1;
+    };
+    for (p, value) in machine.parameters.iter().zip(start) {
+        variable(&mut text, &p.name, p.unit, "causality=\"parameter\" variability=\"tunable\"", Some(*value));
+    }
+    for (input, value) in machine.inputs.iter().zip(start_inputs(machine)) {
+        variable(
+            &mut text,
+            &input.name,
+            input.unit,
+            "causality=\"input\" variability=\"continuous\"",
+            Some(value),
+        );
+    }
+    for (output, _) in &machine.outputs {
+        let rest = "causality=\"output\" variability=\"continuous\"";
+        variable(&mut text, &output.name, output.unit, rest, None);
+    }
+    text += "  </ModelVariables>\n  <ModelStructure><Outputs>\n";
+    let before = machine.parameters.len() + machine.inputs.len();
+    for k in 0..machine.outputs.len() {
+        let _ = writeln!(text, "    <Unknown index=\"{}\"/>", before + k + 1);
+    }
+    text += "  </Outputs><InitialUnknowns>\n";
+    for k in 0..machine.outputs.len() {
+        let _ = writeln!(text, "    <Unknown index=\"{}\"/>", before + k + 1);
+    }
+    text + "  </InitialUnknowns></ModelStructure>\n</fmiModelDescription>\n"
+}
