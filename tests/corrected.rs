@@ -340,6 +340,33 @@ fn an_fmu_that_can_less_makes_one_that_can_less() {
     assert!(fmu.save().is_err() && fmu.set_rate(u, 1.0).is_err());
 }
 
+/// y' = k u with u = t: what runs straight is integrated exactly, though the FMU holds its inputs; with a play of b in the
+/// input, y' = k (t - b).
+#[test]
+fn a_slave_that_holds_its_inputs_gets_what_they_are_in_the_middle() {
+    let folder = tempfile::tempdir().unwrap();
+    let less = INTEGRATOR.replace("canInterpolateInputs=\"true\"", "");
+    let original = integrator(folder.path(), &less);
+    let play = "[[effect]]\nid = \"play\"\ntarget = \"u\"\nparameters.gap = 0.1\n";
+    for (effects, gap) in [("", 0.0), (play, 0.1)] {
+        let inner = ImportedFmu::load(&original).unwrap();
+        assert!(!inner.can_interpolate());
+        let effects = attachments(inner.interface(), effects);
+        let mut slave = Attached::new(Box::new(inner), effects).unwrap();
+        begin(&mut slave);
+        let [u, y] = ["u", "y"].map(|name| slave.interface().index(name).unwrap());
+        for step in 0..10 {
+            let time = f64::from(step) * 0.1;
+            slave.set_all(&[u], &[time], &[1.0]).unwrap();
+            slave.step(time, 0.1).unwrap();
+            let end = time + 0.1;
+            assert!((slave.get(u).unwrap() - end).abs() < 1e-12);
+            let moved = (end - gap).max(0.0);
+            assert!((slave.get(y).unwrap() - moved * moved).abs() < 1e-12, "{gap}: {end}");
+        }
+    }
+}
+
 #[test]
 fn our_own_fmus_can_be_carried_too_even_twice() {
     let folder = tempfile::tempdir().unwrap();

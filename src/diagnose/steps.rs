@@ -251,6 +251,51 @@ mod tests {
         assert!(LongerStep::of(&bench, &subject, &[&noisy], &[]).is_none());
     }
 
+    /// A swing of the slip angle on the ring-and-brush tire, with noise of the lateral force by so much \[N\], with
+    /// communication points so far apart \[s\].
+    fn swing(subject: &Subject, bench: &Bench, step: f64, noise: f64) -> Run {
+        let find = |name: &str| subject.interface.index(name).unwrap();
+        let points = (2.0 / step).round() as usize + 1;
+        let at = |k: usize| 0.05 * (40.0 * step * k as f64).sin();
+        let mut inputs = vec![
+            (find("load"), vec![4000.0; points]),
+            (find("path_speed"), vec![20.0; points]),
+            (find("slip_angle"), (0..points).map(at).collect()),
+        ];
+        inputs.sort_by_key(|i| i.0);
+        let drive = Arc::new(Drive { start: 0.0, step, inputs, begins: Vec::new(), points });
+        let watch: Arc<[usize]> = Arc::from([find("force_y")]);
+        let mut traces = bench.run(&[Arc::default()], &[Arc::clone(&drive)], &watch).pop().unwrap().unwrap();
+        let mut random = SplitMix64::new(5);
+        let sampled = traces.remove(0).into_iter().step_by((0.04 / step).round() as usize);
+        let values: Vec<f64> = sampled.map(|f| f + noise * random.normal()).collect();
+        let time = (0..values.len()).map(|k| 0.04 * k as f64).collect();
+        Run {
+            name: String::new(),
+            time,
+            drive,
+            channels: vec![Channel { variable: find("force_y"), values, counts: false }],
+        }
+    }
+
+    #[test]
+    fn communication_steps_are_as_short_as_noise_tells() {
+        // 16 samples in four periods: a straight line between two is far from the sine
+        let subject = Subject::load("magic-formula-flat-track", &Settings::default()).unwrap();
+        let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
+        let finer = |noise: f64| {
+            let with =
+                |finer: u32| Ok(vec![(swing(&subject, &bench, 0.02 / f64::from(finer), noise), Use::Fit)]);
+            ShorterSteps::of(&bench, with).unwrap().map_or(1, |(shorter, runs)| {
+                assert_eq!(runs[0].0.drive.step, 0.02 / f64::from(shorter.finer));
+                assert!(shorter.change <= SHARE && shorter.usual > SHARE, "{}", shorter.words());
+                shorter.finer
+            })
+        };
+        let each = [1000.0, 100.0, 10.0].map(finer);
+        assert!(each[0] == 1 && each.is_sorted() && each[2] > 2, "{each:?}");
+    }
+
     #[test]
     fn what_is_no_number_is_no_small_change() {
         let traces = |x: f64| vec![vec![vec![1.0, x]]];

@@ -32,7 +32,7 @@ pub const EFFECT: Effect = Effect {
         Parameter::shape(
             "gap",
             "Half of the gap, times the inertia that crosses it",
-            Scale::of("s2", 1, [0, 0, 0]),
+            Scale::of("1", 1, [0, 0, 0]).per_time(-2),
             (1e-06, 0.3),
             (1e-06, 0.3),
             &[0.0001, 0.003],

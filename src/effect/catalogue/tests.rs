@@ -229,6 +229,41 @@ fn other_units_change_nothing() {
     }
 }
 
+/// Effects whose times are those of their matter or of the mains, whatever the machine.
+const ABSOLUTE: &[&str] = &[
+    "belt-mode",
+    "thermal-softening",
+    "inflation-warm-up",
+    "pad-fade",
+    "pad-onset",
+    "frictional-heating",
+    "steering-compliance",
+    "mains-hum",
+];
+
+/// Times, frequencies and rates are told in the machine's own time: on one that does the same at another speed the same
+/// comes out.
+#[test]
+fn a_machine_that_is_faster_or_slower_changes_nothing() {
+    for effect in EFFECTS.iter().filter(|e| !ABSOLUTE.contains(&e.id)) {
+        for slower in [1e-3, 60.0] {
+            let points = smooth(effect, 600);
+            let slow: Vec<Point> = points.iter().map(|(dt, y, d)| (slower * dt, *y, *d)).collect();
+            for (amplitude, parameter) in amplitudes(effect) {
+                for p in settings(effect, amplitude, 3.0 * parameter.probes[0]) {
+                    let own = |(parameter, value): (&Parameter, &f64)| {
+                        value * slower.powi(parameter.scale.time.into())
+                    };
+                    let q: Vec<f64> = effect.parameters.iter().zip(&p).map(own).collect();
+                    for (a, b) in run(effect, &p, &points).iter().zip(&run(effect, &q, &slow)) {
+                        assert!((a - b).abs() < 1e-9, "{}.{}: {a} and {b}", effect.id, parameter.name);
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Effects that go on changing while nothing moves.
 const RESTLESS: &[&str] = &[
     "thermal-softening",
@@ -261,6 +296,7 @@ const STEPWISE: &[&str] = &[
     "pad-fade",
     "carcass-compliance",
     "valve-rate-limit",
+    "actuator-rate-limit",
     "backlash",
     "pad-onset",
     "lift-off",

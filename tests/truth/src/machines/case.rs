@@ -224,6 +224,13 @@ fn natural(world: &World, place: Place, ideals: &[Ideal]) -> Natural {
     }
 }
 
+/// Differences of the outputs from sample to sample.
+fn rates(ideal: &Ideal) -> Ideal {
+    let differences =
+        |values: &Vec<f64>| (0..values.len()).map(|k| values[k] - values[k.saturating_sub(1)]).collect();
+    Ideal { outputs: ideal.outputs.iter().map(differences).collect(), ..Ideal::default() }
+}
+
 fn flat(ideals: &[Ideal], deviations: &[f64]) -> Vec<f64> {
     let mut all = Vec::new();
     for ideal in ideals {
@@ -279,7 +286,9 @@ fn try_case(kind: Kind, number: usize, mut random: Random) -> Option<Recorded> {
             column.iter_mut().zip(&nominal).for_each(|(a, b)| *a -= b);
             column
         });
-        let columns = columns.collect();
+        let mut columns: Vec<Vec<f64>> = columns.collect();
+        // filters of the recorder may have this lag in common
+        columns.push(flat(&ideals.iter().map(rates).collect::<Vec<Ideal>>(), &deviations));
         Refit::of(nominal, columns)
     };
     let (named, outside) = offers(&world.machine, &drives);

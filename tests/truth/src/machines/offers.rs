@@ -155,5 +155,16 @@ pub(crate) fn offers(machine: &Machine, drives: &[Drive]) -> (Vec<Offer>, Vec<Of
             outside.push(offer(id, law, Place::Parameter(parameter), &[], by));
         }
     }
+    if machine.outputs.len() == 1 {
+        // what is late or rings at the one sensor does so at the actuator, too
+        for offer in &mut named {
+            match offer.law {
+                Law::Lag | Law::Delay => offer.accept.extend(["actuator-lag", "hydraulic-lag"]),
+                Law::InputLag => offer.accept.extend(["sensor-lag", "sensor-delay"]),
+                Law::Resonance => offer.accept.extend(["actuator-resonance", "driveline-compliance"]),
+                _ => {}
+            }
+        }
+    }
     (named, outside)
 }

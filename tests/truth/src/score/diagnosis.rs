@@ -54,6 +54,10 @@ pub struct Parameter {
     pub name: String,
     /// After the refit.
     pub value: Option<f64>,
+    /// Ends of its 95 % interval.
+    pub low: Option<f64>,
+    /// The other end.
+    pub high: Option<f64>,
 }
 
 /// What a run was used for.

@@ -48,6 +48,8 @@ pub struct Judgement {
     pub error_ratio: Option<f64>,
     /// All parameters that had to be found are right; none if there are none.
     pub parameters_found: Option<bool>,
+    /// Per parameter with an interval, whether it holds what is true.
+    pub held: Vec<bool>,
     /// Wall-clock time \[s\].
     pub seconds: Option<f64>,
 }
@@ -95,6 +97,7 @@ pub fn judge(
     judgement.confidence = first.and_then(|f| f.confidence);
     judgement.error_ratio = error_ratio(reference, diagnosis);
     judgement.parameters_found = parameters_found(&judgement.answer, diagnosis);
+    judgement.held = held(&judgement.answer, diagnosis);
     judgement.said = said(diagnosis);
     judgement
 }
@@ -150,6 +153,15 @@ fn parameters_found(answer: &Answer, diagnosis: &Diagnosis) -> Option<bool> {
         Some((value / truth.value - 1.0).abs() <= *off)
     };
     (!answer.to_find.is_empty()).then(|| answer.to_find.iter().all(|p| found(p).unwrap_or(false)))
+}
+
+fn held(answer: &Answer, diagnosis: &Diagnosis) -> Vec<bool> {
+    let truth = |name: &str| answer.parameters.iter().find(|p| p.name == name).map(|p| p.value);
+    let of = |p: &super::Parameter| {
+        let (low, high, truth) = (p.low?, p.high?, truth(&p.name)?);
+        Some(low <= truth && truth <= high)
+    };
+    diagnosis.parameters.iter().filter_map(of).collect()
 }
 
 fn said(diagnosis: &Diagnosis) -> String {

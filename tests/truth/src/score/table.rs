@@ -71,6 +71,13 @@ fn bars(all: &[Judgement]) -> String {
         "clear effects: the right effect named first",
         Share::of(of(all, &["clear"]).map(|j| j.id_first)),
     );
+    at_least(
+        t,
+        "plain effects (1.4 to 2.5 times the noise): the right effect named first",
+        90.0,
+        Share::of(of(all, &["plain"]).map(|j| j.id_first)),
+    );
+    at_most(t, "plain effects: a wrong name", 5.0, Share::of(of(all, &["plain"]).map(|j| j.wrong_name)));
     at_most(t, "faint effects: a wrong name", 5.0, Share::of(of(all, &["faint"]).map(|j| j.wrong_name)));
     plain(t, "faint effects: the right effect", Share::of(of(all, &["faint"]).map(|j| j.id_first)));
     let nulls = || of(all, &["null", "parameters"]);
@@ -109,6 +116,12 @@ fn bars(all: &[Judgement]) -> String {
     );
     plain(t, "decoys: the decoy named", Share::of(of(all, &["decoy"]).map(|j| j.trapped)));
     plain(t, "Mack's cases: right", Share::of(of(all, &["mack"]).map(mack_right)));
+    let intervals = all.iter().filter(|j| understood(j)).flat_map(|j| j.held.iter().copied());
+    plain(
+        t,
+        "95 % intervals of the model's parameters that hold the truth, where all is understood",
+        Share::of(intervals),
+    );
     let close = correctable(all).filter_map(|j| j.error_ratio).map(|r| r <= RATIO);
     plain(t, "error on checking runs at most 1.15 times that of the true structure", Share::of(close));
     let sure = all.iter().filter(|j| j.named && j.confidence.is_some_and(|c| (0.85..0.95).contains(&c)));
@@ -120,6 +133,16 @@ fn bars(all: &[Judgement]) -> String {
     at_least(t, "diagnosis of the flat track within 6 minutes", 100.0, within(true, PATIENT));
     plain(t, "no diagnosis came", Share::of(all.iter().map(|j| j.failed)));
     text
+}
+
+/// Whether what was said is all that is true.
+fn understood(j: &Judgement) -> bool {
+    match j.answer.kind.as_str() {
+        "null" | "parameters" => matches!(j.verdict.as_str(), "nothing" | "parameters"),
+        "mix" => j.all_found,
+        "clear" | "plain" => j.id_first,
+        _ => false,
+    }
 }
 
 /// Times of the diagnoses of the flat track, or of all others \[s\].
@@ -150,7 +173,7 @@ fn right(j: &Judgement) -> bool {
 }
 
 fn correctable(all: &[Judgement]) -> impl Iterator<Item = &Judgement> {
-    of(all, &["clear", "mix", "decoy", "null", "parameters"])
+    of(all, &["clear", "plain", "mix", "decoy", "null", "parameters"])
 }
 
 #[allow(clippy::cast_precision_loss)] // hundreds
@@ -185,12 +208,13 @@ fn calibration(all: &[Judgement]) -> String {
     text
 }
 
-/// Clear and faint effects by id: which names are found and which are missed.
+/// Clear, plain and faint effects by id: which names are found and which are missed.
 fn by_detail(all: &[Judgement]) -> String {
     let mut text = String::from(
-        "\n## By effect\n\n| effect | clear: right | clear: family | faint: right | faint: wrong name |\n|---|---|---|---|---|\n",
+        "\n## By effect\n\n| effect | clear: right | clear: family | plain: right | faint: right | faint: wrong name |\n|---|---|---|---|---|---|\n",
     );
-    let mut details: Vec<&str> = of(all, &["clear", "faint"]).map(|j| j.answer.detail.as_str()).collect();
+    let mut details: Vec<&str> =
+        of(all, &["clear", "plain", "faint"]).map(|j| j.answer.detail.as_str()).collect();
     details.sort_unstable();
     details.dedup();
     for detail in details {
@@ -200,9 +224,10 @@ fn by_detail(all: &[Judgement]) -> String {
             format!("{} of {}", share.hits, share.of)
         };
         text += &format!(
-            "| {detail} | {} | {} | {} | {} |\n",
+            "| {detail} | {} | {} | {} | {} | {} |\n",
             count("clear", |j| j.id_first),
             count("clear", |j| j.family_first),
+            count("plain", |j| j.id_first),
             count("faint", |j| j.id_first),
             count("faint", |j| j.wrong_name)
         );
