@@ -2,7 +2,9 @@
 //! where that fit has bent them.
 
 use super::candidates::{Before, Tried, assess, choose, screen};
+use super::decision::MIN_GAIN;
 use super::plausible::plausible;
+use super::recalled::Recalled;
 use super::roles::Roles;
 use super::screen::Screened;
 use super::study::{Fitted, Model, Study};
@@ -43,7 +45,7 @@ pub(super) fn begin(
     roles: &Roles,
     current: &Fitted,
     nominal: Option<&Model>,
-    screened: &[Screened],
+    (screened, recalled): (&[Screened], &mut Recalled),
     round: usize,
 ) -> Vec<Begun> {
     let chosen = choose(screened, round);
@@ -51,8 +53,9 @@ pub(super) fn begin(
     let promised = chosen.iter().map(|s| s.gain).fold(0.0, f64::max);
     let reached = begun.iter().map(Begun::cost).fold(f64::INFINITY, f64::min);
     if reached > (1.0 - KEPT_PROMISE * promised) * current.fit.cost {
-        let more =
-            nominal.map_or(Vec::new(), |n| from_nominal(study, subject, roles, current, n, &chosen, round));
+        let more = nominal.map_or(Vec::new(), |n| {
+            from_nominal(study, subject, roles, current, n, (&chosen, recalled), round)
+        });
         for other in more {
             match begun.iter_mut().find(|b| b.screened.placement.is_same(&other.screened.placement)) {
                 Some(same) if same.cost() <= other.cost() => {}
@@ -77,7 +80,7 @@ fn from_nominal(
     roles: &Roles,
     current: &Fitted,
     nominal: &Model,
-    chosen: &[Screened],
+    (chosen, recalled): (&[Screened], &mut Recalled),
     round: usize,
 ) -> Vec<Begun> {
     let model = Model { parameters: nominal.parameters.clone(), ..current.model.clone() };
@@ -90,7 +93,7 @@ fn from_nominal(
         return in_order(study, chosen, begin);
     }
     let rest = study.fit_rest(&there);
-    let Ok(screened) = rest.and_then(|rest| screen(study, subject, roles, &there, &rest)) else {
+    let Ok(screened) = rest.and_then(|rest| screen(study, subject, roles, &there, &rest, recalled)) else {
         return Vec::new();
     };
     let most = screened.iter().map(|s| s.gain).fold(0.0, f64::max);
@@ -98,8 +101,8 @@ fn from_nominal(
     let also = choose(&screened, round);
     let also = also.iter().filter(|s| !is_chosen(s)).take(ALSO);
     let begin = |s: &Screened| {
-        // far from the end: every step with derivatives of its own
-        let fitted = study.fit(&with(&there, s, small(s)), TRY_OUT + 1).ok()?;
+        // far from the end: derivatives of its own
+        let fitted = study.fit_roughly(&with(&there, s, small(s)), TRY_OUT + 1, None).ok()?;
         Some(Begun { screened: s.clone(), fitted })
     };
     let promising = screened.iter().filter(is_chosen).chain(also).filter(|s| s.gain > PROMISING * most);
@@ -161,8 +164,10 @@ impl Begun {
         });
         let fits = near.into_iter().chain(there.flatten()).chain(size);
         let fitted = fits.min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))?;
-        // what screening promised tells whether derivatives of the model without the effect have led to the end
-        let is_kept = fitted.fit.cost < (1.0 - KEPT_PROMISE * screened.gain) * current.fit.cost;
+        // what screening promised tells whether derivatives of the model without the effect have led to the end; what is no
+        // effect even if it keeps all of it has no others
+        let is_kept = fitted.fit.cost < (1.0 - KEPT_PROMISE * screened.gain) * current.fit.cost
+            || screened.gain < MIN_GAIN;
         let fitted =
             if is_kept { fitted } else { study.fit_roughly(&fitted.model, TRY_OUT, None).unwrap_or(fitted) };
         Some(Self { screened: screened.clone(), fitted })

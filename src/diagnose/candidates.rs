@@ -3,14 +3,15 @@
 use super::excerpt::coarser;
 use super::placement::{Placement, Site, is_tunable, own_time, sizes};
 use super::plausible::{implausible, plausible};
+use super::recalled::{Natural, Recalled};
 use super::roles::Roles;
-use super::screen::{Screen, Screened};
+use super::screen::{FIRST, Screen, Screened};
 use super::study::{Fitted, Model, Rest, Study, differences};
 use super::subject::Subject;
 use crate::effect::catalogue::nested::simpler;
 use crate::effect::{Effect, catalogue, empirical};
 use crate::fit::{Channel, Drive, Run, Traces, side_by_side};
-use crate::model::Causality;
+use crate::model::{Causality, Interface};
 use crate::stats::{root_mean_square, sign_flip};
 use crate::{Error, Result};
 use std::collections::BTreeSet;
@@ -22,6 +23,8 @@ const NAMED: [usize; 2] = [7, 5];
 const UNNAMED: [usize; 2] = [3, 2];
 /// Runs that effects are screened with.
 const SCREENED: usize = 4;
+/// Runs of which answers are known are screened with again if they show this share of what is left.
+const BETTER_PART: f64 = 0.5;
 /// An effect that promises less of the squared error of the fit runs is not fitted.
 const MIN_PROMISE: [f64; 2] = [0.005, 0.015];
 
@@ -62,9 +65,9 @@ pub(super) struct Tried {
     pub refuted: Option<String>,
 }
 
-/// Runs for screening, as numbers among the fit runs: those that together show most of what is left of every channel, then
-/// others spread evenly.
-fn some_of(study: &Study<'_>, rest: &Rest) -> Vec<usize> {
+/// Runs for screening, as numbers among the fit runs: those that together show most of what is left of every channel, or those
+/// of which answers are known, if they show the better part of that; then others spread evenly.
+fn some_of(study: &Study<'_>, rest: &Rest, known: &[usize]) -> Vec<usize> {
     let count = study.fit_runs.len();
     let left = |i: usize| -> Vec<f64> {
         let run = study.fit_runs[i];
@@ -85,6 +88,12 @@ fn some_of(study: &Study<'_>, rest: &Rest) -> Vec<usize> {
         shown.iter_mut().zip(&left[next]).for_each(|(s, l)| *s = s.max(*l));
         chosen.push(next);
     }
+    let show = |runs: &[usize]| -> f64 {
+        (0..study.weights.len()).map(|c| runs.iter().map(|i| left[*i][c]).fold(0.0, f64::max)).sum()
+    };
+    if !known.is_empty() && show(known) > BETTER_PART * show(&chosen) {
+        chosen = known.to_vec();
+    }
     let n = SCREENED - SCREENED.div_ceil(2);
     chosen.extend((0..n).map(|i| (2 * i + 1) * count / (2 * n)));
     let mut seen = BTreeSet::new();
@@ -100,9 +109,12 @@ pub(super) fn screen(
     roles: &Roles,
     current: &Fitted,
     current_fit: &Rest,
+    recalled: &mut Recalled,
 ) -> Result<Vec<Screened>> {
     let interface = &subject.interface;
-    let chosen = some_of(study, current_fit);
+    let chosen = some_of(study, current_fit, &recalled.runs);
+    let first = &chosen[..FIRST.min(chosen.len())];
+    let stride = (first == recalled.runs).then_some(recalled.stride);
     let coarse: Vec<Run> = chosen.iter().map(|i| coarser(study.fit_runs[*i])).collect();
     let runs: Vec<&Run> = coarse.iter().collect();
     let simulated: Vec<Traces> = chosen.iter().map(|i| current_fit.simulated[*i].clone()).collect();
@@ -125,33 +137,22 @@ pub(super) fn screen(
         .collect();
     let problem = study.problem(&current.model, runs.clone());
     let model = &current.model;
-    let screen = Screen::new(&problem, &simulated, model, &point, &steps, Arc::clone(&watch), &study.weights)
-        .ok_or_else(|| Error::numeric("the fitted model cannot be run"))?;
-    let drives: Vec<Arc<Drive>> = runs.iter().map(|r| Arc::clone(&r.drive)).collect();
-    let (mut size, rate) = sizes(interface.variables.len(), &watch, &drives, &screen.traces);
-    for p in &study.free {
-        size[p.variable] = p.scale;
-    }
-    // a model may leave an output at rest that moves
-    for channel in runs.iter().flat_map(|r| &r.channels) {
-        let own = root_mean_square(channel.values.iter().copied());
-        size[channel.variable] = size[channel.variable].max(own);
+    let screen =
+        Screen::new(&problem, &simulated, model, &point, &steps, Arc::clone(&watch), &study.weights, stride)
+            .ok_or_else(|| Error::numeric("the fitted model cannot be run"))?;
+    if stride.is_none() {
+        recalled.begin(first.to_vec(), screen.stride(), &study.weights);
     }
     let measured: Vec<usize> =
         runs.first().map_or(Vec::new(), |r| r.channels.iter().map(|c| c.variable).collect());
     let driven: Vec<usize> =
         runs.first().map_or(Vec::new(), |r| r.drive.inputs.iter().map(|(v, _)| *v).collect());
-    for variable in 0..size.len() {
-        if size[variable] == 0.0
-            && roles.is(variable, crate::effect::Role::Force)
-            && interface.variables[variable].causality == Causality::Input
-        {
-            size[variable] = force_size(study, model, &runs, variable, &measured, &size);
-        }
-    }
+    let Natural { size, rate, time } = match &recalled.natural {
+        Some(natural) => natural.clone(),
+        None => natural(study, interface, roles, model, &runs, &screen, &watch, (&measured, &driven)),
+    };
+    recalled.natural = Some(Natural { size: size.clone(), rate: rate.clone(), time });
     let tunable = study.free.iter().map(|p| p.variable).filter(|v| is_tunable(interface, *v)).collect();
-    let moving: Vec<usize> = measured.iter().chain(&driven).copied().collect();
-    let time = own_time(&moving, &watch, &drives, &screen.traces);
     let site = Site { interface, roles, measured: &measured, driven, tunable, size, rate, time };
     let known = |placement: &Placement| {
         current
@@ -172,7 +173,42 @@ pub(super) fn screen(
         let own = |s: Screened| Screened { places: places(s.placement.effect.id), all_places: all, ..s };
         screened.into_iter().map(own).collect()
     };
-    Ok(counted(screen.screen(interface, &placements)))
+    Ok(counted(screen.screen(interface, &placements, recalled)))
+}
+
+/// What is natural for the machine, as it moves in these runs.
+#[allow(clippy::too_many_arguments)] // one caller
+fn natural(
+    study: &Study<'_>,
+    interface: &Interface,
+    roles: &Roles,
+    model: &Model,
+    runs: &[&Run],
+    screen: &Screen<'_>,
+    watch: &[usize],
+    (measured, driven): (&[usize], &[usize]),
+) -> Natural {
+    let drives: Vec<Arc<Drive>> = runs.iter().map(|r| Arc::clone(&r.drive)).collect();
+    let (mut size, rate) = sizes(interface.variables.len(), watch, &drives, &screen.traces);
+    for p in &study.free {
+        size[p.variable] = p.scale;
+    }
+    // a model may leave an output at rest that moves
+    for channel in runs.iter().flat_map(|r| &r.channels) {
+        let own = root_mean_square(channel.values.iter().copied());
+        size[channel.variable] = size[channel.variable].max(own);
+    }
+    for variable in 0..size.len() {
+        if size[variable] == 0.0
+            && roles.is(variable, crate::effect::Role::Force)
+            && interface.variables[variable].causality == Causality::Input
+        {
+            size[variable] = force_size(study, model, runs, variable, measured, &size);
+        }
+    }
+    let moving: Vec<usize> = measured.iter().chain(driven).copied().collect();
+    let time = own_time(&moving, watch, &drives, &screen.traces);
+    Natural { size, rate, time }
 }
 
 /// The size of a force at an input that nothing drives: what moves an output as much as it moves anyway. It is looked for,

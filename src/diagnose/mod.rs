@@ -17,6 +17,7 @@ mod placement;
 mod plausible;
 mod programmes;
 mod reading;
+mod recalled;
 mod result;
 mod roles;
 mod runs;

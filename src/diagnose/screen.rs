@@ -2,7 +2,8 @@
 //! what the model's own parameters can.
 
 use super::placement::Placement;
-use super::span::spanned;
+use super::recalled::Recalled;
+use super::span::{CLOSELY, ROUGHLY, spanned};
 use super::study::Model;
 use crate::Result;
 use crate::effect::{Attachment, Parameter, Port, empirical};
@@ -24,7 +25,7 @@ const MAX_REPLAYED: usize = 240;
 const KEPT: usize = 30;
 const KEPT_SHAPES: usize = 2;
 /// Runs that all placements are screened with.
-const FIRST: usize = 2;
+pub(super) const FIRST: usize = 2;
 
 /// What screening knows: the model as fitted, its residual and sensitivities, and all its signals.
 pub struct Screen<'a> {
@@ -105,7 +106,9 @@ impl<'a> Screen<'a> {
     /// Prepares: traces of all signals and the linear problem of the fitted parameters.
     ///
     /// `problem` is that of the model on the runs, `point` where it stands, `steps` those of differences by the unknowns that
-    /// can still explain something, by number, `simulated` what it gives there.
+    /// can still explain something, by number, `simulated` what it gives there. Every `stride`th sample counts, or as many as
+    /// are needed.
+    #[allow(clippy::too_many_arguments)] // one caller
     pub fn new(
         problem: &OutputError<'a>,
         simulated: &[Traces],
@@ -114,6 +117,7 @@ impl<'a> Screen<'a> {
         steps: &[(usize, f64)],
         watch: Arc<[usize]>,
         weights: &'a [f64],
+        stride: Option<usize>,
     ) -> Option<Self> {
         let runs = problem.runs.clone();
         let drives: Vec<Arc<Drive>> = runs.iter().map(|r| Arc::clone(&r.drive)).collect();
@@ -131,7 +135,7 @@ impl<'a> Screen<'a> {
             points.push(moved);
         }
         let rows: usize = runs.iter().map(|r| r.time.len() * r.channels.len()).sum();
-        let stride = rows.div_ceil(MAX_ROWS).max(1);
+        let stride = stride.unwrap_or_else(|| rows.div_ceil(MAX_ROWS).max(1));
         let by_run = |simulated: &[Traces]| -> Column {
             let mut rest = &problem.difference(simulated)[..];
             let of = |run: &&Run| {
@@ -163,14 +167,42 @@ impl<'a> Screen<'a> {
         })
     }
 
+    /// Every how many samples count.
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
     /// The share that each placement explains, the best first: all with two runs, and the best of them, in the forms that
-    /// explain most, with the other runs too.
-    pub fn screen(&self, interface: &Interface, placements: &[Placement]) -> Vec<Screened> {
+    /// explain most, with the other runs too. What is recalled of the first runs is not simulated again but for those; what is
+    /// simulated is recalled from here on.
+    pub fn screen(
+        &self,
+        interface: &Interface,
+        placements: &[Placement],
+        recalled: &mut Recalled,
+    ) -> Vec<Screened> {
         let probes = self.probes(placements);
-        let mut columns = self.columns(interface, placements, &probes, 0..FIRST.min(self.runs.len()));
+        let count = FIRST.min(self.runs.len());
+        let samples: Vec<usize> = self.runs.iter().take(count).map(|run| run.time.len()).collect();
+        let jobs: Vec<(&Probe, Option<usize>)> = probes.iter().flat_map(Probe::jobs).collect();
+        let known: Vec<Option<Column>> = jobs
+            .iter()
+            .map(|(probe, amplitude)| {
+                let placement = &placements[probe.placement];
+                recalled.answer(placement, &probe.shape, *amplitude, &samples, self.weights)
+            })
+            .collect();
+        let is_recalled = known.iter().any(Option::is_some);
+        let mut columns = self.columns(interface, placements, &probes, 0..count, (ROUGHLY, known));
+        for ((probe, amplitude), column) in jobs.iter().zip(&columns) {
+            let placement = &placements[probe.placement];
+            if let (false, Some(column)) = (self.is_replayed(placement), column) {
+                recalled.keep(placement, &probe.shape, *amplitude, column);
+            }
+        }
         let explained = self.explained(&probes, &columns);
         let first = best_of_each(placements, &probes, &explained);
-        if self.runs.len() <= FIRST {
+        if self.runs.len() <= FIRST && !is_recalled {
             return first;
         }
         let mut forms: Vec<Vec<(f64, usize)>> = vec![Vec::new(); placements.len()];
@@ -199,7 +231,12 @@ impl<'a> Screen<'a> {
             count += probe.jobs().count();
         }
         let kept: Vec<Probe> = chosen.iter().map(|k| probes[*k].clone()).collect();
-        let others = self.columns(interface, placements, &kept, FIRST..self.runs.len());
+        if is_recalled {
+            let anew = self.columns(interface, placements, &kept, 0..self.runs.len(), (CLOSELY, Vec::new()));
+            return best_of_each(placements, &kept, &self.explained(&kept, &anew));
+        }
+        let others =
+            self.columns(interface, placements, &kept, FIRST..self.runs.len(), (CLOSELY, Vec::new()));
         let numbers = chosen.iter().flat_map(|k| (0..probes[*k].jobs().count()).map(|i| first_of[*k] + i));
         let both: Vec<Option<Column>> = numbers
             .zip(others)
@@ -279,24 +316,26 @@ impl<'a> Screen<'a> {
         side_by_side(self.bench.threads(), &own, of).into_iter().map(Option::flatten).collect()
     }
 
-    /// True for an effect on outputs that no other effect changes and that nothing inside the model gets: traces
-    /// tell all about it.
+    /// True for an effect on outputs that nothing inside the model gets and that no output drives which another effect
+    /// changes: traces tell all about it, behind the effects that are there.
     fn is_replayed(&self, placement: &Placement) -> bool {
-        let behind =
-            self.model.effects.iter().any(|(p, _)| {
-                p.port == Port::Output && p.targets.iter().any(|v| placement.targets.contains(v))
-            });
+        let changed = |v: usize| {
+            self.model.effects.iter().any(|(p, _)| p.port == Port::Output && p.targets.contains(&v))
+        };
+        let behind = placement.drivers.iter().any(|signal| changed(signal.variable));
         let inside = placement.targets.iter().any(|v| self.bench.is_passed_on(*v));
         placement.port == Port::Output && !behind && !inside
     }
 
     /// Change of the weighted outputs of some runs per unit of one amplitude: of each probe, for each of its amplitudes.
+    /// What is known of these is taken as it is; `how` closely others are made of each other, [`spanned`] says.
     fn columns(
         &self,
         interface: &Interface,
         placements: &[Placement],
         probes: &[Probe],
         runs: Range<usize>,
+        (how, known): (f64, Vec<Option<Column>>),
     ) -> Vec<Option<Column>> {
         let jobs: Vec<(&Probe, Option<usize>)> = probes.iter().flat_map(Probe::jobs).collect();
         let step_of = |(probe, amplitude): &(&Probe, Option<usize>)| {
@@ -310,9 +349,11 @@ impl<'a> Screen<'a> {
             }
             placements[job.0.placement].attach(&values)
         };
-        let mut columns: Vec<Option<Column>> = vec![None; jobs.len()];
+        let mut columns = known;
+        columns.resize(jobs.len(), None);
         let (replayed, of_setup): (Vec<usize>, Vec<usize>) =
             (0..jobs.len()).partition(|k| self.is_replayed(&placements[jobs[*k].0.placement]));
+        let of_setup: Vec<usize> = of_setup.into_iter().filter(|k| columns[*k].is_none()).collect();
         let replay_one = |k: &usize| {
             let job = &jobs[*k];
             self.replayed(interface, &attach(job), runs.clone(), step_of(job))
@@ -345,7 +386,7 @@ impl<'a> Screen<'a> {
             let at_place = of_setup.iter().zip(&courses).filter(|(k, _)| place(k) == own);
             let (numbers, courses): (Vec<usize>, Vec<DVector<f64>>) =
                 at_place.filter_map(|(k, course)| Some((*k, course.clone()?))).unzip();
-            for (k, sum) in numbers.iter().zip(spanned(&courses)) {
+            for (k, sum) in numbers.iter().zip(spanned(&courses, how)) {
                 sums[*k] =
                     sum.map(|terms| terms.into_iter().map(|(t, factor)| (numbers[t], factor)).collect());
             }

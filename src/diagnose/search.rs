@@ -9,6 +9,7 @@ use super::in_turn::check_in_turn;
 use super::left::Left;
 use super::locate;
 use super::pipeline::FINAL;
+use super::recalled::Recalled;
 use super::result::{Candidate, Finding};
 use super::roles::Roles;
 use super::study::{Fitted, Model, Rest, Study};
@@ -75,17 +76,18 @@ pub(super) fn search(
     let check_runs = study.check_runs.clone();
     let mut fit = study.fit_rest(&base)?;
     let mut found = Found::nothing(base, base_check);
+    let mut recalled = Recalled::default();
     for round in 0..MAX_EFFECTS {
         if round > 1 && is_noise(study, &found.check) {
             break;
         }
         let progressed = 0.15 + 0.7 * round as f64 / MAX_EFFECTS as f64;
         progress("screening effects", progressed);
-        let screened = screen(study, subject, roles, &found.current, &fit)?;
+        let screened = screen(study, subject, roles, &found.current, &fit, &mut recalled)?;
         progress("fitting effects inside the simulation", progressed + 0.05);
         // what is found first unbends parameters
         let nominal = (round == 0).then_some(nominal);
-        let begun = begin(study, subject, roles, &found.current, nominal, &screened, round);
+        let begun = begin(study, subject, roles, &found.current, nominal, (&screened, &mut recalled), round);
         let before = Before { fit: &fit, check: &found.check };
         let finish = |begun: &Begun| begun.finish(study, before);
         let mut tried: Vec<Tried> =

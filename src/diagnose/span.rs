@@ -3,15 +3,16 @@
 use nalgebra::DVector;
 
 /// A course is a sum of others if it misses less than this share of itself: a change that is predicted ranks effects, it is
-/// no fit.
-const MISSED: f64 = 0.02;
+/// no fit. Roughly to find those that are looked at more closely; and then closely.
+pub(super) const ROUGHLY: f64 = 0.1;
+pub(super) const CLOSELY: f64 = 0.02;
 /// And if its terms are not so many times larger than it: what they cancel of each other, answers that are not quite in
 /// proportion do not.
 const CANCELLED: f64 = 5.0;
 
 /// Of each course: the numbers of others and factors with which it is their sum; `None` if it is none. Those others are no
-/// sums themselves.
-pub(super) fn spanned(courses: &[DVector<f64>]) -> Vec<Option<Vec<(usize, f64)>>> {
+/// sums themselves. `how` closely: the share of itself that a course may miss.
+pub(super) fn spanned(courses: &[DVector<f64>], how: f64) -> Vec<Option<Vec<(usize, f64)>>> {
     let sizes: Vec<f64> = courses.iter().map(DVector::norm).collect();
     // what the ones that were taken do not make of each, and with which factors they make the rest
     let mut rests: Vec<DVector<f64>> = courses.to_vec();
@@ -24,7 +25,7 @@ pub(super) fn spanned(courses: &[DVector<f64>]) -> Vec<Option<Vec<(usize, f64)>>
         let open = (0..courses.len()).filter(|k| !taken.contains(k));
         let worst =
             open.map(|k| (k, missed(&rests, k))).max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
-        let Some((next, _)) = worst.filter(|(_, missed)| *missed > MISSED) else { break };
+        let Some((next, _)) = worst.filter(|(_, missed)| *missed > how) else { break };
         // the next one's rest is it less what those before make of it
         let (rest, own) = (rests[next].clone(), factors[next].clone());
         let length = rest.norm_squared();
@@ -70,7 +71,7 @@ mod tests {
             course(|t| 1.0 + 1e-3 * (50.0 * t).sin()),
             course(|t| (50.0 * t).sin()),
         ];
-        let sums = spanned(&courses);
+        let sums = spanned(&courses, CLOSELY);
         let own = sums.iter().filter(|s| s.is_none()).count();
         assert_eq!(own, 4, "{sums:?}");
         for (course, sum) in courses.iter().zip(&sums) {
@@ -78,7 +79,7 @@ mod tests {
             assert!(terms.iter().all(|(t, _)| sums[*t].is_none()));
             let made: DVector<f64> =
                 terms.iter().fold(DVector::zeros(500), |made, (t, factor)| made + *factor * &courses[*t]);
-            assert!((course - made).norm() <= MISSED * course.norm());
+            assert!((course - made).norm() <= CLOSELY * course.norm());
         }
     }
 
@@ -87,8 +88,8 @@ mod tests {
         // two that differ little, and their difference, which is known with their errors only
         let (a, b) = (course(|_| 1.0), course(|t| 1.0 + 0.03 * t.cos()));
         let c = course(|t| 0.03 * t.cos());
-        let sums = spanned(&[a, b, c]);
+        let sums = spanned(&[a, b, c], CLOSELY);
         assert!(sums[0].is_none() && sums[2].is_none(), "{sums:?}");
-        assert!(spanned(&[]).is_empty());
+        assert!(spanned(&[], CLOSELY).is_empty());
     }
 }

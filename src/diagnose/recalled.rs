@@ -1,0 +1,98 @@
+//! What is known from an earlier round of a search: how a machine answers to small changes at its places, which the effects
+//! found since hardly change, and what is natural for it. Only what promises most is simulated anew.
+
+use super::placement::Placement;
+use crate::effect::{Port, Signal};
+use nalgebra::DVector;
+use std::collections::HashMap;
+use std::ptr;
+
+/// Typical sizes of a machine's signals, and its own time.
+#[derive(Debug, Clone)]
+pub(super) struct Natural {
+    /// Of every variable.
+    pub size: Vec<f64>,
+    /// Of the rate and integral of every variable.
+    pub rate: Vec<(f64, f64)>,
+    /// The machine's own time \[s\].
+    pub time: f64,
+}
+
+/// One change: an effect of this form and size at this place.
+#[derive(Debug, PartialEq, Eq, Hash)]
+struct Change {
+    effect: usize,
+    port: Port,
+    targets: Vec<usize>,
+    drivers: Vec<Signal>,
+    amplitude: Option<usize>,
+    parameters: Vec<u64>,
+}
+
+impl Change {
+    fn of(placement: &Placement, shape: &[f64], amplitude: Option<usize>) -> Self {
+        Self {
+            // forms of an effect share its name
+            effect: ptr::from_ref(placement.effect).addr(),
+            port: placement.port,
+            targets: placement.targets.clone(),
+            drivers: placement.drivers.clone(),
+            amplitude,
+            parameters: shape.iter().zip(&placement.scales).map(|(s, scale)| (s * scale).to_bits()).collect(),
+        }
+    }
+}
+
+/// What is known. Nothing at first.
+#[derive(Debug, Default)]
+pub(super) struct Recalled {
+    /// What is natural for the machine.
+    pub natural: Option<Natural>,
+    /// The runs that answers are known of, as numbers among the fit runs.
+    pub runs: Vec<usize>,
+    /// Every how many of their samples count.
+    pub stride: usize,
+    /// What the channels were weighed with.
+    weights: Vec<f64>,
+    answers: HashMap<Change, Vec<DVector<f64>>>,
+}
+
+impl Recalled {
+    /// Forgets all answers; those of these runs follow.
+    pub fn begin(&mut self, runs: Vec<usize>, stride: usize, weights: &[f64]) {
+        (self.runs, self.stride, self.weights) = (runs, stride, weights.to_vec());
+        self.answers.clear();
+    }
+
+    /// Keeps the weighted answers of the runs to a change.
+    pub fn keep(
+        &mut self,
+        placement: &Placement,
+        shape: &[f64],
+        amplitude: Option<usize>,
+        answer: &[DVector<f64>],
+    ) {
+        self.answers.insert(Change::of(placement, shape, amplitude), answer.to_vec());
+    }
+
+    /// The answers to a change with other weights, if they are known. Each run has `samples` of each channel, one channel
+    /// behind the other.
+    pub fn answer(
+        &self,
+        placement: &Placement,
+        shape: &[f64],
+        amplitude: Option<usize>,
+        samples: &[usize],
+        weights: &[f64],
+    ) -> Option<Vec<DVector<f64>>> {
+        let mut answer = self.answers.get(&Change::of(placement, shape, amplitude))?.clone();
+        for (run, samples) in answer.iter_mut().zip(samples) {
+            for (row, value) in run.iter_mut().enumerate() {
+                let channel = row * self.stride / samples;
+                let (new, old) = (weights.get(channel)?, self.weights.get(channel)?);
+                *value *= new / old;
+            }
+        }
+        Some(answer)
+    }
+}
