@@ -34,7 +34,7 @@ pub const EFFECT: Effect = Effect {
             (0.3, 200.0),
             &[1.5, 5.0, 15.0, 40.0],
         ),
-        Parameter::shape("damping", "Damping ratio", Scale::plain("1"), (0.005, 0.7), (0.003, 0.9), &[0.05]),
+        Parameter::shape("damping", "Damping ratio", Scale::plain("1"), (0.005, 0.7), (0.003, 0.9), &[0.15]),
     ],
     apply: share_through_mode,
 };

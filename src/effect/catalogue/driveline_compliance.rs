@@ -37,7 +37,7 @@ pub const EFFECT: Effect = Effect {
             (0.3, 100.0),
             &[1.5, 4.0, 12.0, 35.0],
         ),
-        Parameter::shape("damping", "Damping ratio", Scale::plain("1"), (0.005, 0.7), (0.003, 0.9), &[0.05]),
+        Parameter::shape("damping", "Damping ratio", Scale::plain("1"), (0.005, 0.7), (0.003, 0.9), &[0.15]),
     ],
     apply: share_through_mode,
 };

@@ -36,7 +36,11 @@ pub const EFFECT: Effect = Effect {
             Scale::own_time(-1),
             (0.5, 300.0),
             (0.3, 400.0),
-            &[1.5, 3.0, 6.0, 12.0, 25.0, 50.0, 120.0],
+            // a quarter apart: a mode answers within twice its damping ratio
+            &[
+                0.7, 0.9, 1.1, 1.4, 1.7, 2.1, 2.7, 3.3, 4.2, 5.2, 6.5, 8.1, 10.0, 13.0, 16.0, 20.0, 25.0, 31.0,
+                39.0, 48.0, 60.0, 75.0, 94.0, 120.0,
+            ],
         ),
         Parameter::shape("damping", "Damping ratio", Scale::plain("1"), (0.005, 0.4), (0.003, 0.9), &[0.05]),
     ],

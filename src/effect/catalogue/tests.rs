@@ -229,8 +229,10 @@ fn other_units_change_nothing() {
     }
 }
 
-/// Effects whose times are those of their matter or of the mains, whatever the machine.
+/// Effects whose times are those of their matter, of the mains or of a distance that is rolled, whatever the machine.
 const ABSOLUTE: &[&str] = &[
+    "relaxation-length",
+    "carcass-compliance",
     "belt-mode",
     "thermal-softening",
     "inflation-warm-up",

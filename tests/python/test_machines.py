@@ -1,0 +1,144 @@
+"""Machines of no one's choosing: FMUs that a C compiler makes of what `latsch-truth` draws, and their diagnoses."""
+
+import csv
+import json
+import subprocess
+import sys
+
+import fmpy
+import numpy as np
+import pytest
+
+from conftest import ROOT, TARGET, latsch, read_results
+
+SEED = 2
+# of the study of random machines: number, verdict, names that are right
+CASES = {
+    1: ("unknown", []),
+    2: ("effect", [("hydraulic-lag", "input drive")]),
+    3: ("nothing", []),
+    5: ("effect", [("maxwell-element", "force at drive")]),
+    6: ("effect", [("sensor-gain", "output spring_force"), ("sensor-delay", "output arm_position")]),
+}
+
+
+@pytest.fixture(scope="module")
+def study():
+    folder = TARGET / "prove-machines"
+    only = ",".join(f"case-{number:03}" for number in CASES)
+    command = [sys.executable, ROOT / "scripts" / "prove", "--machines", "--only", only, "--seed", str(SEED), "--output", folder]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=900)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+@pytest.mark.parametrize("number", CASES)
+def test_a_machine_that_nobody_has_chosen_is_understood(study, number):
+    verdict, names = CASES[number]
+    found = json.loads((study / "results" / f"case-{number:03}" / "diagnosis.json").read_text())
+    assert found["verdict"] == verdict, found["summary"]
+    said = [(f["effect"], f["place"]) for f in found["findings"] if f["effect"] != "unknown"]
+    assert said == names, found["summary"]
+
+
+def test_a_machine_answers_as_it_was_recorded(study):
+    """Where nothing is concealed, the C code in FMPy leaves what noise alone leaves: two programs of one machine."""
+    case = study / "cases" / "case-003"
+    noise = json.loads((study / "answers" / "case-003.reference.json").read_text())
+    description = fmpy.read_model_description(case / "machine.fmu")
+    variables = {v.name: v for v in description.modelVariables}
+    inputs = [v.valueReference for v in description.modelVariables if v.causality == "input"]
+    outputs = [v.name for v in description.modelVariables if v.causality == "output"]
+    for run in noise["runs"][:2]:
+        with open(case / "recordings" / run["name"]) as file:
+            header, *rows = csv.reader(file)
+        table = dict(zip([cell.split(" [")[0] for cell in header], np.array(rows, float).T))
+        time = table["time"]
+        driven = [table[v.name] for v in description.modelVariables if v.causality == "input"]
+        slave = fmpy.fmi2.FMU2Slave(
+            guid=description.guid, unzipDirectory=fmpy.extract(case / "machine.fmu"), modelIdentifier="machine"
+        )
+        slave.instantiate()
+        slave.setupExperiment(startTime=0.0)
+        slave.enterInitializationMode()
+        slave.setReal(inputs, [values[0] for values in driven])
+        slave.exitInitializationMode()
+        references = [variables[name].valueReference for name in outputs]
+        answers = [slave.getReal(references)]
+        parts = 32
+        for k in range(1, len(time)):
+            fine = np.linspace(time[k - 1], time[k], parts + 1)
+            for begin, end in zip(fine, fine[1:]):
+                middle = 0.5 * (begin + end)
+                slave.setReal(inputs, [np.interp(middle, time, values) for values in driven])
+                slave.doStep(begin, end - begin)
+            slave.setReal(inputs, [values[k] for values in driven])
+            answers.append(slave.getReal(references))
+        slave.terminate()
+        slave.freeInstance()
+        answers = np.array(answers)
+        for column, name in enumerate(outputs):
+            left = np.sqrt(np.mean((answers[:, column] - table[name]) ** 2))
+            floor = np.sqrt(dict(map(tuple, run["channels"]))[name])
+            # inputs that run straight between samples, in place of smoothly, err by a little
+            assert left < 1.25 * floor, (run["name"], name, left / floor)
+
+
+def write(path, header, *columns):
+    np.savetxt(path, np.transpose(columns), delimiter=",", header=header, comments="")
+
+
+@pytest.fixture(scope="module")
+def oscillator():
+    """The oscillator of the base models, exported."""
+    folder = TARGET / "prove-machines"
+    done = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "prove", "--only", "case-005", "--output", folder / "models-only"],
+        capture_output=True,
+        text=True,
+        timeout=900,
+    )
+    assert done.returncode == 0, done.stderr
+    return folder / "models-only" / "models" / "oscillator.fmu"
+
+
+@pytest.mark.parametrize("slower", [0.2, 1.0, 500.0])
+def test_a_machine_that_is_slower_has_the_same_name_and_a_slower_lag(oscillator, tmp_path, slower):
+    """The same dimensionless machine: stiffness by 1/t^2, damping by 1/t; the lag of its position sensor by t."""
+    recordings = tmp_path / "recordings"
+    recordings.mkdir()
+    number = 1200
+    time = 0.01 * np.arange(number)
+    believed, true = {"mass": 10.0, "stiffness": 4000.0, "damping": 80.0}, {"mass": 10.0, "stiffness": 4300.0, "damping": 70.0}
+    scaled = lambda values: {"mass": values["mass"], "stiffness": values["stiffness"] / slower**2, "damping": values["damping"] / slower}
+    for run in range(6):
+        dice = np.random.default_rng(run)
+        sines = zip(dice.uniform(100, 400, 8), dice.uniform(0.3, 6, 8), dice.uniform(0, 6, 8))
+        force = sum(a * np.sin(2 * np.pi * f * time + phase) for a, f, phase in sines) / slower**2
+        path = recordings / f"run-{run}.csv"
+        write(path, "time [s],force [N]", slower * time, force)
+        results = tmp_path / "results.csv"
+        sets = [word for name, value in scaled(true).items() for word in ("--set", f"{name}={value!r}")]
+        done = latsch("simulate", oscillator, "--inputs", path, "--step", repr(slower * 0.0025), *sets, "--output", results)
+        assert done.returncode == 0, done.stderr
+        simulated = read_results(results)
+        lag, fine, at = 0.02, simulated["time"] / slower, [simulated["position"][0]]
+        for k in range(1, len(fine)):
+            # exact for a position that runs straight
+            step, slope = fine[k] - fine[k - 1], (simulated["position"][k] - simulated["position"][k - 1]) / (fine[k] - fine[k - 1])
+            behind = simulated["position"][k] - slope * lag
+            at.append(behind + (at[-1] - simulated["position"][k - 1] + slope * lag) * np.exp(-step / lag))
+        columns = [np.interp(time, fine, at), np.interp(time, fine, simulated["velocity"])]
+        measured = [c + 0.01 * c.std() * dice.standard_normal(number) for c in columns]
+        write(path, "time [s],force [N],position [m],velocity [m/s]", slower * time, force, *measured)
+    parameters = tmp_path / "parameters.toml"
+    parameters.write_text("[parameters]\n" + "".join(f"{k} = {v!r}\n" for k, v in scaled(believed).items()))
+    output = tmp_path / "output"
+    done = latsch("diagnose", oscillator, "--recordings", recordings, "--parameters", parameters, "--output", output)
+    assert done.returncode == 0, done.stderr
+    found = json.loads((output / "diagnosis.json").read_text())
+    assert [(f["effect"], f["place"]) for f in found["findings"]] == [("sensor-lag", "output position")], found["summary"]
+    [estimate] = found["findings"][0]["parameters"]
+    assert estimate["value"] == pytest.approx(0.02 * slower, rel=0.05)
+    parameters = {p["name"]: p["value"] for p in found["parameters"]}
+    assert parameters == pytest.approx(scaled(true), rel=0.03)
