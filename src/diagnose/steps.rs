@@ -87,6 +87,9 @@ pub(super) struct ShorterSteps {
     change: f64,
 }
 
+/// Runs, ready to be simulated, and what they are for.
+type Used = Vec<(Run, Use)>;
+
 impl ShorterSteps {
     /// The longest of half, a quarter, ... of the usual communication steps of which half changes nothing that recordings can
     /// tell, with the runs that take them: inputs are handed over more often. `prepared` makes the runs with steps so much
@@ -94,10 +97,7 @@ impl ShorterSteps {
     ///
     /// # Errors
     /// Those of `prepared`.
-    pub fn of(
-        bench: &Bench,
-        prepared: impl Fn(u32) -> Result<Vec<(Run, Use)>>,
-    ) -> Result<Option<(Self, Vec<(Run, Use)>)>> {
+    pub fn of(bench: &Bench, prepared: impl Fn(u32) -> Result<Used>) -> Result<Option<(Self, Used)>> {
         let answer = |runs: &[(Run, Use)]| {
             simulated(bench, &runs.iter().map(|(run, _)| run).collect::<Vec<_>>(), None)
         };

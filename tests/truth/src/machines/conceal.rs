@@ -148,8 +148,8 @@ impl Concealed {
                 let fall = speed * between(a, 0.15, 0.6);
                 -k * (0.5 + (0.5 + b) * libm::exp(-(v / fall) * (v / fall))) * libm::tanh(10.0 * v / fall)
             }
-            Law::Cubic => -k * (x / way).powi(3),
-            Law::SquareSpring => -k * (x / way).powi(2) * if a < 0.5 { 1.0 } else { -1.0 },
+            Law::Cubic => -k * (x / way) * (x / way) * (x / way),
+            Law::SquareSpring => -k * (x / way) * (x / way) * if a < 0.5 { 1.0 } else { -1.0 },
             Law::QuadraticDamper => -k * (v / speed) * (v / speed).abs(),
             Law::DamperAsymmetry => -k * (v / speed).abs() * if a < 0.5 { 1.0 } else { -1.0 },
             Law::Stop => {
@@ -168,7 +168,7 @@ impl Concealed {
             Law::Unrecorded => {
                 k * memory.waves.iter().map(|[h, w, p]| h * libm::sin(w * time + p)).sum::<f64>()
             }
-            Law::LeakSquared => -k * (x / way).powi(2) * x.signum(),
+            Law::LeakSquared => -k * (x / way) * (x / way).abs(),
             Law::LeakAbove => -3.0 * k * (x / way - between(a, 0.95, 1.1)).max(0.0),
             _ => 0.0,
         }

@@ -180,7 +180,7 @@ impl Builder<'_> {
         self.disturbance(0.6);
         if self.random.chance(0.3) {
             let body = self.random.below(count);
-            let value = self.stiffness() / self.scales.length.powi(2) * self.near(0.05, 0.4);
+            let value = self.stiffness() / (self.scales.length * self.scales.length) * self.near(0.05, 0.4);
             let unit = if self.rotary { "N.m/rad3" } else { "N/m3" };
             let k = self.parameter("hardening".into(), unit, value);
             self.machine.elements.push(Element::Cubic { from: body, to: None, stiffness: k });

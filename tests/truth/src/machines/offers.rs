@@ -119,16 +119,16 @@ pub(crate) fn offers(machine: &Machine, drives: &[Drive]) -> (Vec<Offer>, Vec<Of
         outside.push(offer("outside-overflow", Law::LeakAbove, Place::Store(store), &[], shown));
         outside.push(offer("outside-unrecorded", Law::Unrecorded, Place::Store(store), &[], Vec::new()));
     }
-    for input in 0..machine.inputs.len() {
+    for (input, (variable, drive)) in machine.inputs.iter().zip(drives).enumerate() {
         for (id, law, accept) in INPUTS {
             // where no command crosses zero, a dead band is an offset
-            if law == Law::InputDeadBand && drives[input].middle != 0.0 {
+            if law == Law::InputDeadBand && drive.middle != 0.0 {
                 continue;
             }
-            named.push(offer(id, law, Place::Input(input), accept, vec![machine.inputs[input].name.clone()]));
+            named.push(offer(id, law, Place::Input(input), accept, vec![variable.name.clone()]));
         }
-        if matches!(machine.inputs[input].unit, "m" | "rad") {
-            let by = vec![machine.inputs[input].name.clone()];
+        if matches!(variable.unit, "m" | "rad") {
+            let by = vec![variable.name.clone()];
             named.push(offer("play", Law::InputPlay, Place::Input(input), &["clearance", "backlash"], by));
         }
     }
