@@ -1,7 +1,7 @@
 //! Machines of no one's choosing: random mechanisms, drives and stores as FMUs of somebody else, with effects concealed
 //! by their physics and sized by how far they can be seen.
 //!
-//! Nothing here depends on latsch. The unit is C code ([`unit`]), the truth is [`world`]; both come from the same
+//! Nothing here depends on latsch. The unit is C code ([`mod@unit`]), the truth another program; both come from the same
 //! [`mechanism`], and agree where nothing is concealed.
 
 mod case;
