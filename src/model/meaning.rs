@@ -48,8 +48,6 @@ pub enum Role {
     Temperature,
     /// Power that a contact loses, or that friction turns into heat \[W\].
     FrictionPower,
-    /// What an actuator is told or fed, where it is none of these: a voltage, a current, a flow, a valve's opening.
-    Command,
     /// A parameter: coefficient of friction or grip \[1\].
     Friction,
     /// A parameter: stiffness of a tire, spring or bushing.
@@ -65,6 +63,9 @@ pub enum Role {
     Share,
     /// Anything else.
     Other,
+    // at the end, so that GUIDs of interfaces without it stay
+    /// What an actuator is told or fed, where it is none of the others: a voltage, a current, a flow, a valve's opening.
+    Command,
 }
 
 impl Role {
