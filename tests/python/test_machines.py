@@ -12,13 +12,14 @@ import pytest
 from conftest import ROOT, TARGET, latsch, read_results
 
 SEED = 2
-# of the study of random machines: number, verdict, names that are right
+# of the study of random machines: number, verdict, names that are right. In 6 the gain of one force sensor is, with other
+# masses and stiffnesses, that of all others.
 CASES = {
     1: ("unknown", []),
-    2: ("effect", [("hydraulic-lag", "input drive")]),
+    2: ("effect", ["hydraulic-lag"]),
     3: ("nothing", []),
-    5: ("effect", [("maxwell-element", "force at drive")]),
-    6: ("effect", [("sensor-gain", "output spring_force"), ("sensor-delay", "output arm_position")]),
+    5: ("effect", ["maxwell-element"]),
+    6: ("effect", ["sensor-gain", "sensor-delay"]),
 }
 
 
@@ -37,14 +38,35 @@ def test_a_machine_that_nobody_has_chosen_is_understood(study, number):
     verdict, names = CASES[number]
     found = json.loads((study / "results" / f"case-{number:03}" / "diagnosis.json").read_text())
     assert found["verdict"] == verdict, found["summary"]
-    said = [(f["effect"], f["place"]) for f in found["findings"] if f["effect"] != "unknown"]
+    said = [f["effect"] for f in found["findings"] if f["effect"] != "unknown"]
     assert said == names, found["summary"]
 
 
-def test_a_machine_answers_as_it_was_recorded(study):
-    """Where nothing is concealed, the C code in FMPy leaves what noise alone leaves: two programs of one machine."""
-    case = study / "cases" / "case-003"
-    noise = json.loads((study / "answers" / "case-003.reference.json").read_text())
+def smooth(time, values):
+    """The natural cubic spline."""
+    steps, number = np.diff(time), len(time)
+    matrix, right = np.eye(number), np.zeros(number)
+    for k in range(1, number - 1):
+        matrix[k, k - 1 : k + 2] = steps[k - 1], 2 * (steps[k - 1] + steps[k]), steps[k]
+        right[k] = 6 * ((values[k + 1] - values[k]) / steps[k] - (values[k] - values[k - 1]) / steps[k - 1])
+    bends = np.linalg.solve(matrix, right)
+
+    def at(t):
+        k = min(max(np.searchsorted(time, t) - 1, 0), number - 2)
+        h, a = steps[k], (time[k + 1] - t) / steps[k]
+        b = 1 - a
+        return a * values[k] + b * values[k + 1] + ((a**3 - a) * bends[k] + (b**3 - b) * bends[k + 1]) * h * h / 6
+
+    return at
+
+
+def test_a_machine_answers_as_it_was_recorded(study, tmp_path):
+    """Where nothing is concealed, the C code in FMPy leaves what noise alone leaves: two programs of one machine, a cylinder
+    that moves four bodies, one of them a pendulum."""
+    truth, case = study / "bin" / "latsch-truth", tmp_path / "case"
+    for what in ("case", "answers"):
+        subprocess.run([truth, what, "26", "--machines", "--output", tmp_path / what], check=True)
+    noise = json.loads((tmp_path / "answers" / "case-026.reference.json").read_text())
     description = fmpy.read_model_description(case / "machine.fmu")
     variables = {v.name: v for v in description.modelVariables}
     inputs = [v.valueReference for v in description.modelVariables if v.causality == "input"]
@@ -55,6 +77,7 @@ def test_a_machine_answers_as_it_was_recorded(study):
         table = dict(zip([cell.split(" [")[0] for cell in header], np.array(rows, float).T))
         time = table["time"]
         driven = [table[v.name] for v in description.modelVariables if v.causality == "input"]
+        courses = [smooth(time, values) for values in driven]
         slave = fmpy.fmi2.FMU2Slave(
             guid=description.guid, unzipDirectory=fmpy.extract(case / "machine.fmu"), modelIdentifier="machine"
         )
@@ -70,7 +93,7 @@ def test_a_machine_answers_as_it_was_recorded(study):
             fine = np.linspace(time[k - 1], time[k], parts + 1)
             for begin, end in zip(fine, fine[1:]):
                 middle = 0.5 * (begin + end)
-                slave.setReal(inputs, [np.interp(middle, time, values) for values in driven])
+                slave.setReal(inputs, [course(middle) for course in courses])
                 slave.doStep(begin, end - begin)
             slave.setReal(inputs, [values[k] for values in driven])
             answers.append(slave.getReal(references))
@@ -80,8 +103,7 @@ def test_a_machine_answers_as_it_was_recorded(study):
         for column, name in enumerate(outputs):
             left = np.sqrt(np.mean((answers[:, column] - table[name]) ** 2))
             floor = np.sqrt(dict(map(tuple, run["channels"]))[name])
-            # inputs that run straight between samples, in place of smoothly, err by a little
-            assert left < 1.25 * floor, (run["name"], name, left / floor)
+            assert 0.9 * floor < left < 1.1 * floor, (run["name"], name, left / floor)
 
 
 def write(path, header, *columns):
@@ -121,7 +143,7 @@ def test_a_machine_that_is_slower_has_the_same_name_and_a_slower_lag(oscillator,
         sets = [word for name, value in scaled(true).items() for word in ("--set", f"{name}={value!r}")]
         done = latsch("simulate", oscillator, "--inputs", path, "--step", repr(slower * 0.0025), *sets, "--output", results)
         assert done.returncode == 0, done.stderr
-        simulated = read_results(results)
+        simulated = {name: np.array(values) for name, values in read_results(results).items()}
         lag, fine, at = 0.02, simulated["time"] / slower, [simulated["position"][0]]
         for k in range(1, len(fine)):
             # exact for a position that runs straight
