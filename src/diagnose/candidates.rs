@@ -147,11 +147,8 @@ pub(super) fn screen(
         runs.first().map_or(Vec::new(), |r| r.channels.iter().map(|c| c.variable).collect());
     let driven: Vec<usize> =
         runs.first().map_or(Vec::new(), |r| r.drive.inputs.iter().map(|(v, _)| *v).collect());
-    let Natural { size, rate, time } = match &recalled.natural {
-        Some(natural) => natural.clone(),
-        None => natural(study, interface, roles, model, &runs, &screen, &watch, (&measured, &driven)),
-    };
-    recalled.natural = Some(Natural { size: size.clone(), rate: rate.clone(), time });
+    let first_seen = || natural(study, interface, roles, model, &runs, &screen, &watch, (&measured, &driven));
+    let Natural { size, rate, time } = recalled.natural.get_or_insert_with(first_seen).clone();
     let tunable = study.free.iter().map(|p| p.variable).filter(|v| is_tunable(interface, *v)).collect();
     let site = Site { interface, roles, measured: &measured, driven, tunable, size, rate, time };
     let known = |placement: &Placement| {

@@ -96,3 +96,38 @@ impl Recalled {
         Some(answer)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effect::find;
+
+    #[test]
+    fn answers_come_again_with_the_weights_of_the_day_and_only_to_the_same_change() {
+        let placement = |scale: f64| Placement {
+            effect: find("sensor-gain").unwrap(),
+            port: Port::Output,
+            targets: vec![3],
+            drivers: Vec::new(),
+            scales: vec![scale],
+            units: vec![None],
+            bounded: false,
+        };
+        let mut recalled = Recalled::default();
+        // every second sample of two channels with four samples each, weighed 1 and 2
+        recalled.begin(vec![5], 2, &[1.0, 2.0]);
+        let answer = [DVector::from_vec(vec![1.0, 2.0, 3.0, 4.0])];
+        recalled.keep(&placement(1.0), &[0.0], Some(0), &answer);
+        let again = |recalled: &Recalled, scale: f64, amplitude, weights: &[f64]| {
+            recalled.answer(&placement(scale), &[0.0], amplitude, &[4], weights)
+        };
+        let weighed = again(&recalled, 1.0, Some(0), &[10.0, 1.0]).unwrap();
+        assert_eq!(weighed[0].as_slice(), [10.0, 20.0, 1.5, 2.0]);
+        assert!(again(&recalled, 1.0, None, &[1.0, 2.0]).is_none());
+        // a shape at another size is another change
+        recalled.keep(&placement(1.0), &[0.5], Some(0), &answer);
+        assert!(recalled.answer(&placement(2.0), &[0.5], Some(0), &[4], &[1.0, 2.0]).is_none());
+        recalled.begin(vec![5], 2, &[1.0, 2.0]);
+        assert!(again(&recalled, 1.0, Some(0), &[1.0, 2.0]).is_none());
+    }
+}

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 /// A course is a sum of others if it misses less than this share of itself: a change that is predicted ranks effects, it is
-/// no fit. Roughly to find those that are looked at more closely; and then closely.
+/// no fit. Roughly, a hundredth of its square, to find the sixty that are looked at more closely; and then closely.
 pub(super) const ROUGHLY: f64 = 0.1;
 pub(super) const CLOSELY: f64 = 0.02;
 /// And if its terms are not so many times larger than it: what they cancel of each other, answers that are not quite in

@@ -82,9 +82,12 @@ impl LongerStep {
 pub(super) struct ShorterSteps {
     /// How many there are where there is usually one.
     finer: u32,
-    /// What half of the usual ones changes of a channel, and half of these ones, as a share of its noise.
+    /// What half of the usual ones changes of a channel, as a share of its noise,
     usual: f64,
+    /// and half of these ones; or, where shorter ones are not tried, these in place of twice as long ones.
     change: f64,
+    /// Whether that is little enough.
+    is_enough: bool,
 }
 
 /// Runs, ready to be simulated, and what they are for.
@@ -107,28 +110,33 @@ impl ShorterSteps {
         let noises: Vec<f64> =
             noises(&to_fit).iter().zip(spreads(&to_fit)).map(|(n, s)| n.max(CLASS * s)).collect();
         let Some(mut now) = answer(&runs) else { return Ok(None) };
-        let (mut finer, mut usual) = (1, None);
+        let (mut finer, mut usual, mut last) = (1, None, 0.0);
         while finer < MOST_FINER {
             let halved = prepared(2 * finer)?;
             let Some(next) = answer(&halved) else { break };
             let change = changed(&now, &next, &noises);
             if change <= SHARE {
-                let found = usual.map(|usual| (Self { finer, usual, change }, runs));
-                return Ok(found);
+                return Ok(usual.map(|usual| (Self { finer, usual, change, is_enough: true }, runs)));
             }
             usual.get_or_insert(change);
-            (finer, runs, now) = (2 * finer, halved, next);
+            (finer, runs, now, last) = (2 * finer, halved, next, change);
         }
         // as near as it gets
-        Ok(usual.map(|usual| (Self { finer, usual, change: f64::NAN }, runs)))
+        Ok(usual.map(|usual| (Self { finer, usual, change: last, is_enough: false }, runs)))
     }
 
     /// What is said of them.
     pub fn words(&self) -> String {
-        let Self { finer, usual, change } = self;
-        let left = if change.is_nan() { "still more".to_owned() } else { format!("{:.1} %", 100.0 * change) };
+        let Self { finer, usual, change, is_enough } = self;
+        let change = 100.0 * change;
+        let left = match is_enough {
+            true => format!("halving these changes none by more than {change:.1} %"),
+            false => {
+                format!("the last halving still changes one by {change:.0} %, and shorter ones are not tried")
+            }
+        };
         format!(
-            "Simulated with communication steps {finer} times as short as usual: half of the usual ones changes a channel by {:.0} % of its noise, half of these by {left}.",
+            "Simulated with communication steps {finer} times as short as usual: halving the usual ones changes a channel by {:.0} % of its noise, {left}.",
             100.0 * usual
         )
     }
@@ -251,7 +259,7 @@ mod tests {
         assert!(LongerStep::of(&bench, &subject, &[&noisy], &[]).is_none());
     }
 
-    /// A swing of the slip angle on the ring-and-brush tire, with noise of the lateral force by so much \[N\], with
+    /// A swing of the slip angle on the Magic Formula tire, with noise of the lateral force by so much \[N\], with
     /// communication points so far apart \[s\].
     fn swing(subject: &Subject, bench: &Bench, step: f64, noise: f64) -> Run {
         let find = |name: &str| subject.interface.index(name).unwrap();
@@ -280,7 +288,7 @@ mod tests {
 
     #[test]
     fn communication_steps_are_as_short_as_noise_tells() {
-        // 16 samples in four periods: a straight line between two is far from the sine
+        // four samples in a period: a straight line between two is far from the sine
         let subject = Subject::load("magic-formula-flat-track", &Settings::default()).unwrap();
         let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
         let finer = |noise: f64| {
@@ -288,7 +296,11 @@ mod tests {
                 |finer: u32| Ok(vec![(swing(&subject, &bench, 0.02 / f64::from(finer), noise), Use::Fit)]);
             ShorterSteps::of(&bench, with).unwrap().map_or(1, |(shorter, runs)| {
                 assert_eq!(runs[0].0.drive.step, 0.02 / f64::from(shorter.finer));
-                assert!(shorter.change <= SHARE && shorter.usual > SHARE, "{}", shorter.words());
+                assert!(
+                    shorter.is_enough && shorter.change <= SHARE && shorter.usual > SHARE,
+                    "{}",
+                    shorter.words()
+                );
                 shorter.finer
             })
         };

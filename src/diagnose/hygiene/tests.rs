@@ -436,6 +436,25 @@ fn shift(recording: &mut Recording, name: &str, by: impl Fn(f64) -> f64) {
 }
 
 #[test]
+fn what_swings_out_and_back_is_no_spike_and_what_jumps_is() {
+    let mut random = Random::new(4);
+    let rest: Vec<f64> = (0..400).map(|k| (0.05 * k as f64).sin() + 0.02 * random.normal()).collect();
+    // a motor that is switched on: an acceleration of seven samples that comes and goes as its voltage rises
+    let pulse = [1.0, 3.5, 6.4, 7.9, 6.7, 3.5, 0.8];
+    let glitch = [0.0, 0.0, 0.0, 7.9, 0.0, 0.0, 0.0];
+    let spikes = |with: [f64; 7]| {
+        let mut values = rest.clone();
+        values[200..207].iter_mut().zip(with).for_each(|(v, more)| *v += more);
+        let channel = Channel { name: "acceleration".into(), unit: "m/s2".into(), values };
+        let time = (0..400).map(|k| 0.01 * k as f64).collect();
+        let raw =
+            RawRecording::new(Recording { source: "run".into(), time, channels: vec![channel] }).unwrap();
+        raw.faults.iter().filter(|f| f.kind == FaultKind::Spikes).count()
+    };
+    assert_eq!((spikes(pulse), spikes(glitch)), (0, 1));
+}
+
+#[test]
 fn faults_are_found() {
     use FaultKind::*;
     let count = seeds(20);

@@ -1,6 +1,6 @@
 //! An actuator to which a small command is none.
 
-use super::actuator_lag::MOTIONS;
+use super::actuator_lag::ACTUATED;
 use super::hydraulic_hold_off;
 use crate::effect::{Effect, Family, Parameter, Port, Scale};
 
@@ -19,7 +19,7 @@ pub const EFFECT: Effect = Effect {
         ("actuator-lag", "late at any command"),
         ("sensor-bias", "at zero too"),
     ],
-    targets: MOTIONS,
+    targets: ACTUATED,
     drivers: &[],
     parameters: &[Parameter::amplitude(
         "band",

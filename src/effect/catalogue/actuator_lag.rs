@@ -17,7 +17,7 @@ pub const EFFECT: Effect = Effect {
         ("relaxation-length", "the lag goes with 1/V"),
         ("actuator-resonance", "overshoots"),
     ],
-    targets: MOTIONS,
+    targets: ACTUATED,
     drivers: &[],
     parameters: &[Parameter::amplitude(
         "time",
@@ -30,8 +30,8 @@ pub const EFFECT: Effect = Effect {
     apply,
 };
 
-/// What actuators do that are no brake and no force: they move something, or let current, heat or a fluid flow.
-pub(super) const MOTIONS: &[Role] = &[
+/// What actuators give that are no brake and no force: they move something, or let current, heat or a fluid flow.
+pub(super) const ACTUATED: &[Role] = &[
     Role::Position,
     Role::Velocity,
     Role::SlipAngle,

@@ -1,6 +1,6 @@
 //! A motion that rings.
 
-use super::actuator_lag::MOTIONS;
+use super::actuator_lag::ACTUATED;
 use super::operator::share_through_mode;
 use crate::effect::{Effect, Family, Parameter, Port, Scale};
 
@@ -15,7 +15,7 @@ pub const EFFECT: Effect = Effect {
     source: "standard engineering knowledge",
     signature: "all outputs ring at one fixed frequency after fast commands",
     confused_with: &[("frame-resonance", "one output only"), ("actuator-lag", "no overshoot")],
-    targets: MOTIONS,
+    targets: ACTUATED,
     drivers: &[],
     parameters: &[
         Parameter::amplitude(

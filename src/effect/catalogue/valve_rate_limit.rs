@@ -15,26 +15,29 @@ pub const EFFECT: Effect = Effect {
     confused_with: &[("hydraulic-lag", "small steps are late too")],
     targets: &[Role::Pressure, Role::Force],
     drivers: &[],
-    parameters: &[
-        Parameter::amplitude(
-            "share",
-            "How much of the limit acts: 1 when it is there",
-            Scale::plain("1"),
-            (0.3, 1.3),
-            (-0.5, 1.5),
-            &[0.1],
-        ),
-        Parameter::shape(
-            "rate",
-            "Largest change per second",
-            Scale::of("1", 1, [0, 0, 0]).per_time(1),
-            (0.2, 100.0),
-            (0.1, 200.0),
-            &[1.0, 5.0, 25.0],
-        ),
-    ],
+    parameters: LIMIT,
     apply,
 };
+
+/// How much of the limit acts, and how fast it lets through.
+pub(super) const LIMIT: &[Parameter] = &[
+    Parameter::amplitude(
+        "share",
+        "How much of the limit acts: 1 when it is there",
+        Scale::plain("1"),
+        (0.3, 1.3),
+        (-0.5, 1.5),
+        &[0.1],
+    ),
+    Parameter::shape(
+        "rate",
+        "Largest change per second",
+        Scale::of("1", 1, [0, 0, 0]).per_time(1),
+        (0.2, 100.0),
+        (0.1, 200.0),
+        &[1.0, 5.0, 25.0],
+    ),
+];
 
 /// What is given runs after what is asked for, and no faster than that.
 pub(super) fn apply(p: &[f64], memory: &mut Memory, call: &Call<'_>) -> f64 {

@@ -4,7 +4,8 @@ use crate::answer::{Answer, Effect, Parameter, Reference, ReferenceRun};
 use crate::catalogue::{alike_on, family};
 use crate::draw::Case;
 use crate::fault::Tables;
-use crate::sensor::{Quantum, quantum};
+use crate::random::Random;
+use crate::sensor::{Noise, Quantum, quantum};
 use crate::simulate::STEP;
 use crate::study::Kind;
 
@@ -37,12 +38,7 @@ pub fn record(case: &Case) -> Recorded {
     for (number, run) in (0_u64..).zip(&case.runs) {
         let ideal = world.run(run, number, STEP);
         let interval = run.time.last().copied().unwrap_or(1.0) / (run.time.len().max(2) - 1) as f64;
-        let stamps = run.time.iter().map(|t| {
-            let error =
-                if *t > 0.0 { stamp_error * interval * random.normal().clamp(-3.0, 3.0) } else { 0.0 };
-            STAMP.round(t + error)
-        });
-        let stamps: Vec<f64> = stamps.collect();
+        let stamps = stamped(&mut random, &run.time, stamp_error * interval, STAMP);
         let mut columns: Vec<Vec<f64>> = Vec::new();
         for (values, resolution) in ideal.inputs.iter().zip(&input_quanta) {
             columns.push(values.iter().map(|v| resolution.round(*v)).collect());
@@ -51,13 +47,7 @@ pub fn record(case: &Case) -> Recorded {
         for ((values, noise), (resolution, row)) in
             ideal.outputs.iter().zip(&case.noise).zip(quanta.iter().zip(outputs))
         {
-            let errors = noise.values(&mut random, values.len());
-            let recorded: Vec<f64> =
-                values.iter().zip(&errors).map(|(v, e)| resolution.round(v + e)).collect();
-            // nobody can know that a stamp is wrong
-            let stamped = at_stamps(&run.time, values, &stamps);
-            let square = recorded.iter().zip(&stamped).map(|(r, v)| (r - v) * (r - v)).sum::<f64>()
-                / values.len() as f64;
+            let (recorded, square) = sensed(&mut random, noise, *resolution, (&run.time, &stamps), values);
             squares.push((row.0.to_owned(), square));
             columns.push(recorded);
         }
@@ -84,8 +74,34 @@ pub fn record(case: &Case) -> Recorded {
     Recorded { files, answer: answer(case, fault), reference: Reference { runs: floor } }
 }
 
+/// The stamps of samples, each off by a normal deviation of `error` seconds but for the first, with this resolution.
+pub(crate) fn stamped(random: &mut Random, time: &[f64], error: f64, resolution: Quantum) -> Vec<f64> {
+    let stamp = |t: &f64| {
+        let off = if *t > 0.0 { error * random.normal().clamp(-3.0, 3.0) } else { 0.0 };
+        resolution.round(t + off)
+    };
+    time.iter().map(stamp).collect()
+}
+
+/// What a sensor makes of a channel, and the mean square by which that differs from the truth at the stamps.
+pub(crate) fn sensed(
+    random: &mut Random,
+    noise: &Noise,
+    resolution: Quantum,
+    (time, stamps): (&[f64], &[f64]),
+    values: &[f64],
+) -> (Vec<f64>, f64) {
+    let errors = noise.values(random, values.len());
+    let recorded: Vec<f64> = values.iter().zip(&errors).map(|(v, e)| resolution.round(v + e)).collect();
+    // nobody can know that a stamp is wrong
+    let truth = at_stamps(time, values, stamps);
+    let square =
+        recorded.iter().zip(&truth).map(|(r, v)| (r - v) * (r - v)).sum::<f64>() / values.len() as f64;
+    (recorded, square)
+}
+
 /// Values at other times that are near their own.
-pub(crate) fn at_stamps(time: &[f64], values: &[f64], stamps: &[f64]) -> Vec<f64> {
+fn at_stamps(time: &[f64], values: &[f64], stamps: &[f64]) -> Vec<f64> {
     let at = |k: usize| {
         let (from, to) = if stamps[k] < time[k] { (k.saturating_sub(1), k) } else { (k, k + 1) };
         let (from, to) = if to < time.len() { (from, to) } else { (time.len() - 2, time.len() - 1) };

@@ -27,6 +27,20 @@ pub struct Ideal {
     pub outputs: Vec<Vec<f64>>,
 }
 
+impl Ideal {
+    /// What is recorded first.
+    pub(crate) fn begin(inputs: &[f64], outputs: &[f64]) -> Self {
+        let one = |values: &[f64]| values.iter().map(|v| vec![*v]).collect();
+        Self { inputs: one(inputs), outputs: one(outputs) }
+    }
+
+    /// Records one sample more.
+    pub(crate) fn record(&mut self, inputs: &[f64], outputs: &[f64]) {
+        let sampled = self.inputs.iter_mut().zip(inputs).chain(self.outputs.iter_mut().zip(outputs));
+        sampled.for_each(|(list, value)| list.push(*value));
+    }
+}
+
 /// The longest step that the study uses \[s\]. It divides no step of a base model.
 pub const STEP: f64 = 0.37e-3;
 
@@ -108,10 +122,7 @@ impl World {
         let mut y = self.leave(&mut on_way_out, &memories, &from, &x, (time, distance), &sizes, 1e-9);
         let mut inputs = Filter::new(self.filter, &raw(0));
         let mut outputs = Filter::new(self.filter, &y);
-        let mut ideal = Ideal {
-            inputs: raw(0).iter().map(|v| vec![*v]).collect(),
-            outputs: y.iter().map(|v| vec![*v]).collect(),
-        };
+        let mut ideal = Ideal::begin(&raw(0), &y);
         for k in 1..run.time.len() {
             let (start, end) = (raw(k - 1), raw(k));
             let span = run.time[k] - run.time[k - 1];
@@ -134,12 +145,7 @@ impl World {
                 outputs.follow(&y, dt);
             }
             time = run.time[k];
-            for (list, value) in ideal.inputs.iter_mut().zip(&inputs.state) {
-                list.push(*value);
-            }
-            for (list, value) in ideal.outputs.iter_mut().zip(&outputs.state) {
-                list.push(*value);
-            }
+            ideal.record(&inputs.state, &outputs.state);
         }
         ideal
     }

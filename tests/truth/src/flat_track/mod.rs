@@ -217,10 +217,7 @@ fn simulate(world: &World, run: &Run, number: u64, longest: f64) -> Result<Ideal
     let mut y = tire.measured()?;
     beside.leave(world, &at, &mut y, 1e-9);
     let (mut inputs, mut outputs) = (Filter::new(world.filter, &raw(0)), Filter::new(world.filter, &y));
-    let mut ideal = Ideal {
-        inputs: raw(0).iter().map(|v| vec![*v]).collect(),
-        outputs: y.iter().map(|v| vec![*v]).collect(),
-    };
+    let mut ideal = Ideal::begin(&raw(0), &y);
     for k in 1..run.time.len() {
         let (start, end) = (raw(k - 1), raw(k));
         let span = run.time[k] - run.time[k - 1];
@@ -246,12 +243,7 @@ fn simulate(world: &World, run: &Run, number: u64, longest: f64) -> Result<Ideal
             inputs.follow(&pure, dt);
             outputs.follow(&y, dt);
         }
-        for (list, value) in ideal.inputs.iter_mut().zip(&inputs.state) {
-            list.push(*value);
-        }
-        for (list, value) in ideal.outputs.iter_mut().zip(&outputs.state) {
-            list.push(*value);
-        }
+        ideal.record(&inputs.state, &outputs.state);
     }
     Ok(ideal)
 }

@@ -5,14 +5,15 @@ use super::draw::{self, Drive};
 use super::mechanism::Machine;
 use super::offers::{Offer, offers};
 use super::unit;
-use super::world::{Course, Ideal, Run, World};
+use super::world::{Course, Motion, Run, World};
 use crate::answer::{Answer, Effect, Parameter, Reference, ReferenceRun};
 use crate::catalogue::family;
 use crate::files;
 use crate::programme::Wave;
 use crate::random::Random;
-use crate::recording::{at_stamps, file_name};
+use crate::recording::{file_name, sensed, stamped};
 use crate::sensor::{Noise, Quantum, quantum};
+use crate::simulate::Ideal;
 use crate::sizing::Refit;
 use std::path::Path;
 
@@ -189,27 +190,27 @@ fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
 }
 
 /// What is natural at a place, from runs of the machine as it is.
-fn natural(world: &World, place: Place, ideals: &[Ideal]) -> Natural {
-    let mean = |of: &dyn Fn(&Ideal) -> f64| {
-        (ideals.iter().map(|i| of(i) * of(i)).sum::<f64>() / ideals.len().max(1) as f64).sqrt()
+fn natural(world: &World, place: Place, ideals: &[Ideal], motions: &[Motion]) -> Natural {
+    let mean = |of: &dyn Fn(&Motion) -> f64| {
+        (motions.iter().map(|m| of(m) * of(m)).sum::<f64>() / motions.len().max(1) as f64).sqrt()
     };
     let m = &world.machine;
     match place {
         Place::Body(b) => {
             let v = m.velocity(b);
             Natural {
-                way: mean(&|i| i.states[b].0),
-                speed: mean(&|i| i.states[v].0),
+                way: mean(&|i| i[b].0),
+                speed: mean(&|i| i[v].0),
                 // what accelerates it, or what its speed costs where it only rolls
-                force: mean(&|i| i.states[v].1) * world.parameters[m.bodies[b]],
+                force: mean(&|i| i[v].1) * world.parameters[m.bodies[b]],
             }
         }
         Place::Store(s) => {
             let s_state = m.store(s);
             Natural {
-                way: mean(&|i| i.states[s_state].0),
-                speed: mean(&|i| i.states[s_state].1),
-                force: mean(&|i| i.states[s_state].1) * world.parameters[m.stores[s]],
+                way: mean(&|i| i[s_state].0),
+                speed: mean(&|i| i[s_state].1),
+                force: mean(&|i| i[s_state].1) * world.parameters[m.stores[s]],
             }
         }
         Place::Input(k) => Natural {
@@ -263,8 +264,9 @@ fn try_case(kind: Kind, number: usize, mut random: Random) -> Option<Recorded> {
     };
     // some runs are enough to size effects
     let some: Vec<&Run> = runs.iter().step_by((runs.len() / 4).max(1)).collect();
-    let simulate = |world: &World| -> Vec<Ideal> { some.iter().map(|run| world.run(run, true)).collect() };
-    let ideals = simulate(&world);
+    let simulate =
+        |world: &World| -> (Vec<Ideal>, Vec<Motion>) { some.iter().map(|run| world.run(run, true)).unzip() };
+    let (ideals, motions) = simulate(&world);
     let outputs = world.machine.outputs.len();
     let noise: Vec<Noise> = (0..outputs)
         .map(|c| {
@@ -282,7 +284,7 @@ fn try_case(kind: Kind, number: usize, mut random: Random) -> Option<Recorded> {
         let columns = (0..world.parameters.len()).map(|i| {
             let mut moved = world.clone();
             moved.parameters[i] *= 1.005;
-            let mut column = flat(&simulate(&moved), &deviations);
+            let mut column = flat(&simulate(&moved).0, &deviations);
             column.iter_mut().zip(&nominal).for_each(|(a, b)| *a -= b);
             column
         });
@@ -305,7 +307,7 @@ fn try_case(kind: Kind, number: usize, mut random: Random) -> Option<Recorded> {
             id: offer.id,
             law: offer.law,
             place: offer.place,
-            natural: natural(&world, offer.place, &ideals),
+            natural: natural(&world, offer.place, &ideals, &motions),
             other: (offer.other, {
                 let other = offer.other;
                 spread(ideals.iter().flat_map(|i| i.outputs[other].iter().copied()))
@@ -320,7 +322,7 @@ fn try_case(kind: Kind, number: usize, mut random: Random) -> Option<Recorded> {
         let target = random.log_within(low, high);
         let left_with = |size: f64| {
             let with = World { concealed: vec![Concealed { size, ..effect.clone() }], ..world.clone() };
-            refit.left(&flat(&simulate(&with), &deviations), outputs)
+            refit.left(&flat(&simulate(&with).0, &deviations), outputs)
         };
         let (size, left) = size(target, (low, most(offer.law)), &left_with)?;
         // what any sensor shows at zero, up to a fiftieth of what its channel spans, is no effect
@@ -395,7 +397,7 @@ fn record(
     random: &mut Random,
 ) -> Option<Recorded> {
     let machine = &world.machine;
-    let ideals: Vec<Ideal> = runs.iter().map(|run| world.run(run, false)).collect();
+    let ideals: Vec<Ideal> = runs.iter().map(|run| world.run(run, false).0).collect();
     let finite = |list: &Vec<Vec<f64>>| list.iter().flatten().all(|v| v.is_finite());
     if !ideals.iter().all(|i| finite(&i.inputs) && finite(&i.outputs)) {
         return None;
@@ -411,27 +413,14 @@ fn record(
     let mut files = vec![("model".to_owned(), "machine.fmu\n".to_owned())];
     let mut floor = Vec::new();
     for (k, (run, ideal)) in runs.iter().zip(&ideals).enumerate() {
-        let stamps: Vec<f64> = run
-            .time
-            .iter()
-            .map(|t| {
-                let error =
-                    if *t > 0.0 { stamp_error * interval * random.normal().clamp(-3.0, 3.0) } else { 0.0 };
-                stamp.round(t + error)
-            })
-            .collect();
+        let stamps = stamped(random, &run.time, stamp_error * interval, stamp);
         let mut columns: Vec<Vec<String>> = Vec::new();
         for (values, resolution) in ideal.inputs.iter().zip(&input_quanta) {
             columns.push(values.iter().map(|v| resolution.text(*v)).collect());
         }
         let mut squares = Vec::new();
         for (c, values) in ideal.outputs.iter().enumerate() {
-            let errors = noise[c].values(random, values.len());
-            let recorded: Vec<f64> =
-                values.iter().zip(&errors).map(|(v, e)| quanta[c].round(v + e)).collect();
-            let stamped = at_stamps(&run.time, values, &stamps);
-            let square = recorded.iter().zip(&stamped).map(|(r, v)| (r - v) * (r - v)).sum::<f64>()
-                / values.len() as f64;
+            let (recorded, square) = sensed(random, &noise[c], quanta[c], (&run.time, &stamps), values);
             squares.push((machine.outputs[c].0.name.clone(), square));
             columns.push(recorded.iter().map(|v| quanta[c].text(*v)).collect());
         }

@@ -21,7 +21,6 @@ typedef struct {
 static void reset(Unit *m) {
     memset(m, 0, sizeof *m);
     memcpy(m->p, start_values, PARAMETERS * sizeof(double));
-    memcpy(m->u, start_inputs, INPUTS * sizeof(double));
 }
 
 const char *fmi2GetTypesPlatform(void) { return "default"; }

@@ -61,7 +61,6 @@ fn source(machine: &Machine, name: &str, start: &[f64]) -> String {
     let _ = writeln!(text, "#define LONGEST {:e}", machine.time / 40.0);
     let _ = writeln!(text, "#define GUID \"{name}\"");
     let _ = writeln!(text, "static const double start_values[] = {{{}}};", list(start));
-    let _ = writeln!(text, "static const double start_inputs[] = {{{}}};", list(&start_inputs(machine)));
     let (n, stores) = (machine.bodies.len(), machine.stores.len());
     text += "static void slope(const double *p, const double *u, const double *x, double *dx) {\n";
     let _ = writeln!(text, "    double f[{}] = {{0}}, q[{}] = {{0}}, e;", n.max(1), stores.max(1));
@@ -172,11 +171,6 @@ fn effort(machine: &Machine, element: Element) -> String {
     }
 }
 
-/// Inputs of machines at rest.
-fn start_inputs(machine: &Machine) -> Vec<f64> {
-    vec![0.0; machine.inputs.len()]
-}
-
 fn description(machine: &Machine, name: &str, start: &[f64]) -> String {
     let units: std::collections::BTreeSet<&str> = machine
         .parameters
@@ -208,13 +202,13 @@ fn description(machine: &Machine, name: &str, start: &[f64]) -> String {
     for (p, value) in machine.parameters.iter().zip(start) {
         variable(&mut text, &p.name, p.unit, "causality=\"parameter\" variability=\"tunable\"", Some(*value));
     }
-    for (input, value) in machine.inputs.iter().zip(start_inputs(machine)) {
+    for input in &machine.inputs {
         variable(
             &mut text,
             &input.name,
             input.unit,
             "causality=\"input\" variability=\"continuous\"",
-            Some(value),
+            Some(0.0),
         );
     }
     for (output, _) in &machine.outputs {
@@ -231,4 +225,106 @@ fn description(machine: &Machine, name: &str, start: &[f64]) -> String {
         let _ = writeln!(text, "    <Unknown index=\"{}\"/>", before + k + 1);
     }
     text + "  </InitialUnknowns></ModelStructure>\n</fmiModelDescription>\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::draw::draw;
+    use super::super::world::{Course, Run, World};
+    use super::*;
+    use crate::programme::Wave;
+    use crate::random::Random;
+    use std::process::Stdio;
+
+    /// Reads lines of a step and the inputs in its middle and at its end, and says the outputs.
+    const MAIN: &str = r#"
+#include <stdio.h>
+int main(void) {
+    void *unit = fmi2Instantiate("unit", 1, GUID, "", NULL, 0, 0);
+    unsigned inputs[INPUTS], outputs[OUTPUTS];
+    double step, middle[INPUTS], end[INPUTS], y[OUTPUTS];
+    for (unsigned k = 0; k < INPUTS; k++) inputs[k] = PARAMETERS + k;
+    for (unsigned k = 0; k < OUTPUTS; k++) outputs[k] = PARAMETERS + INPUTS + k;
+    for (int row = 0; scanf("%lf", &step) == 1; row++) {
+        for (int k = 0; k < INPUTS; k++) if (scanf("%lf", &middle[k]) != 1) return 1;
+        for (int k = 0; k < INPUTS; k++) if (scanf("%lf", &end[k]) != 1) return 1;
+        fmi2SetReal(unit, inputs, INPUTS, middle);
+        if (row) fmi2DoStep(unit, 0, step, 0);
+        fmi2SetReal(unit, inputs, INPUTS, end);
+        if (!row) fmi2ExitInitializationMode(unit);
+        fmi2GetReal(unit, outputs, OUTPUTS, y);
+        for (int k = 0; k < OUTPUTS; k++) printf("%.17g ", y[k]);
+    }
+    return 0;
+}
+"#;
+
+    /// What the C code answers to inputs (middle and end of each step).
+    fn answers(machine: &Machine, steps: &str) -> Vec<f64> {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, program) = (folder.path().join("unit.c"), folder.path().join("unit"));
+        std::fs::write(&file, source(machine, "unit", &machine.values()) + MAIN).unwrap();
+        let built =
+            Command::new("cc").args(["-O1", "-o"]).args([&program, &file]).arg("-lm").status().unwrap();
+        assert!(built.success());
+        let mut child = Command::new(&program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        let mut input = child.stdin.take().unwrap();
+        let text = steps.to_owned();
+        // beside the reading: pipes are short
+        let writer = std::thread::spawn(move || input.write_all(text.as_bytes()).unwrap());
+        let output = child.wait_with_output().unwrap();
+        writer.join().unwrap();
+        String::from_utf8(output.stdout).unwrap().split_whitespace().map(|v| v.parse().unwrap()).collect()
+    }
+
+    #[test]
+    fn the_unit_and_the_truth_are_one_machine() {
+        let (mut worst, mut elements) = (0.0_f64, std::collections::BTreeSet::new());
+        for seed in 0..16 {
+            let mut random = Random::new(seed, 77);
+            let (machine, drives) = draw(&mut random);
+            let name = |e: &Element| format!("{e:?}").split(' ').next().unwrap().to_owned();
+            elements.extend(machine.elements.iter().map(name));
+            const PARTS: usize = 20;
+            let (interval, samples) = (machine.time / 5.0, 200);
+            let course = |drive: &super::super::draw::Drive| Course {
+                wave: Wave::Sines(vec![[0.6 * drive.amplitude, 1.1, 0.4], [0.3 * drive.amplitude, 2.3, 1.0]]),
+                middle: drive.middle,
+            };
+            let run = Run {
+                number: 0,
+                time: (0..samples).map(|k| interval * k as f64).collect(),
+                inputs: drives.iter().map(course).collect(),
+            };
+            let at = |t: f64| {
+                run.inputs.iter().map(move |c| c.middle + c.wave.at(t / machine.time)).collect::<Vec<f64>>()
+            };
+            let mut steps = String::new();
+            for k in 0..=(samples - 1) * PARTS {
+                let (end, step) = (interval * k as f64 / PARTS as f64, interval / PARTS as f64);
+                let row = [vec![step], at(if k == 0 { 0.0 } else { end - 0.5 * step }), at(end)].concat();
+                steps += &row.iter().map(|v| format!("{v:e} ")).collect::<String>();
+            }
+            let answers = answers(&machine, &steps);
+            let outputs = machine.outputs.len();
+            // a filter that hides nothing
+            let world = World {
+                parameters: machine.values(),
+                concealed: Vec::new(),
+                filter: 1e-6 * interval,
+                machine: machine.clone(),
+            };
+            let (ideal, _) = world.run(&run, false);
+            for (c, truth) in ideal.outputs.iter().enumerate() {
+                let unit = answers.chunks(outputs).step_by(PARTS).map(|row| row[c]);
+                let size = truth.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+                let error = unit.zip(truth).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                worst = worst.max(error / size);
+                assert!(error < 1e-3 * size, "{seed}: {} {}", machine.outputs[c].0.name, error / size);
+            }
+        }
+        // means over steps of a hundredth of the natural time: an error of second order, and not zero
+        assert!(worst > 1e-9, "{worst}");
+        assert!(elements.len() >= 11, "{elements:?}");
+    }
 }

@@ -3,7 +3,7 @@
 use super::conceal::{Concealed, Memory, Place};
 use super::mechanism::{Influence, Machine};
 use crate::programme::Wave;
-use crate::simulate::Filter;
+use crate::simulate::{Filter, Ideal};
 
 /// The course of an input.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,14 +22,8 @@ pub(crate) struct Run {
     pub(crate) inputs: Vec<Course>,
 }
 
-/// What noise-free sensors record.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Ideal {
-    pub(crate) inputs: Vec<Vec<f64>>,
-    pub(crate) outputs: Vec<Vec<f64>>,
-    /// Root mean squares over the run, per state and rate of a state.
-    pub(crate) states: Vec<(f64, f64)>,
-}
+/// Root mean squares over a run, of each state and of its rate.
+pub(crate) type Motion = Vec<(f64, f64)>;
 
 /// A machine as it truly is.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,8 +85,8 @@ impl World {
         }
     }
 
-    /// Records a run; `coarse` takes steps twice as long.
-    pub(crate) fn run(&self, run: &Run, coarse: bool) -> Ideal {
+    /// Records a run, with how much it moves; `coarse` takes steps twice as long.
+    pub(crate) fn run(&self, run: &Run, coarse: bool) -> (Ideal, Motion) {
         let m = &self.machine;
         let longest = m.time / if coarse { STEPS / 2.0 } else { STEPS };
         let mut memories: Vec<Memory> = self.concealed.iter().map(|c| c.start(run.number)).collect();
@@ -121,11 +115,8 @@ impl World {
         };
         let y = leave(&mut memories, &from, &x, 0.0, 1e-9 * m.time);
         let (mut inputs, mut outputs) = (Filter::new(self.filter, &first), Filter::new(self.filter, &y));
-        let mut ideal = Ideal {
-            inputs: first.iter().map(|v| vec![*v]).collect(),
-            outputs: y.iter().map(|v| vec![*v]).collect(),
-            states: vec![(0.0, 0.0); x.len()],
-        };
+        let mut ideal = Ideal::begin(&first, &y);
+        let mut motion: Motion = vec![(0.0, 0.0); x.len()];
         let (mut k1, mut k2, mut k3, mut k4) =
             (vec![0.0; x.len()], vec![0.0; x.len()], vec![0.0; x.len()], vec![0.0; x.len()]);
         let moved =
@@ -150,8 +141,8 @@ impl World {
                 self.slope(&to, &moved(&x, &k3, dt), end, &memories, &mut k4);
                 for i in 0..x.len() {
                     x[i] += dt / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]);
-                    ideal.states[i].0 += x[i] * x[i];
-                    ideal.states[i].1 += k1[i] * k1[i];
+                    motion[i].0 += x[i] * x[i];
+                    motion[i].1 += k1[i] * k1[i];
                 }
                 steps += 1.0;
                 from = to;
@@ -160,16 +151,11 @@ impl World {
                 inputs.follow(&pure, dt);
                 outputs.follow(&y, dt);
             }
-            for (list, value) in ideal.inputs.iter_mut().zip(&inputs.state) {
-                list.push(*value);
-            }
-            for (list, value) in ideal.outputs.iter_mut().zip(&outputs.state) {
-                list.push(*value);
-            }
+            ideal.record(&inputs.state, &outputs.state);
         }
-        for (x, dx) in &mut ideal.states {
+        for (x, dx) in &mut motion {
             (*x, *dx) = ((*x / steps).sqrt(), (*dx / steps).sqrt());
         }
-        ideal
+        (ideal, motion)
     }
 }
