@@ -116,7 +116,7 @@ impl Recorded {
             return Ok(None);
         }
         let with = |finer: u32| self.prepared(subject, roles, finer);
-        let Some((shorter, runs)) = ShorterSteps::of(bench, with)? else { return Ok(None) };
+        let Some((shorter, runs)) = ShorterSteps::of(bench, &self.runs, with)? else { return Ok(None) };
         self.runs = runs;
         Ok(Some(shorter.words()))
     }

@@ -172,9 +172,8 @@ impl<'a> Screen<'a> {
         self.stride
     }
 
-    /// The share that each placement explains, the best first: all with two runs, and the best of them, in the forms that
-    /// explain most, with the other runs too. What is recalled of the first runs is not simulated again but for those; what is
-    /// simulated is recalled from here on.
+    /// The share that each placement explains, the best first: all roughly with two runs, of which answers are recalled where
+    /// they are known and kept for later, and the best of them closely with all runs, in the forms that explain most.
     pub fn screen(
         &self,
         interface: &Interface,
@@ -192,8 +191,7 @@ impl<'a> Screen<'a> {
                 recalled.answer(placement, &probe.shape, *amplitude, &samples, self.weights)
             })
             .collect();
-        let is_recalled = known.iter().any(Option::is_some);
-        let mut columns = self.columns(interface, placements, &probes, 0..count, (ROUGHLY, known));
+        let columns = self.columns(interface, placements, &probes, 0..count, (ROUGHLY, known));
         for ((probe, amplitude), column) in jobs.iter().zip(&columns) {
             let placement = &placements[probe.placement];
             if let (false, Some(column)) = (self.is_replayed(placement), column) {
@@ -202,9 +200,6 @@ impl<'a> Screen<'a> {
         }
         let explained = self.explained(&probes, &columns);
         let first = best_of_each(placements, &probes, &explained);
-        if self.runs.len() <= FIRST && !is_recalled {
-            return first;
-        }
         let mut forms: Vec<Vec<(f64, usize)>> = vec![Vec::new(); placements.len()];
         for (k, (probe, explained)) in probes.iter().zip(&explained).enumerate() {
             forms[probe.placement].extend(explained.iter().map(|(gain, _)| (*gain, k)));
@@ -224,25 +219,9 @@ impl<'a> Screen<'a> {
         }
         chosen.sort_unstable();
         chosen.dedup();
-        let mut first_of = vec![0; probes.len()];
-        let mut count = 0;
-        for (first, probe) in first_of.iter_mut().zip(&probes) {
-            *first = count;
-            count += probe.jobs().count();
-        }
         let kept: Vec<Probe> = chosen.iter().map(|k| probes[*k].clone()).collect();
-        if is_recalled {
-            let anew = self.columns(interface, placements, &kept, 0..self.runs.len(), (CLOSELY, Vec::new()));
-            return best_of_each(placements, &kept, &self.explained(&kept, &anew));
-        }
-        let others =
-            self.columns(interface, placements, &kept, FIRST..self.runs.len(), (CLOSELY, Vec::new()));
-        let numbers = chosen.iter().flat_map(|k| (0..probes[*k].jobs().count()).map(|i| first_of[*k] + i));
-        let both: Vec<Option<Column>> = numbers
-            .zip(others)
-            .map(|(number, other)| Some([columns[number].take()?, other?].concat()))
-            .collect();
-        best_of_each(placements, &kept, &self.explained(&kept, &both))
+        let columns = self.columns(interface, placements, &kept, 0..self.runs.len(), (CLOSELY, Vec::new()));
+        best_of_each(placements, &kept, &self.explained(&kept, &columns))
     }
 
     /// The forms of each effect that are tried.

@@ -95,34 +95,38 @@ type Used = Vec<(Run, Use)>;
 
 impl ShorterSteps {
     /// The longest of half, a quarter, ... of the usual communication steps of which half changes nothing that recordings can
-    /// tell, with the runs that take them: inputs are handed over more often. `prepared` makes the runs with steps so much
+    /// tell, with the runs that take them: inputs are handed over more often. `prepared` makes the `runs` with steps so much
     /// shorter. `None` if the usual ones are short enough, or where the model takes no shorter ones.
     ///
     /// # Errors
     /// Those of `prepared`.
-    pub fn of(bench: &Bench, prepared: impl Fn(u32) -> Result<Used>) -> Result<Option<(Self, Used)>> {
+    pub fn of(
+        bench: &Bench,
+        runs: &Used,
+        prepared: impl Fn(u32) -> Result<Used>,
+    ) -> Result<Option<(Self, Used)>> {
         let answer = |runs: &[(Run, Use)]| {
             simulated(bench, &runs.iter().map(|(run, _)| run).collect::<Vec<_>>(), None)
         };
-        let mut runs = prepared(1)?;
         let to_fit: Vec<&Run> =
             runs.iter().filter(|(_, use_)| *use_ == Use::Fit).map(|(run, _)| run).collect();
         let noises: Vec<f64> =
             noises(&to_fit).iter().zip(spreads(&to_fit)).map(|(n, s)| n.max(CLASS * s)).collect();
-        let Some(mut now) = answer(&runs) else { return Ok(None) };
-        let (mut finer, mut usual, mut last) = (1, None, 0.0);
+        let Some(mut now) = answer(runs) else { return Ok(None) };
+        let (mut finer, mut found) = (1, None);
         while finer < MOST_FINER {
             let halved = prepared(2 * finer)?;
             let Some(next) = answer(&halved) else { break };
             let change = changed(&now, &next, &noises);
+            let usual = found.as_ref().map_or(change, |(shorter, _): &(Self, Used)| shorter.usual);
             if change <= SHARE {
-                return Ok(usual.map(|usual| (Self { finer, usual, change, is_enough: true }, runs)));
+                return Ok(found.map(|(shorter, runs)| (Self { change, is_enough: true, ..shorter }, runs)));
             }
-            usual.get_or_insert(change);
-            (finer, runs, now, last) = (2 * finer, halved, next, change);
+            (finer, now) = (2 * finer, next);
+            found = Some((Self { finer, usual, change, is_enough: false }, halved));
         }
         // as near as it gets
-        Ok(usual.map(|usual| (Self { finer, usual, change: last, is_enough: false }, runs)))
+        Ok(found)
     }
 
     /// What is said of them.
@@ -132,7 +136,7 @@ impl ShorterSteps {
         let left = match is_enough {
             true => format!("halving these changes none by more than {change:.1} %"),
             false => {
-                format!("the last halving still changes one by {change:.0} %, and shorter ones are not tried")
+                format!("the last halving still changes one by {change:.0} %, and no shorter ones are taken")
             }
         };
         format!(
@@ -294,7 +298,7 @@ mod tests {
         let finer = |noise: f64| {
             let with =
                 |finer: u32| Ok(vec![(swing(&subject, &bench, 0.02 / f64::from(finer), noise), Use::Fit)]);
-            ShorterSteps::of(&bench, with).unwrap().map_or(1, |(shorter, runs)| {
+            ShorterSteps::of(&bench, &with(1).unwrap(), with).unwrap().map_or(1, |(shorter, runs)| {
                 assert_eq!(runs[0].0.drive.step, 0.02 / f64::from(shorter.finer));
                 assert!(
                     shorter.is_enough && shorter.change <= SHARE && shorter.usual > SHARE,
