@@ -1,5 +1,6 @@
 //! Diagnosis: where recordings and simulation differ, and why.
 
+mod aside;
 mod begin;
 mod candidates;
 mod decision;

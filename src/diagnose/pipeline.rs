@@ -2,10 +2,11 @@
 
 use super::decision::LEVEL;
 use super::excerpt::finer;
+use super::hygiene::Fault;
 use super::left::NOISE_MARGIN;
 use super::parts::errors_of_parts;
 use super::placement::Placement;
-use super::reading::{Recorded, fault, shortest_interval, with};
+use super::reading::{Known, Recorded, fault, shortest_interval, with};
 use super::result::{Diagnosis, Estimate, Finding, Use, Verdict};
 use super::roles::Roles;
 use super::runs::Map;
@@ -14,7 +15,7 @@ use super::steps::LongerStep;
 use super::study::{Fitted, Model, Study, differences, first_weights, zeros};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
-use super::{experiment, hygiene, locate, tables};
+use super::{experiment, locate, tables};
 use crate::Result;
 use crate::fit::{Bench, Run};
 use crate::model::Settings;
@@ -74,10 +75,6 @@ pub struct CheckTraces {
     pub after: Recording,
 }
 
-fn is_fatal(fault: &hygiene::Fault) -> bool {
-    fault.severity == hygiene::Severity::Fatal
-}
-
 /// Diagnoses a model against a folder of recordings. `progress` is told what is being done and how far
 /// it is, from 0 to 1.
 ///
@@ -87,8 +84,8 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     progress("reading", 0.0);
     let mut subject = Subject::load(&request.model, &request.settings)?;
     let roles = Roles::of(&subject.interface, &request.map.roles())?;
-    let (mut recorded, mut faults) = Recorded::read(request, &subject, &roles)?;
-    let switched = subject.follow_recorded_motions(&recorded.inputs())?;
+    let mut known = Recorded::read(request, &subject, &roles)?;
+    let switched = subject.follow_recorded_motions(&known.recorded.inputs())?;
     let mut notes: Vec<String> =
         switched.iter().map(|v| motions_are_followed(&subject.interface.variables[*v].name)).collect();
     let threads = if request.threads > 0 {
@@ -97,137 +94,194 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         std::thread::available_parallelism().map_or(1, usize::from)
     };
     let bench = Bench::new(&subject.factory, &subject.fixed, threads)?;
-    notes.extend(recorded.take_shorter_steps(&bench, &subject, &roles)?);
-    let mut study = Study {
-        bench: &bench,
-        fit_runs: recorded.with(Use::Fit),
-        check_runs: recorded.with(Use::Check),
-        values: Vec::new(),
-        free: Vec::new(),
-        lag: 0.0,
-        zeros: Vec::new(),
-        weights: Vec::new(),
-        redundancy: 1.0,
-    };
-    if let Some(longer) = LongerStep::of(&bench, &subject, &study.fit_runs, &study.check_runs) {
-        notes.push(longer.words(&subject));
-        study.values.push((longer.variable, longer.step));
-    }
-    study.weights = first_weights(&study.fit_runs);
-    study.lag = RECORDER_LAG * shortest_interval(&study.fit_runs);
-    study.zeros = zeros(&recorded.all());
-
-    progress("fitting the model's own parameters", 0.05);
-    let derivatives = study.choose_free(&subject.free)?;
-    let mut base = refit(&mut study, Some(&derivatives))?;
-    let mut base_rest = study.rest(&base.model, &study.check_runs)?;
-
-    let against = |study: &Study<'_>, model: &Model| recorded.faults_against(study, &subject, model);
-    faults.extend(against(&study, &base.model)?);
-    // a refit bends the model towards channels that are exchanged or in other units, as far as it can
-    let gross = against(&study, &study.nominal())?.into_iter().filter(|f| f.kind.is_gross());
-    let new = gross.filter(|g| !faults.iter().any(|f| f.kind.is_gross() && f.channel == g.channel));
-    let new: Vec<hygiene::Fault> = new.collect();
-    faults.extend(new);
-    let is_at_fault = faults.iter().any(is_fatal);
-    let shared = if is_at_fault { None } else { recorded.shared_out(&study, &base.model, &faults)? };
-    if let Some(shared) = &shared {
-        (study.fit_runs, study.check_runs) = (with(shared, Use::Fit), with(shared, Use::Check));
-        study.weights = first_weights(&study.fit_runs);
-        // what was fitted to other runs is no place to begin
-        base = refit(&mut study, None)?;
-        base_rest = study.rest(&base.model, &study.check_runs)?;
-    }
-    let nominal = study.nominal();
-    let check_runs = study.check_runs.clone();
-    let base_model = base.model.clone();
-    let found = if faults.iter().any(|f| is_fatal(f) && !f.kind.is_of_some_runs()) {
-        Found::nothing(base, base_rest)
-    } else {
-        let fallback = base.clone();
-        let found = search(&mut study, &subject, &roles, &nominal, (base, base_rest), progress)?;
-        if faults.iter().any(is_fatal) {
-            // what single runs have may be physics: of a fault that is there no name makes runs like the others, while a
-            // function without one may
-            let there = against(&study, &found.current.model)?;
-            let is_named = found.unknown.as_ref().is_none_or(|left| left.parameters.is_empty());
-            let explained = |f: &hygiene::Fault| is_named && !there.iter().any(|t| t.is_of(f));
-            faults.retain(|f| !is_fatal(f) || !explained(f));
-        }
-        if faults.iter().any(is_fatal) { Found::nothing(fallback, found.base_check) } else { found }
-    };
-    let fatal = faults.iter().any(is_fatal);
-    let Found { mut current, check: checked, .. } = found;
-    let experiment = experiment::propose(&study, &roles, &found.rivals, &checked);
-    let (mut findings, mut unknown, candidates) = (found.findings, found.unknown, found.candidates);
-    let of_fine = |coarse: &[&Run]| coarse.iter().map(|run| finer(run)).collect::<Vec<Run>>();
-    let (fine_fit, fine_check);
-    let has_effects = !current.model.effects.is_empty();
-    if has_effects && subject.own_step().is_none() {
-        // effects act at communication points: what is handed on is fitted where shorter steps change nothing
-        progress("fitting the corrected model with short steps", 0.9);
-        (fine_fit, fine_check) = (of_fine(&study.fit_runs), of_fine(&study.check_runs));
-        study.fit_runs = fine_fit.iter().collect();
-        study.check_runs = fine_check.iter().collect();
-    }
-    if has_effects {
-        current = study.fit_on(&current, FINAL)?;
-        for (finding, estimates) in
-            findings.iter_mut().chain(&mut unknown).zip(all_estimates(&study, &current))
-        {
-            finding.parameters = estimates;
-        }
-    }
-    let current_check = study.rest(&current.model, &study.check_runs)?;
-    let base_rest = study.rest(&base_model, &check_runs)?;
-    let noise: Vec<Option<f64>> =
-        (0..study.weights.len()).map(|c| locate::noise(&check_runs, &base_rest.simulated, c)).collect();
-    let map = locate::map(&check_runs, &base_rest.simulated, &subject.interface, &roles, &noise);
-    progress("writing it down", 0.95);
-    let nominal_rest = study.rest(&study.nominal_as_recorded()?, &study.check_runs)?;
-    let units = base_rest.by_channel();
-    let improved = sign_flip(&differences(&nominal_rest.in_units(&units), &base_rest.in_units(&units)));
-    let current_fit = study.fit_rest(&current)?;
-    let check = channel_checks(&study, &subject, &base_rest, &current_check, &current_fit);
-    let left: Vec<Option<f64>> = check.iter().map(|c| c.noise).collect();
-    let parts = errors_of_parts(&study, &subject, &base_rest, &left, &recorded.all())?;
-    let facts = Facts {
-        is_at_fault: fatal,
-        is_mended: faults.iter().any(hygiene::Fault::counts),
-        is_noise: check.iter().all(|c| c.noise.is_none_or(|noise| c.after < NOISE_MARGIN * noise)),
-        is_refitted: improved < LEVEL && base_rest.total < 0.98 * nominal_rest.total,
-    };
-    let verdict = facts.verdict(&findings, unknown.as_ref());
-    if let Some(finding) = unknown {
-        findings.insert(0, finding);
-    }
-    let mut diagnosis = Diagnosis {
-        verdict,
-        findings,
-        check,
-        parameters: fitted_parameters(&study, &subject, &current),
-        zeros: tables::zeros(&study, &subject, &current),
-        candidates,
-        map,
-        parts,
-        faults: faults.iter().filter(|f| f.counts()).map(fault).collect(),
-        runs: recorded.used(shared.as_ref()),
-        notes,
-        ..Diagnosis::default()
-    };
-    let total = (nominal_rest.total, base_rest.total, current_check.total);
-    diagnosis.summary = summary(&diagnosis, total);
-    diagnosis.next_experiment = experiment::sentence(experiment.as_ref(), &next_experiment(&diagnosis));
-    diagnosis.experiment = experiment;
-    diagnosis.notes.extend(tables::cautions(&diagnosis, &subject, &roles));
-    let check = traces(&study, &subject, &base_model, &current.model, &recorded)?;
-    diagnosis.simulated = bench.simulated();
-    diagnosis.notes.push(words_on(diagnosis.simulated, &recorded.all()));
-    let parameters =
-        study.free.iter().zip(&current.model.parameters).map(|(p, x)| (p.variable, p.scale * x)).collect();
-    let attachments = current.model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect();
-    let intervals = intervals(&study, &current);
+    notes.extend(known.recorded.take_shorter_steps(&bench, &subject, &roles)?);
+    let asked = Asked { subject: &subject, roles: &roles, bench: &bench, notes };
+    let Explained { diagnosis, parameters, attachments, intervals, check } =
+        asked.explain(&known, progress)?;
     Ok(Outcome { diagnosis, parameters, attachments, intervals, check, subject })
+}
+
+/// What is diagnosed.
+struct Asked<'a> {
+    subject: &'a Subject,
+    roles: &'a Roles,
+    bench: &'a Bench,
+    /// What a reader has to know of how it is simulated.
+    notes: Vec<String>,
+}
+
+/// An [`Outcome`] but for its model.
+struct Explained {
+    diagnosis: Diagnosis,
+    parameters: Vec<(usize, f64)>,
+    attachments: Vec<crate::effect::Attachment>,
+    intervals: Vec<Vec<Option<(f64, f64)>>>,
+    check: Vec<CheckTraces>,
+}
+
+impl Asked<'_> {
+    /// Explains recordings; if some are at fault, what is left without those.
+    fn explain(&self, known: &Known, progress: &mut dyn FnMut(&str, f64)) -> Result<Explained> {
+        let Self { subject, roles, bench, .. } = *self;
+        let Known { recorded, aside, .. } = known;
+        let fatal = |faults: &[Fault], which: &dyn Fn(&Fault) -> bool| -> Vec<Fault> {
+            faults.iter().filter(|f| f.is_fatal() && which(f)).cloned().collect()
+        };
+        if let Some(rest) = known.without(&fatal(&known.faults, &|_| true), subject) {
+            return self.explain(&rest, progress);
+        }
+        let mut faults = known.faults.clone();
+        let mut notes = self.notes.clone();
+        let mut study = Study {
+            bench,
+            fit_runs: recorded.with(Use::Fit),
+            check_runs: recorded.with(Use::Check),
+            values: Vec::new(),
+            free: Vec::new(),
+            lag: 0.0,
+            zeros: Vec::new(),
+            weights: Vec::new(),
+            redundancy: 1.0,
+        };
+        if let Some(longer) = LongerStep::of(bench, subject, &study.fit_runs, &study.check_runs) {
+            notes.push(longer.words(subject));
+            study.values.push((longer.variable, longer.step));
+        }
+        study.weights = first_weights(&study.fit_runs);
+        study.lag = RECORDER_LAG * shortest_interval(&study.fit_runs);
+        study.zeros = zeros(&recorded.all());
+
+        progress("fitting the model's own parameters", 0.05);
+        let derivatives = study.choose_free(&subject.free)?;
+        let mut base = refit(&mut study, Some(&derivatives))?;
+        let mut base_rest = study.rest(&base.model, &study.check_runs)?;
+
+        let against = |study: &Study<'_>, model: &Model| recorded.faults_against(study, subject, model);
+        faults.extend(against(&study, &base.model)?);
+        // a refit bends the model towards channels that are exchanged or in other units, as far as it can
+        let gross = against(&study, &study.nominal())?.into_iter().filter(|f| f.kind.is_gross());
+        let is_new = |g: &Fault| !faults.iter().any(|f| f.kind.is_gross() && f.channel == g.channel);
+        let new: Vec<Fault> = gross.filter(is_new).collect();
+        faults.extend(new);
+        let of_all = fatal(&faults, &|f| !f.kind.is_of_some_runs());
+        if let Some(rest) = known.without(&of_all, subject) {
+            return self.explain(&rest, progress);
+        }
+        let shared = if faults.iter().any(Fault::is_fatal) {
+            None
+        } else {
+            recorded.shared_out(&study, &base.model, &faults)?
+        };
+        if let Some(shared) = &shared {
+            (study.fit_runs, study.check_runs) = (with(shared, Use::Fit), with(shared, Use::Check));
+            study.weights = first_weights(&study.fit_runs);
+            // what was fitted to other runs is no place to begin
+            base = refit(&mut study, None)?;
+            base_rest = study.rest(&base.model, &study.check_runs)?;
+        }
+        let nominal = study.nominal();
+        let check_runs = study.check_runs.clone();
+        let base_model = base.model.clone();
+        let found = if faults.iter().any(|f| f.is_fatal() && !f.kind.is_of_some_runs()) {
+            Found::nothing(base, base_rest)
+        } else {
+            let fallback = base.clone();
+            let found = search(&mut study, subject, roles, &nominal, (base, base_rest), progress)?;
+            if faults.iter().any(Fault::is_fatal) {
+                // what single runs have may be physics: of a fault that is there no name makes runs like the others, while a
+                // function without one may
+                let there = against(&study, &found.current.model)?;
+                let is_named = found.unknown.as_ref().is_none_or(|left| left.parameters.is_empty());
+                let explained = |f: &Fault| is_named && !there.iter().any(|t| t.is_of(f));
+                faults.retain(|f| !f.is_fatal() || !explained(f));
+            }
+            if let Some(rest) = known.without(&fatal(&faults, &|_| true), subject) {
+                return self.explain(&rest, progress);
+            }
+            if faults.iter().any(Fault::is_fatal) {
+                Found::nothing(fallback, found.base_check)
+            } else {
+                found
+            }
+        };
+        let Found { mut current, check: checked, .. } = found;
+        let experiment = experiment::propose(&study, roles, &found.rivals, &checked);
+        let (mut findings, mut unknown, candidates) = (found.findings, found.unknown, found.candidates);
+        let of_fine = |coarse: &[&Run]| coarse.iter().map(|run| finer(run)).collect::<Vec<Run>>();
+        let (fine_fit, fine_check);
+        let has_effects = !current.model.effects.is_empty();
+        if has_effects && subject.own_step().is_none() {
+            // effects act at communication points: what is handed on is fitted where shorter steps change nothing
+            progress("fitting the corrected model with short steps", 0.9);
+            (fine_fit, fine_check) = (of_fine(&study.fit_runs), of_fine(&study.check_runs));
+            study.fit_runs = fine_fit.iter().collect();
+            study.check_runs = fine_check.iter().collect();
+        }
+        if has_effects {
+            current = study.fit_on(&current, FINAL)?;
+            for (finding, estimates) in
+                findings.iter_mut().chain(&mut unknown).zip(all_estimates(&study, &current))
+            {
+                finding.parameters = estimates;
+            }
+        }
+        let current_check = study.rest(&current.model, &study.check_runs)?;
+        let base_rest = study.rest(&base_model, &check_runs)?;
+        let noise: Vec<Option<f64>> =
+            (0..study.weights.len()).map(|c| locate::noise(&check_runs, &base_rest.simulated, c)).collect();
+        let map = locate::map(&check_runs, &base_rest.simulated, &subject.interface, roles, &noise);
+        progress("writing it down", 0.95);
+        let nominal_rest = study.rest(&study.nominal_as_recorded()?, &study.check_runs)?;
+        let units = base_rest.by_channel();
+        let improved = sign_flip(&differences(&nominal_rest.in_units(&units), &base_rest.in_units(&units)));
+        let current_fit = study.fit_rest(&current)?;
+        let check = channel_checks(&study, subject, &base_rest, &current_check, &current_fit);
+        let left: Vec<Option<f64>> = check.iter().map(|c| c.noise).collect();
+        let parts = errors_of_parts(&study, subject, &base_rest, &left, &recorded.all())?;
+        let facts = Facts {
+            is_at_fault: faults.iter().any(Fault::is_fatal),
+            is_mended: faults.iter().any(Fault::counts),
+            is_noise: check.iter().all(|c| c.noise.is_none_or(|noise| c.after < NOISE_MARGIN * noise)),
+            is_refitted: improved < LEVEL && base_rest.total < 0.98 * nominal_rest.total,
+        };
+        let verdict = facts.verdict(&findings, unknown.as_ref());
+        let without_faults = (!aside.is_empty()).then(|| recorded.without_faults(verdict, aside));
+        if let Some(finding) = unknown {
+            findings.insert(0, finding);
+        }
+        let mut diagnosis = Diagnosis {
+            verdict: if without_faults.is_some() { Verdict::Recording } else { verdict },
+            without_faults,
+            findings,
+            check,
+            parameters: fitted_parameters(&study, subject, &current),
+            zeros: tables::zeros(&study, subject, &current),
+            candidates,
+            map,
+            parts,
+            faults: aside.iter().chain(&faults).filter(|f| f.counts()).map(fault).collect(),
+            runs: recorded.used(shared.as_ref()),
+            notes,
+            ..Diagnosis::default()
+        };
+        let total = (nominal_rest.total, base_rest.total, current_check.total);
+        diagnosis.summary = summary(&diagnosis, total);
+        diagnosis.next_experiment = experiment::sentence(experiment.as_ref(), &next_experiment(&diagnosis));
+        diagnosis.experiment = experiment;
+        diagnosis.notes.extend(tables::cautions(&diagnosis, subject, roles));
+        let check = traces(&study, subject, &base_model, &current.model, recorded)?;
+        diagnosis.simulated = bench.simulated();
+        diagnosis.notes.push(words_on(diagnosis.simulated, &recorded.all()));
+        let parameters = study
+            .free
+            .iter()
+            .zip(&current.model.parameters)
+            .map(|(p, x)| (p.variable, p.scale * x))
+            .collect();
+        let attachments = current.model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect();
+        let intervals = intervals(&study, &current);
+        Ok(Explained { diagnosis, parameters, attachments, intervals, check })
+    }
 }
 
 /// Fits the model's own parameters from where they are given, and weighs the channels by what is left of them. Derivatives where it begins may be

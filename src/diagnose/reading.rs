@@ -1,8 +1,9 @@
 //! From a folder of recordings to runs: reading, what they have in common, faults that show beside a simulation.
 
+use super::aside::Aside;
 use super::hygiene;
 use super::pipeline::Request;
-use super::result::{RunUse, Use};
+use super::result::{RunUse, Use, Verdict, WithoutFaults};
 use super::roles::Roles;
 use super::runs::{Map, are_given, courses, prepare, uses};
 use super::steps::ShorterSteps;
@@ -26,11 +27,14 @@ const LONG_GAP: f64 = 20.0;
 const MOST: f64 = 0.5;
 
 /// The recordings of a diagnosis.
+#[derive(Clone)]
 pub(super) struct Recorded {
     /// Names of the files.
     names: Vec<String>,
     /// What is in them.
     recordings: Vec<Recording>,
+    /// What drives the model in them, in rows that are not compared, too.
+    drives: Vec<Recording>,
     /// What they are used for as long as nothing is known of a model.
     uses: Vec<Use>,
     /// Whether the user said so.
@@ -39,15 +43,44 @@ pub(super) struct Recorded {
     step: Option<f64>,
     /// Those that are used, ready to be simulated.
     pub runs: Vec<(Run, Use)>,
+    /// Runs and measured channels that are not used because they are at fault, by name.
+    runs_aside: BTreeSet<String>,
+    channels_aside: BTreeSet<String>,
+}
+
+/// What is known of recordings before they are explained.
+pub(super) struct Known {
+    pub recorded: Recorded,
+    /// Faults that they show by themselves.
+    pub faults: Vec<hygiene::Fault>,
+    /// Faults for which runs, channels or samples are left aside.
+    pub aside: Vec<hygiene::Fault>,
+}
+
+impl Known {
+    /// What is left if all that has these faults is left aside; `None` if there are none, or nothing would be left.
+    pub fn without(&self, faults: &[hygiene::Fault], subject: &Subject) -> Option<Self> {
+        let recorded = self.recorded.without(&faults.iter().collect::<Vec<_>>(), subject)?;
+        let others = self.faults.iter().filter(|f| !faults.contains(f) && recorded.can_show(f));
+        Some(Self {
+            faults: others.cloned().collect(),
+            aside: self.aside.iter().chain(faults).cloned().collect(),
+            recorded,
+        })
+    }
 }
 
 impl Recorded {
-    /// Reads a folder, with the faults that show in recordings by themselves.
+    /// Reads a folder, with what shows in recordings by themselves.
     ///
     /// # Errors
     /// Files that cannot be read, or do not fit each other or the model.
-    pub fn read(request: &Request, subject: &Subject, roles: &Roles) -> Result<(Self, Vec<hygiene::Fault>)> {
-        let (names, raw) = read_folder(&request.recordings, &request.map)?;
+    pub fn read(request: &Request, subject: &Subject, roles: &Roles) -> Result<Known> {
+        let is_input = |name: &str| {
+            let variable = subject.interface.index(name).map(|v| &subject.interface.variables[v]);
+            variable.is_some_and(|v| v.causality == Causality::Input)
+        };
+        let (names, raw) = read_folder(&request.recordings, &request.map, &is_input)?;
         let are_given = are_given(&request.recordings);
         // what the user leaves out is not looked at either
         let given = are_given.then(|| uses(&request.recordings, &names, &[])).transpose()?;
@@ -55,30 +88,45 @@ impl Recorded {
         let looked_at = raw.iter().enumerate().filter(|(k, _)| !is_left(*k)).map(|(_, raw)| raw);
         let mut faults = hygiene::faults_of_runs(&looked_at.collect::<Vec<_>>());
         // a command may rest as long as it likes, at the end of its range too
-        let is_input = |name: &str| {
-            let variable = subject.interface.index(name).map(|v| &subject.interface.variables[v]);
-            variable.is_some_and(|v| v.causality == Causality::Input)
-        };
         let may_rest = |f: &hygiene::Fault| {
             matches!(f.kind, hygiene::FaultKind::Stuck | hygiene::FaultKind::Saturated)
                 && f.channel.as_deref().is_some_and(is_input)
         };
         faults.retain(|f| !may_rest(f));
-        let mut recordings: Vec<Recording> = raw.into_iter().map(|r| r.recording).collect();
+        let (mut recordings, drives): (Vec<Recording>, Vec<Recording>) =
+            raw.into_iter().map(|r| (r.recording, r.drive)).unzip();
+        let mut unknown_after = Vec::new();
         for (name, recording) in names.iter().zip(&mut recordings) {
             let gaps =
                 faults.iter_mut().filter(|f| f.kind == hygiene::FaultKind::Gap && f.runs.contains(name));
-            gaps.for_each(|gap| leave_out_after(recording, gap));
+            for gap in gaps {
+                if !leave_out_after(recording, gap) {
+                    unknown_after.push(gap.clone());
+                }
+            }
         }
+        let aside = leave_out_rails(&names, &mut recordings, &mut faults);
         let uses = match given {
             Some(uses) => uses,
             None => uses(&request.recordings, &names, &courses(&recordings))?,
         };
         let step = request.step.or(subject.own_step());
-        let mut recorded = Self { names, recordings, uses, are_given, step, runs: Vec::new() };
+        let mut recorded = Self {
+            names,
+            recordings,
+            drives,
+            uses,
+            are_given,
+            step,
+            runs: Vec::new(),
+            runs_aside: BTreeSet::new(),
+            channels_aside: BTreeSet::new(),
+        };
         recorded.runs = recorded.prepared(subject, roles, 1)?;
         same_channels(subject, &recorded.runs)?;
-        Ok((recorded, faults))
+        // where other runs are left, those are not needed
+        let known = Known { recorded, faults, aside };
+        Ok(known.without(&unknown_after, subject).unwrap_or(known))
     }
 
     /// All runs that are used, ready to be simulated, with communication points so much closer than usual, where no step is
@@ -86,10 +134,10 @@ impl Recorded {
     fn prepared(&self, subject: &Subject, roles: &Roles, finer: u32) -> Result<Vec<(Run, Use)>> {
         let counts =
             |variable: usize| [Role::WheelAngle, Role::TravelDistance].iter().any(|r| roles.is(variable, *r));
-        let used = self.names.iter().zip(&self.recordings).zip(&self.uses);
+        let used = self.names.iter().zip(&self.recordings).zip(&self.drives).zip(&self.uses);
         let used = used.filter(|(_, use_)| **use_ != Use::Leave);
-        used.map(|((name, recording), use_)| {
-            let mut run = prepare(&subject.interface, recording, name, self.step, finer)?;
+        used.map(|(((name, recording), drive), use_)| {
+            let mut run = prepare(&subject.interface, (recording, drive), name, self.step, finer)?;
             run.channels.iter_mut().for_each(|c| c.counts = counts(c.variable));
             let angles = run.channels.iter_mut().filter(|c| roles.is(c.variable, Role::WheelAngle));
             angles.for_each(|c| unwrap(&mut c.values));
@@ -135,6 +183,46 @@ impl Recorded {
     /// Those for one use.
     pub fn with(&self, wanted: Use) -> Vec<&Run> {
         with(&self.runs, wanted)
+    }
+
+    /// The recordings without what has these faults. `None` if there is no fault, or too little would be left.
+    fn without(&self, faults: &[&hygiene::Fault], subject: &Subject) -> Option<Self> {
+        if faults.is_empty() {
+            return None;
+        }
+        let aside = Aside::of(faults, &self.runs, |name| subject.interface.index(name))?;
+        let mut rest = self.clone();
+        for (name, use_) in rest.names.iter().zip(&mut rest.uses) {
+            if aside.runs.contains(name) {
+                *use_ = Use::Leave;
+            }
+        }
+        rest.runs.retain(|(run, _)| !aside.runs.contains(&run.name));
+        for (run, _) in &mut rest.runs {
+            run.channels.retain(|channel| !aside.channels.contains(&channel.variable));
+        }
+        let name = |variable: &usize| subject.interface.variables[*variable].name.clone();
+        rest.channels_aside.extend(aside.channels.iter().map(name));
+        rest.runs_aside.extend(aside.runs);
+        Some(rest)
+    }
+
+    /// Whether a fault can be seen in what is used.
+    fn can_show(&self, fault: &hygiene::Fault) -> bool {
+        fault.runs.iter().any(|name| self.runs.iter().any(|(run, _)| run.name == *name))
+            && fault.channel.as_ref().is_none_or(|channel| !self.channels_aside.contains(channel))
+    }
+
+    /// The verdict on what is left, with what is left aside.
+    pub fn without_faults(&self, verdict: Verdict, aside: &[hygiene::Fault]) -> WithoutFaults {
+        let list = |names: &BTreeSet<String>| names.iter().cloned().collect();
+        let at_rail = aside.iter().filter(|f| f.kind == hygiene::FaultKind::Saturated);
+        WithoutFaults {
+            verdict,
+            runs: list(&self.runs_aside),
+            channels: list(&self.channels_aside),
+            at_rail: list(&at_rail.filter_map(|f| f.channel.clone()).collect()),
+        }
     }
 
     /// The recording of a run.
@@ -222,17 +310,57 @@ impl Recorded {
 }
 
 /// Leaves out what comes after a long gap, if most of the run was before it: no model knows what happened in the gap, so that
-/// the state after it is unknown.
-fn leave_out_after(recording: &mut Recording, gap: &mut hygiene::Fault) {
+/// the state after it is unknown. Returns whether the states in what is left are known.
+fn leave_out_after(recording: &mut Recording, gap: &mut hygiene::Fault) -> bool {
     let time = &recording.time;
-    let (Some(first), Some(last)) = (time.first(), time.last()) else { return };
+    let (Some(first), Some(last)) = (time.first(), time.last()) else { return true };
     let usual = median_interval(time);
-    let Some(k) = time.windows(2).position(|w| w[1] - w[0] > LONG_GAP * usual) else { return };
-    if gap.severity == hygiene::Severity::Repaired && time[k] - first > MOST * (last - first) {
+    let Some(k) = time.windows(2).position(|w| w[1] - w[0] > LONG_GAP * usual) else { return true };
+    let is_cut = gap.severity == hygiene::Severity::Repaired && time[k] - first > MOST * (last - first);
+    if is_cut {
         recording.time.truncate(k + 1);
         recording.channels.iter_mut().for_each(|c| c.values.truncate(k + 1));
         gap.advice = "What happened in it is unknown: only what was recorded before it is used.".into();
     }
+    is_cut
+}
+
+/// Leaves out of what is compared the rows in which a channel is at its rail: what it would have shown is unknown there. A rail is
+/// one for all runs. Takes from the faults those of runs in which that are few enough, and returns them.
+fn leave_out_rails(
+    names: &[String],
+    recordings: &mut [Recording],
+    faults: &mut Vec<hygiene::Fault>,
+) -> Vec<hygiene::Fault> {
+    let is_rail = |f: &hygiene::Fault| f.kind == hygiene::FaultKind::Saturated;
+    let mut rails: Vec<(String, f64)> = Vec::new();
+    for fault in faults.iter().filter(|f| is_rail(f)) {
+        rails.extend(
+            fault.channel.clone().map(|channel| (channel, fault.value)).filter(|r| !rails.contains(r)),
+        );
+    }
+    let mut left_out: Vec<&String> = Vec::new();
+    for (name, recording) in names.iter().zip(&mut *recordings) {
+        let mut at_rail = vec![false; recording.time.len()];
+        for (channel, rail) in &rails {
+            let Ok(values) = recording.channel(channel).map(|c| &c.values) else { continue };
+            let rows = hygiene::at_rail(&recording.time, values, *rail);
+            at_rail.iter_mut().zip(rows).for_each(|(all, own)| *all |= own);
+        }
+        let count = at_rail.iter().filter(|a| **a).count();
+        if (count as f64) < (1.0 - MOST) * at_rail.len() as f64 {
+            hygiene::leave_out_rows(recording, &at_rail);
+            left_out.push(name);
+        }
+    }
+    let is_left_out = |f: &hygiene::Fault| is_rail(f) && f.runs.iter().all(|run| left_out.contains(&run));
+    let (mut aside, others): (Vec<hygiene::Fault>, Vec<hygiene::Fault>) =
+        std::mem::take(faults).into_iter().partition(is_left_out);
+    *faults = others;
+    for fault in &mut aside {
+        fault.advice = "Repeat with a larger range; until then these samples are not compared.".into();
+    }
+    aside
 }
 
 /// Has an angle \[rad\] count on that an encoder begins anew with each turn.
@@ -257,7 +385,11 @@ pub(super) fn with(runs: &[(Run, Use)], wanted: Use) -> Vec<&Run> {
     runs.iter().filter(|(_, use_)| *use_ == wanted).map(|(run, _)| run).collect()
 }
 
-fn read_folder(folder: &Path, map: &Map) -> Result<(Vec<String>, Vec<hygiene::RawRecording>)> {
+fn read_folder(
+    folder: &Path,
+    map: &Map,
+    is_input: &dyn Fn(&str) -> bool,
+) -> Result<(Vec<String>, Vec<hygiene::RawRecording>)> {
     let place = folder.display();
     let entries =
         std::fs::read_dir(folder).map_err(|e| Error::file(format!("{place} cannot be read: {e}")))?;
@@ -278,7 +410,7 @@ fn read_folder(folder: &Path, map: &Map) -> Result<(Vec<String>, Vec<hygiene::Ra
                 file.display()
             )));
         }
-        recordings.push(hygiene::read_raw(file, map.columns())?);
+        recordings.push(hygiene::read_raw(file, map.columns(), is_input)?);
     }
     let name = |p: &PathBuf| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
     Ok((files.iter().map(name).collect(), recordings))
@@ -351,26 +483,68 @@ mod tests {
             let time: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).filter(is_there).collect();
             let channels = vec![Channel { name: "force".into(), unit: "N".into(), values: time.clone() }];
             let mut recording = Recording { source: "a.csv".into(), time, channels };
-            let mut gap = hygiene::Fault {
-                kind: hygiene::FaultKind::Gap,
-                severity: hygiene::Severity::Repaired,
-                runs: vec!["a.csv".into()],
-                channel: None,
-                span: None,
-                value: 1.0,
-                unit: "s".into(),
-                evidence: "A gap.".into(),
-                advice: "Expect a transient.".into(),
-            };
-            leave_out_after(&mut recording, &mut gap);
+            let mut gap = fault(hygiene::FaultKind::Gap, "a.csv", None, 1.0);
+            let is_known = leave_out_after(&mut recording, &mut gap);
             assert_eq!(recording.channels[0].values, recording.time);
-            (recording.time.len(), gap.advice.contains("before it is used"))
+            (recording.time.len(), gap.advice.contains("before it is used"), is_known)
         };
-        assert_eq!(with_gaps(&[(7.0, 7.8)]), (701, true));
+        assert_eq!(with_gaps(&[(7.0, 7.8)]), (701, true, true));
         // short, and early
-        assert_eq!(with_gaps(&[(7.0, 7.1)]), (991, false));
-        assert_eq!(with_gaps(&[(2.0, 2.8)]), (921, false));
+        assert_eq!(with_gaps(&[(7.0, 7.1)]), (991, false, true));
+        assert_eq!(with_gaps(&[(2.0, 2.8)]), (921, false, false));
         // a short one costs nothing of what comes before a long one
-        assert_eq!(with_gaps(&[(6.0, 6.1), (7.0, 7.8)]), (692, true));
+        assert_eq!(with_gaps(&[(6.0, 6.1), (7.0, 7.8)]), (692, true, true));
+    }
+
+    fn fault(kind: hygiene::FaultKind, run: &str, channel: Option<&str>, value: f64) -> hygiene::Fault {
+        hygiene::Fault {
+            kind,
+            severity: hygiene::Severity::Repaired,
+            runs: vec![run.into()],
+            channel: channel.map(Into::into),
+            span: None,
+            value,
+            unit: "1".into(),
+            evidence: String::new(),
+            advice: String::new(),
+        }
+    }
+
+    #[test]
+    fn what_is_at_a_rail_is_left_out_in_all_runs_but_not_most_of_one() {
+        let mut random = crate::stats::SplitMix64::new(4);
+        // between rails at 1 and -0.8, noise and all
+        let mut swing = |amplitude: f64| -> Recording {
+            let time: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).collect();
+            let clean: Vec<f64> = time.iter().map(|t| amplitude * t.sin()).collect();
+            let values: Vec<f64> =
+                clean.iter().map(|v| (v + 0.01 * random.normal()).clamp(-0.8, 1.0)).collect();
+            let channel =
+                |name: &str, values: Vec<f64>| Channel { name: name.into(), unit: "1".into(), values };
+            let channels = vec![channel("angle", values), channel("clean", clean)];
+            Recording { source: "a run".into(), time, channels }
+        };
+        let mut recordings = [swing(1.1), swing(0.9), swing(9.0), swing(0.5)];
+        let before = recordings.clone();
+        let names: Vec<String> = ["a", "b", "c", "d"].map(Into::into).to_vec();
+        let rail = |run: &str, value: f64| fault(hygiene::FaultKind::Saturated, run, Some("angle"), value);
+        let mut faults = vec![rail("a", 1.0), rail("a", -0.8), rail("c", 1.0), rail("c", -0.8)];
+        let aside = leave_out_rails(&names, &mut recordings, &mut faults);
+        assert_eq!((aside.len(), faults.len()), (2, 2));
+        assert!(aside.iter().all(|f| f.runs == ["a"]) && faults.iter().all(|f| f.runs == ["c"]));
+        // a run that nobody accused meets one of them, too; of another most would be lost; the last is far from both
+        assert!(recordings[1].time.len() < 1000 && recordings[1].time.len() > 500);
+        assert_eq!(recordings[2..], before[2..]);
+        for run in &recordings[..2] {
+            let [angle, clean] = [&run.channels[0].values, &run.channels[1].values];
+            let errors: Vec<f64> = angle.iter().zip(clean).map(|(a, c)| a - c).collect();
+            assert!(angle.iter().all(|v| *v < 1.0 && *v > -0.8));
+            // what is left is not chosen by its noise
+            let mean = crate::stats::mean_or_zero(&errors);
+            assert!(mean.abs() < 4.0 * 0.01 / (errors.len() as f64).sqrt(), "{mean}");
+            let near: Vec<f64> =
+                errors.iter().zip(clean).filter(|(_, c)| **c > 0.9).map(|(e, _)| *e).collect();
+            assert!(crate::stats::mean_or_zero(&near) > -0.004, "{near:?}");
+        }
     }
 }

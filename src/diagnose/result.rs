@@ -9,10 +9,13 @@ use serde::{Deserialize, Serialize};
 pub struct Diagnosis {
     /// What kind of answer it is.
     pub verdict: Verdict,
+    /// If the verdict is `recording` and what is at fault could be left aside: what the rest says.
+    #[serde(default)]
+    pub without_faults: Option<WithoutFaults>,
     /// The answer for people: what was found, and how much better the check runs fit; two sentences.
     pub summary: String,
-    /// What is missing in the model, the most important first. Empty for the verdicts `nothing`,
-    /// `parameters` and `recording`.
+    /// What is missing in the model, the most important first. Empty for the verdicts `nothing` and `parameters`; for
+    /// `recording` what is missing without what is at fault.
     pub findings: Vec<Finding>,
     /// How well the check runs fit, by channel.
     pub check: Vec<ChannelCheck>,
@@ -65,6 +68,32 @@ pub enum Verdict {
     Family,
     /// Something is missing that has no name here.
     Unknown,
+}
+
+/// What recordings say without what is at fault.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct WithoutFaults {
+    /// The verdict on the rest.
+    pub verdict: Verdict,
+    /// Runs that are left aside.
+    pub runs: Vec<String>,
+    /// Measured channels that are left aside in all runs.
+    pub channels: Vec<String>,
+    /// Channels whose samples at a rail are left aside, with what else was measured then.
+    pub at_rail: Vec<String>,
+}
+
+impl WithoutFaults {
+    /// What is left aside, in words: `run a.csv and channels force, moment and samples of angle at its rail`.
+    pub fn words(&self) -> String {
+        let all = |what: &str, names: &[String]| {
+            let plural = if names.len() > 1 { "s" } else { "" };
+            (!names.is_empty()).then(|| format!("{what}{plural} {}", names.join(", ")))
+        };
+        let at_rail = self.at_rail.iter().map(|channel| format!("samples of {channel} at its rail"));
+        let parts = [all("run", &self.runs), all("channel", &self.channels)].into_iter().flatten();
+        parts.chain(at_rail).collect::<Vec<_>>().join(" and ")
+    }
 }
 
 /// Something that is missing in the model.

@@ -189,20 +189,21 @@ fn traits(run: &[&[f64]]) -> Vec<f64> {
     all
 }
 
-/// A run of a recording on a model: inputs on an even grid, outputs as measured. Communication points are `step` apart, if
-/// that is given, or else `finer` times as close as usual.
+/// A run of a recording on a model: inputs on an even grid, outputs as measured. Inputs are those of `drive`, in all rows in which
+/// they are known. Communication points are `step` apart, if that is given, or else `finer` times as close as usual.
 ///
 /// # Errors
 /// Channels that are no variables or cannot be converted, no inputs or outputs, too many steps.
 pub fn prepare(
     interface: &Interface,
-    recording: &Recording,
+    (recording, drive): (&Recording, &Recording),
     name: &str,
     step: Option<f64>,
     finer: u32,
 ) -> Result<Run> {
     let at = |e: Error| e.at(name);
-    let (Some(first), Some(last)) = (recording.time.first(), recording.time.last()) else {
+    let (Some(first), Some(last)) = (drive.time.first().or(recording.time.first()), recording.time.last())
+    else {
         return Err(Error::file(format!("{name}: the recording is empty")));
     };
     let interval = match recording.time.len() {
@@ -219,10 +220,13 @@ pub fn prepare(
     if points > MAX_POINTS {
         return Err(Error::file(format!("{name}: {points} steps of {step} s are more than can be kept")));
     }
-    let mut drive = Drive { start: *first, step, inputs: Vec::new(), begins: Vec::new(), points };
-    let grid: Vec<f64> = (0..points).map(|k| drive.time(k).min(*last)).collect();
+    let mut driven = Drive { start: *first, step, inputs: Vec::new(), begins: Vec::new(), points };
+    let grid: Vec<f64> = (0..points).map(|k| driven.time(k).min(*last)).collect();
     let mut channels = Vec::new();
-    for channel in &recording.channels {
+    let measured = |c: &&crate::recording::Channel| !drive.has(&c.name);
+    let all = drive.channels.iter().map(|c| (drive, c));
+    for (recording, channel) in all.chain(recording.channels.iter().filter(measured).map(|c| (recording, c)))
+    {
         let variable = interface.find(&channel.name).map_err(|e| {
             at(Error::file(format!(
                 "{e}; `[channels]` in a file of --map says what a channel is, or leaves it out"
@@ -234,14 +238,14 @@ pub fn prepare(
             Causality::Input if info.kind == Kind::Real => {
                 let smooth = Smooth::new(&recording.time, &values);
                 let on_grid = grid.iter().map(|t| smooth.at(*t)).collect();
-                drive.inputs.push((variable, on_grid));
+                driven.inputs.push((variable, on_grid));
             }
             Causality::Input => {
                 let hold = |t: &f64| {
                     let next = recording.time.partition_point(|s| *s <= t + 1e-6 * step);
                     values[next.saturating_sub(1)]
                 };
-                drive.inputs.push((variable, grid.iter().map(hold).collect()));
+                driven.inputs.push((variable, grid.iter().map(hold).collect()));
             }
             Causality::Output | Causality::Local if info.kind == Kind::Real => {
                 channels.push(Channel { variable, values, counts: false });
@@ -255,8 +259,8 @@ pub fn prepare(
         return Err(at(Error::file("there is no measured output to compare with")));
     }
     channels.sort_by_key(|c| c.variable);
-    drive.inputs.sort_by_key(|i| i.0);
-    Ok(Run { name: name.into(), drive: Arc::new(drive), time: recording.time.clone(), channels })
+    driven.inputs.sort_by_key(|i| i.0);
+    Ok(Run { name: name.into(), drive: Arc::new(driven), time: recording.time.clone(), channels })
 }
 
 #[cfg(test)]

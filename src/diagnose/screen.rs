@@ -24,6 +24,9 @@ const MAX_REPLAYED: usize = 240;
 /// Named and nameless placements, each, that are screened with all runs, and the shapes of each.
 const KEPT: usize = 30;
 const KEPT_SHAPES: usize = 2;
+/// Sweeps over amounts that have to stay within their rooms: of the few amplitudes that effects have all but the last digits are
+/// there by then.
+const SWEEPS: usize = 30;
 /// Runs that all placements are screened with.
 pub(super) const FIRST: usize = 2;
 
@@ -198,7 +201,7 @@ impl<'a> Screen<'a> {
                 recalled.keep(placement, &probe.shape, *amplitude, column);
             }
         }
-        let explained = self.explained(&probes, &columns);
+        let explained = self.explained(placements, &probes, &columns);
         let first = best_of_each(placements, &probes, &explained);
         let mut forms: Vec<Vec<(f64, usize)>> = vec![Vec::new(); placements.len()];
         for (k, (probe, explained)) in probes.iter().zip(&explained).enumerate() {
@@ -221,7 +224,7 @@ impl<'a> Screen<'a> {
         chosen.dedup();
         let kept: Vec<Probe> = chosen.iter().map(|k| probes[*k].clone()).collect();
         let columns = self.columns(interface, placements, &kept, 0..self.runs.len(), (CLOSELY, Vec::new()));
-        best_of_each(placements, &kept, &self.explained(&kept, &columns))
+        best_of_each(placements, &kept, &self.explained(placements, &kept, &columns))
     }
 
     /// The forms of each effect that are tried.
@@ -249,10 +252,8 @@ impl<'a> Screen<'a> {
             let skip = shapes.len().div_ceil(most).max(1);
             let probe = |shape: Vec<f64>| Probe { placement: number, shape, amplitudes: amplitudes.clone() };
             for shape in shapes.into_iter().step_by(skip) {
-                if !self.is_replayed(placement) {
-                    let whole = |values| Probe { placement: number, shape: values, amplitudes: Vec::new() };
-                    probes.extend(wholes(placement, &shape).into_iter().map(whole));
-                }
+                let whole = |values| Probe { placement: number, shape: values, amplitudes: Vec::new() };
+                probes.extend(wholes(placement, &shape).into_iter().map(whole));
                 probes.push(probe(shape));
             }
         }
@@ -269,7 +270,12 @@ impl<'a> Screen<'a> {
     }
 
     /// What each probe explains of the runs that its columns have.
-    fn explained(&self, probes: &[Probe], columns: &[Option<Column>]) -> Vec<Explained> {
+    fn explained(
+        &self,
+        placements: &[Placement],
+        probes: &[Probe],
+        columns: &[Option<Column>],
+    ) -> Vec<Explained> {
         let count = columns.iter().flatten().map(Vec::len).next().unwrap_or(0);
         let Linear { basis, residual } = self.linear(count);
         let total = residual.norm_squared().max(f64::MIN_POSITIVE);
@@ -289,7 +295,9 @@ impl<'a> Screen<'a> {
                 let gain = total - (&residual - change).norm_squared();
                 return (gain > 0.0).then_some((gain / total, Vec::new()));
             }
-            let (gain, amounts) = explain(&clean, &own, &residual)?;
+            let rooms: Vec<(f64, f64)> =
+                probe.amplitudes.iter().map(|i| room(&placements[probe.placement], *i)).collect();
+            let (gain, amounts) = explain(&clean, &own, &residual, &rooms)?;
             Some((gain / total, amounts))
         };
         side_by_side(self.bench.threads(), &own, of).into_iter().map(Option::flatten).collect()
@@ -599,9 +607,29 @@ fn orthonormal(rows: usize, columns: &[DVector<f64>]) -> DMatrix<f64> {
     if basis.is_empty() { DMatrix::zeros(rows, 0) } else { DMatrix::from_columns(&basis) }
 }
 
-/// What columns explain of a residual: squared error taken away, and the amounts. Columns that the
-/// parameters explain all but fully explain nothing by themselves.
-fn explain(clean: &[DVector<f64>], own: &[DVector<f64>], residual: &DVector<f64>) -> Option<(f64, Vec<f64>)> {
+/// How far an amplitude may go from where the effect is off to be what its name says: what only the reverse would explain, or
+/// more of it than there can be, is not promised. A natural size is a guess, and limits nothing but the sign.
+fn room(placement: &Placement, amplitude: usize) -> (f64, f64) {
+    let parameter = &placement.effect.parameters[amplitude];
+    let off = parameter.off.unwrap_or(0.0);
+    if empirical::is(placement.effect) {
+        return (parameter.search.0 - off, parameter.search.1 - off);
+    }
+    let (low, high) = ((parameter.plausible.0 - off).min(0.0), (parameter.plausible.1 - off).max(0.0));
+    if parameter.scale.is_plain() {
+        return (low, high);
+    }
+    (if low < 0.0 { f64::NEG_INFINITY } else { 0.0 }, if high > 0.0 { f64::INFINITY } else { 0.0 })
+}
+
+/// What columns explain of a residual with amounts that have these rooms: squared error taken away, and the amounts. Columns that
+/// the parameters explain all but fully explain nothing by themselves.
+fn explain(
+    clean: &[DVector<f64>],
+    own: &[DVector<f64>],
+    residual: &DVector<f64>,
+    rooms: &[(f64, f64)],
+) -> Option<(f64, Vec<f64>)> {
     let n = clean.len();
     let kept: Vec<usize> =
         (0..n).filter(|i| clean[*i].norm() > 1e-3 * own[*i].norm() && own[*i].norm() > 0.0).collect();
@@ -613,11 +641,24 @@ fn explain(clean: &[DVector<f64>], own: &[DVector<f64>], residual: &DVector<f64>
         if i == j { v * (1.0 + 1e-9) } else { v }
     });
     let right = DVector::from_fn(kept.len(), |i, _| clean[kept[i]].dot(residual));
-    let amounts = matrix.cholesky()?.solve(&right);
-    let gain = amounts.dot(&right);
+    let mut amounts = matrix.clone().cholesky()?.solve(&right);
+    let within = |amounts: &DVector<f64>, i: usize| {
+        let (low, high) = rooms[kept[i]];
+        amounts[i].clamp(low, high)
+    };
+    if (0..kept.len()).any(|i| within(&amounts, i) != amounts[i]) {
+        // one amount after the other, each the best within its room: the function is convex
+        for _ in 0..SWEEPS {
+            for i in 0..kept.len() {
+                amounts[i] += (right[i] - matrix.row(i).transpose().dot(&amounts)) / matrix[(i, i)];
+                amounts[i] = within(&amounts, i);
+            }
+        }
+    }
+    let gain = 2.0 * amounts.dot(&right) - amounts.dot(&(&matrix * &amounts));
     let mut all = vec![0.0; n];
     for (i, amount) in kept.iter().zip(amounts.iter()) {
         all[*i] = *amount;
     }
-    gain.is_finite().then_some((gain, all))
+    (gain.is_finite() && gain > 0.0).then_some((gain, all))
 }

@@ -202,16 +202,19 @@ pub(super) fn traces(
     Ok(check)
 }
 
+/// The answer in sentences.
 pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, f64)) -> String {
+    if let Some(without) = &diagnosis.without_faults {
+        let rest = Diagnosis { verdict: without.verdict, without_faults: None, ..diagnosis.clone() };
+        let rest = summary(&rest, (nominal, base, after));
+        return format!("{} Without {}: {rest}", at_fault(diagnosis), without.words());
+    }
     let root = |a: f64, b: f64| 100.0 * (1.0 - (a / b.max(f64::MIN_POSITIVE)).sqrt());
     let gain = root(after, base);
     let name = |f: &Finding| format!("{} ({})", f.name, f.place);
     let all = |findings: &[Finding]| findings.iter().map(name).collect::<Vec<_>>().join("; then ");
     match (diagnosis.verdict, &diagnosis.findings[..]) {
-        (Verdict::Recording, _) => {
-            let words: Vec<&str> = diagnosis.faults.iter().take(2).map(|f| f.text.as_str()).collect();
-            format!("A recording is at fault, not the model: {}", words.join(" "))
-        }
+        (Verdict::Recording, _) => at_fault(diagnosis),
         (Verdict::Parameters, _) => format!(
             "The parameters were off, nothing is missing: refitted on other runs they lower the error of the check runs by {:.0} %. What remains is not explained by anything in the catalogue or by a function of any signal.",
             root(base, nominal)
@@ -232,6 +235,12 @@ pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, 
         (Verdict::Unknown, [first, names @ ..]) => unknown(first, &all(names), gain),
         _ => "Nothing is missing: the model explains the check runs as well as anything that was tried. Its parameters need no change.".into(),
     }
+}
+
+fn at_fault(diagnosis: &Diagnosis) -> String {
+    let words: Vec<&str> = diagnosis.faults.iter().take(2).map(|f| f.text.as_str()).collect();
+    let not_the_model = if diagnosis.findings.is_empty() { ", not the model" } else { "" };
+    format!("A recording is at fault{not_the_model}: {}", words.join(" "))
 }
 
 /// The sentences of what has no name, with the names that stand beside it.

@@ -122,7 +122,7 @@ pub struct Parameter {
     /// How far a fit may go.
     pub search: (f64, f64),
     /// Values to try first: for a shape a coarse grid; for an amplitude one small value, and behind it, of what sticks or
-    /// touches, sizes that are tried as a whole, because small amounts of it do something else.
+    /// touches or comes late, sizes that are tried as a whole, because small amounts of it do something else.
     pub probes: &'static [f64],
 }
 

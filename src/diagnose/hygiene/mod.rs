@@ -27,8 +27,9 @@ mod unit_sign;
 mod values;
 
 pub use against::faults_against;
-pub(crate) use raw::read_raw;
 pub use raw::{RawRecording, faults_of_runs};
+pub(crate) use raw::{leave_out_rows, read_raw};
+pub(crate) use values::at_rail;
 
 use serde::Serialize;
 
@@ -125,6 +126,11 @@ impl Fault {
     /// True if the fault makes the verdict `recording`: it is more than a note.
     pub fn counts(&self) -> bool {
         self.severity != Severity::Note
+    }
+
+    /// True if what would be found where it is would be the fault.
+    pub fn is_fatal(&self) -> bool {
+        self.severity == Severity::Fatal
     }
 
     /// True if it is the other one, seen again: of the same kind in the same channel, in one of the same runs.

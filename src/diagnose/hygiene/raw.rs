@@ -16,8 +16,10 @@ const TOO_EMPTY: f64 = 0.2;
 /// A recording as it could be mended, and what was wrong with it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawRecording {
-    /// Increasing times, finite values; faulty samples are left out.
+    /// Increasing times, finite values; rows with faulty samples are left out.
     pub recording: Recording,
+    /// The channels that drive a model, in all rows in which they are known.
+    pub drive: Recording,
     /// What was found in this recording by itself.
     pub faults: Vec<Fault>,
 }
@@ -25,22 +27,26 @@ pub struct RawRecording {
 /// Reads a CSV file as [`read_csv`](crate::recording::read_csv) does, but goes on where that stops: time
 /// stamps that step back or repeat, empty cells, cells that are no finite number, short rows. All of these
 /// become faults, as do gaps, jitter, rails, frozen values and spikes. `names` says what columns are: what is left out is not
-/// looked at.
+/// looked at; `drives` which channels drive a model.
 ///
 /// # Errors
 /// A file that cannot be read, a header that cannot be understood, fewer than two rows that are left.
-pub(crate) fn read_raw(path: &Path, names: &BTreeMap<String, Column>) -> Result<RawRecording> {
+pub(crate) fn read_raw(
+    path: &Path,
+    names: &BTreeMap<String, Column>,
+    drives: &dyn Fn(&str) -> bool,
+) -> Result<RawRecording> {
     let (recording, defects) = read_csv_with_defects(path, names)?;
-    mended(recording, &defects)
+    mended(recording, &defects, drives)
 }
 
 impl RawRecording {
-    /// Looks at a recording that is already in memory. Values may be NaN, times need no order.
+    /// Looks at a recording that is already in memory, in which any channel may drive. Values may be NaN, times need no order.
     ///
     /// # Errors
     /// Fewer than two rows that are left.
     pub fn new(recording: Recording) -> Result<Self> {
-        mended(recording, &[])
+        mended(recording, &[], &|_| true)
     }
 }
 
@@ -72,38 +78,36 @@ fn is_rail(own: &Recording, fault: &Fault, all: &[&Recording]) -> bool {
     !is_exceeded && alike.into_iter().map(visits).sum::<usize>() > 1
 }
 
-fn mended(mut recording: Recording, defects: &[Defect]) -> Result<RawRecording> {
+fn mended(
+    mut recording: Recording,
+    defects: &[Defect],
+    drives: &dyn Fn(&str) -> bool,
+) -> Result<RawRecording> {
     let mut faults = empty_cells(&mut recording, defects);
     let time = mend(&recording.time);
     faults.extend(time.faults);
-    let rows: Vec<(usize, f64)> = time
-        .rows
-        .into_iter()
-        .filter(|(row, _)| {
-            recording.channels.iter().all(|c| c.values.get(*row).is_some_and(|v| v.is_finite()))
-        })
-        .collect();
-    let mut recording = Recording {
-        time: rows.iter().map(|r| r.1).collect(),
-        channels: recording
-            .channels
-            .iter()
-            .map(|c| Channel {
-                values: rows.iter().map(|r| c.values[r.0]).collect(),
-                name: c.name.clone(),
-                unit: c.unit.clone(),
-            })
-            .collect(),
-        source: recording.source,
+    let known = |wanted: &dyn Fn(&str) -> bool| -> Recording {
+        let channels: Vec<&Channel> = recording.channels.iter().filter(|c| wanted(&c.name)).collect();
+        let is_known = |row: usize| channels.iter().all(|c| c.values.get(row).is_some_and(|v| v.is_finite()));
+        let rows: Vec<(usize, f64)> = time.rows.iter().copied().filter(|(row, _)| is_known(*row)).collect();
+        let of = |c: &&Channel| Channel {
+            values: rows.iter().map(|r| c.values[r.0]).collect(),
+            name: c.name.clone(),
+            unit: c.unit.clone(),
+        };
+        Recording {
+            time: rows.iter().map(|r| r.1).collect(),
+            channels: channels.iter().map(of).collect(),
+            source: recording.source.clone(),
+        }
     };
+    let (mut drive, mut recording) = (known(drives), known(&|_| true));
     let found = faults_of_values(&recording);
     faults.extend(found.faults);
-    if !found.spikes.is_empty() {
-        let keep = |row: &usize| found.spikes.binary_search(row).is_err();
-        let pick =
-            |values: &[f64]| (0..values.len()).filter(keep).map(|row| values[row]).collect::<Vec<f64>>();
-        recording.time = pick(&recording.time);
-        recording.channels.iter_mut().for_each(|c| c.values = pick(&c.values));
+    let spikes: Vec<f64> = found.spikes.iter().map(|row| recording.time[*row]).collect();
+    for recording in [&mut drive, &mut recording] {
+        let is_spike: Vec<bool> = recording.time.iter().map(|t| spikes.contains(t)).collect();
+        leave_out_rows(recording, &is_spike);
     }
     if recording.time.len() < 2 {
         return Err(Error::file(format!(
@@ -115,7 +119,17 @@ fn mended(mut recording: Recording, defects: &[Defect]) -> Result<RawRecording> 
     }
     let run = run_name(&recording.source);
     faults.iter_mut().for_each(|fault| fault.runs = vec![run.clone()]);
-    Ok(RawRecording { recording, faults })
+    Ok(RawRecording { recording, drive, faults })
+}
+
+/// Leaves out the rows that are marked.
+pub(crate) fn leave_out_rows(recording: &mut Recording, marked: &[bool]) {
+    let leave = |values: &mut Vec<f64>| {
+        let mut marks = marked.iter();
+        values.retain(|_| !marks.next().copied().unwrap_or(false));
+    };
+    leave(&mut recording.time);
+    recording.channels.iter_mut().for_each(|c| leave(&mut c.values));
 }
 
 /// Cells without a finite number; channels that have too many of them are taken out of the recording.
@@ -175,7 +189,7 @@ fn empty_cells(recording: &mut Recording, defects: &[Defect]) -> Vec<Fault> {
                 advice: if lost {
                     "The channel was left out; write channels of different rates on one time, or into files of their own."
                 } else {
-                    "These rows were left out."
+                    "These rows are not compared."
                 }
                 .into(),
             });

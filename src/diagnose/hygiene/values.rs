@@ -2,11 +2,15 @@
 
 use super::{Fault, FaultKind, Severity, short};
 use crate::recording::{Channel, Recording};
-use crate::stats::{amplitude, noise, quantile};
+use crate::stats::{amplitude, mean_or_zero, noise, quantile};
 
 /// A channel whose noise is below this share of its amplitude is a command or a computed value: commands
 /// hold values and jump, and that is no fault.
 const ROUGH: f64 = 3e-5;
+/// A sample that is more standard deviations of noise inside of a rail is there whatever its noise.
+const CERTAIN: f64 = 3.0;
+/// Samples on each side that tell where a signal is without its noise.
+const AROUND: usize = 2;
 /// Equal samples in a row that make a flat stretch.
 const FLAT: usize = 6;
 /// Samples at a rail, in all, that make saturation.
@@ -164,11 +168,11 @@ fn fault(kind: FaultKind, severity: Severity, channel: &Channel, value: f64, uni
 
 /// Flat at the channel's own highest or lowest value, again and again or for long, and nowhere else; or
 /// there so often that noise would have carried it beyond.
-fn saturated(channel: &Channel, look: &Look) -> Option<Fault> {
+fn saturated(channel: &Channel, look: &Look) -> Vec<Fault> {
     if !look.measured() {
-        return None;
+        return Vec::new();
     }
-    [quantile(look.values, 1.0), quantile(look.values, 0.0)].into_iter().find_map(|rail| {
+    let of = |rail: f64| {
         // zero is where physics ends: no contact, standstill, no pressure
         if look.near_zero(rail) {
             return None;
@@ -211,7 +215,20 @@ fn saturated(channel: &Channel, look: &Look) -> Option<Fault> {
             advice: "Repeat with a larger range; until then leave these stretches out.".into(),
             ..fault(FaultKind::Saturated, Severity::Fatal, channel, rail, &channel.unit)
         })
-    })
+    };
+    [quantile(look.values, 1.0), quantile(look.values, 0.0)].into_iter().filter_map(of).collect()
+}
+
+/// The rows in which a channel is at a rail or would be there with a little more noise: of what comes near a rail those samples
+/// alone are below it whose noise happens to be.
+pub fn at_rail(time: &[f64], values: &[f64], rail: f64) -> Vec<bool> {
+    let look = Look::new(time, values);
+    let near = CERTAIN * look.noise.max(look.step);
+    let is_near = |row: usize| {
+        let around = &values[row.saturating_sub(AROUND)..(row + AROUND + 1).min(values.len())];
+        values[row] == rail || (mean_or_zero(around) - rail).abs() < near
+    };
+    (0..values.len()).map(is_near).collect()
 }
 
 /// Much more often at one extreme value than at the ones just inside of it, though the noise is as large as

@@ -25,7 +25,7 @@ pub const EFFECT: Effect = Effect {
         off: Some(0.0),
         plausible: (0.0, 0.5),
         search: (0.0, 0.5),
-        probes: &[0.005],
+        probes: &[0.005, 0.03, 0.1, 0.3],
     }],
     apply,
 };

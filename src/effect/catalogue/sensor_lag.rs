@@ -25,7 +25,7 @@ pub const EFFECT: Effect = Effect {
         Scale::own_time(1),
         (0.0, 0.5),
         (0.0, 1.0),
-        &[0.005],
+        &[0.005, 0.03, 0.1, 0.3],
     )],
     apply,
 };

@@ -11,7 +11,14 @@ pub(super) fn title(diagnosis: &Diagnosis) -> String {
     match (diagnosis.verdict, &names[..]) {
         (Verdict::Nothing, _) => "Nothing is missing".into(),
         (Verdict::Parameters, _) => "Only parameters were off".into(),
-        (Verdict::Recording, _) => "The recordings are at fault".into(),
+        (Verdict::Recording, names) => {
+            let mut text = String::from("The recordings are at fault");
+            if let (Some(without), [_, ..]) = (&diagnosis.without_faults, names) {
+                let rest = Diagnosis { verdict: without.verdict, without_faults: None, ..diagnosis.clone() };
+                let _ = write!(text, ". {}", title(&rest));
+            }
+            text
+        }
         (Verdict::Unknown, _) | (_, []) => "Something is missing that has no name here".into(),
         (Verdict::Effect, names) => format!("Missing: {}", names.join(" and ")),
         (Verdict::Family, names) => format!("Missing: {}, or what looks alike", names.join(" and ")),
@@ -23,21 +30,23 @@ fn name<'a>(name: &'a str, id: &'a str) -> &'a str {
     if name.is_empty() { id } else { name }
 }
 
-/// The verdict and its findings beside the errors of the check runs.
-pub(super) fn section(diagnosis: &Diagnosis) -> Section {
-    let mut html = String::from("<div class=\"answer\">\n<div>\n");
-    let (class, text) = match diagnosis.verdict {
+/// The class of the badge of a verdict, and its text.
+fn kind(verdict: Verdict) -> (&'static str, &'static str) {
+    match verdict {
         Verdict::Nothing => ("nothing", "nothing missing"),
         Verdict::Parameters => ("parameters", "parameters"),
         Verdict::Recording => ("recording", "recording at fault"),
         Verdict::Effect => ("effect", "named effect"),
         Verdict::Family => ("family", "one of a family"),
         Verdict::Unknown => ("unknown", "not explained"),
-    };
-    let _ = writeln!(html, "<span class=\"kind {class}\">{text}</span>");
-    for finding in &diagnosis.findings {
-        html.push_str(&found(finding));
     }
+}
+
+/// The verdict and its findings beside the errors of the check runs.
+pub(super) fn section(diagnosis: &Diagnosis) -> Section {
+    let mut html = String::from("<div class=\"answer\">\n<div>\n");
+    let (class, text) = kind(diagnosis.verdict);
+    let _ = writeln!(html, "<span class=\"kind {class}\">{text}</span>");
     if diagnosis.verdict == Verdict::Recording {
         for fault in &diagnosis.faults {
             let place = match &fault.channel {
@@ -52,6 +61,14 @@ pub(super) fn section(diagnosis: &Diagnosis) -> Section {
                 escape(&fault.runs.join(", "))
             );
         }
+    }
+    if let Some(without) = &diagnosis.without_faults {
+        let _ = writeln!(html, "<h2>Without {}</h2>", escape(&without.words()));
+        let (class, text) = kind(without.verdict);
+        let _ = writeln!(html, "<span class=\"kind {class}\">{text}</span>");
+    }
+    for finding in &diagnosis.findings {
+        html.push_str(&found(finding));
     }
     if diagnosis.verdict == Verdict::Parameters {
         html.push_str(parameters_in_short(diagnosis).as_str());

@@ -156,6 +156,7 @@ fn diagnosis() -> Diagnosis {
             part("brake", Some("no channel tells brake.pressure"), Vec::new()),
         ],
         verdict: Verdict::Effect,
+        without_faults: None,
         summary: "The lateral force follows the slip angle over 0.46 m of travel, which the model leaves out: relaxation \
                   length of the tire, at the output force_y. With it the error of force_y on 4 check runs falls from 412 N \
                   to 23.6 N; the noise is 23.1 N."
@@ -439,6 +440,20 @@ fn every_verdict_has_its_title() {
     }
     let html = diagnosis_report(&Diagnosis { verdict: Verdict::Recording, ..diagnosis() }, &[]).unwrap();
     assert!(html.contains("spikes of force_z"));
+    // a fault, and what the rest of the recordings says
+    let without =
+        WithoutFaults { verdict: Verdict::Family, runs: vec!["3.csv".into()], ..WithoutFaults::default() };
+    let both = Diagnosis { verdict: Verdict::Recording, without_faults: Some(without), ..diagnosis() };
+    let html = diagnosis_report(&both, &[]).unwrap();
+    assert!(
+        html.contains(
+            "<h1>The recordings are at fault. Missing: Relaxation length, or what looks alike</h1>"
+        )
+    );
+    let at = |text: &str| html.find(text).unwrap();
+    assert!(
+        at("spikes of force_z") < at("Without run 3.csv") && at("Without run 3.csv") < at("one of a family")
+    );
 }
 
 #[test]
