@@ -212,9 +212,9 @@ pub fn prepare(
     };
     let step = step.unwrap_or_else(|| {
         let whole = (interval / interface.communication_step - 1e-6).ceil();
-        // a whole part of the interval between samples, unless the model's step is longer than that
-        let usual = if whole > 1.0 { interval / whole.min(MAX_PARTS) } else { interface.communication_step };
-        usual / f64::from(finer)
+        // a whole part of the interval between samples: effects act at communication points, and a unit may not know how fast
+        // it is recorded
+        interval / whole.clamp(1.0, MAX_PARTS) / f64::from(finer)
     });
     let points = ((last - first) / step - 1e-6).ceil() as usize + 1;
     if points > MAX_POINTS {

@@ -30,8 +30,9 @@ const VISIBLE: f64 = 3.0;
 const RECORDER: usize = 5;
 /// The effect that says so.
 const BIAS: &str = "sensor-bias";
-/// Parameters that are fitted at most if the user does not say which; those with the most effect on the outputs.
-const MAX_FREE: usize = 14;
+/// Parameters that are fitted at most if the user does not say which; those with the most effect on the outputs. What moves them and
+/// is not fitted is taken for something else; each costs a simulation of all runs wherever derivatives are computed.
+const MAX_FREE: usize = 20;
 /// A parameter that moves the outputs by less than this share of their size, over its whole prior, stays.
 const MIN_EFFECT: f64 = 1e-3;
 /// Blocks of a run that errors are compared over, at most and at least.

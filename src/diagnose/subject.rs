@@ -76,6 +76,8 @@ pub struct Subject {
     pub left_out: Vec<LeftOut>,
     /// Values of the wired system's file, by the names of its variables.
     set_in_system: Vec<String>,
+    /// See [`Subject::own_step`].
+    own_step: Option<f64>,
 }
 
 impl Subject {
@@ -120,9 +122,10 @@ impl Subject {
         follow_recorded_motions(&self.interface, recorded, is_given)
     }
 
-    /// The communication step \[s\] that the model has and no other: that of a wired system.
+    /// The communication step \[s\] that the model has and no other: that of a wired system, or of an FMU that names one and does not
+    /// take any.
     pub fn own_step(&self) -> Option<f64> {
-        matches!(self.base, Base::System(_)).then_some(self.interface.communication_step)
+        self.own_step
     }
 
     /// Loads a model by name or file.
@@ -169,7 +172,16 @@ impl Subject {
             Base::System(file) => names_set(file)?,
             _ => Vec::new(),
         };
-        Ok(Self { base, factory, interface, fixed, free, left_out, set_in_system })
+        let own_step = match &base {
+            Base::System(_) => Some(interface.communication_step),
+            Base::Fmu(file) => {
+                let fmu = ImportedFmu::load(file)?;
+                let about = fmu.description();
+                about.experiment.step_size.filter(|_| !about.capabilities.can_handle_variable_step)
+            }
+            Base::Shipped(..) => None,
+        };
+        Ok(Self { base, factory, interface, fixed, free, left_out, set_in_system, own_step })
     }
 }
 

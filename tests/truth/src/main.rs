@@ -1,8 +1,9 @@
 //! `latsch-truth`: cases with concealed effects, their sealed answers, and the score.
 
 use clap::Parser;
+use latsch_truth::machines::{self, View};
 use latsch_truth::study::{name, study};
-use latsch_truth::{files, machines, score};
+use latsch_truth::{files, score};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -16,6 +17,9 @@ enum Command {
         /// Folder of the case
         #[arg(long)]
         output: PathBuf,
+        /// How a machine is told: larger, smaller, slower, faster, turned, renamed, reordered, beside, doubled, spoilt
+        #[arg(long, default_value = "same", requires = "machines")]
+        view: View,
         #[command(flatten)]
         seed: Seed,
         #[command(flatten)]
@@ -103,9 +107,12 @@ fn index(number: usize) -> Result<usize, String> {
 
 fn run(command: &Command) -> Result<(), String> {
     match command {
-        Command::Case { number, output, seed, of } => {
-            let write = if of.machines { machines::write_case } else { files::write_case };
-            write(seed.seed, index(*number)?, output)
+        Command::Case { number, output, view, seed, of } => {
+            let number = index(*number)?;
+            if of.machines {
+                return machines::write_case(seed.seed, number, *view, output);
+            }
+            files::write_case(seed.seed, number, output)
         }
         Command::Answers { numbers, output, seed, of } => {
             let write = if of.machines { machines::write_answer } else { files::write_answer };

@@ -5,6 +5,7 @@ use super::draw::{self, Drive};
 use super::mechanism::Machine;
 use super::offers::{Offer, offers};
 use super::unit;
+use super::view::View;
 use super::world::{Course, Motion, Run, World};
 use crate::answer::{Answer, Effect, Parameter, Reference, ReferenceRun};
 use crate::catalogue::family;
@@ -96,31 +97,33 @@ pub struct Recorded {
 /// How often a machine is drawn anew in which nothing can be as large as it is wanted.
 const ATTEMPTS: u64 = 60;
 
-/// Draws and records case number `number` of the study with this seed.
+/// Draws case number `number` of the study with this seed, and records it with twice the samples or not.
 ///
 /// # Errors
 /// No such case, or one that cannot be drawn.
-pub fn case(seed: u64, number: usize) -> Result<Recorded, String> {
+pub fn case(seed: u64, number: usize, doubled: bool) -> Result<Recorded, String> {
     let kinds = kinds(seed);
     let kind = *kinds
         .get(number)
         .ok_or_else(|| format!("the study has {} cases; there is no number {}", kinds.len(), number + 1))?;
     (0..ATTEMPTS)
-        .find_map(|attempt| try_case(kind, number, Random::new(seed, 1 + attempt * 100_000 + number as u64)))
+        .find_map(|attempt| {
+            try_case(kind, number, doubled, Random::new(seed, 1 + attempt * 100_000 + number as u64))
+        })
         .ok_or_else(|| format!("case {}: no {kind:?} in {ATTEMPTS} attempts", number + 1))
 }
 
-/// Writes the unit and the recordings of a case.
+/// Writes the unit and the recordings of a case, as they are told in a view.
 ///
 /// # Errors
 /// As [`case`], no C compiler, or a folder that cannot be written.
-pub fn write_case(seed: u64, number: usize, folder: &Path) -> Result<(), String> {
-    let recorded = case(seed, number)?;
-    for (name, content) in &recorded.files {
-        files::write(&folder.join(name), content)?;
+pub fn write_case(seed: u64, number: usize, view: View, folder: &Path) -> Result<(), String> {
+    let Recorded { machine, files, .. } = case(seed, number, view == View::Doubled)?;
+    for (name, content) in view.told(&machine, files) {
+        files::write(&folder.join(name), &content)?;
     }
-    let start: Vec<f64> = recorded.machine.parameters.iter().map(|p| p.start).collect();
-    unit::write(&recorded.machine, "machine", &start, &folder.join("machine.fmu"))
+    let start: Vec<f64> = machine.parameters.iter().map(|p| p.start).collect();
+    unit::write(&machine, "machine", &start, view, &folder.join("machine.fmu"))
 }
 
 /// Writes the answer and the floor of the noise.
@@ -128,7 +131,7 @@ pub fn write_case(seed: u64, number: usize, folder: &Path) -> Result<(), String>
 /// # Errors
 /// As [`case`], or a folder that cannot be written.
 pub fn write_answer(seed: u64, number: usize, folder: &Path) -> Result<(), String> {
-    let recorded = case(seed, number)?;
+    let recorded = case(seed, number, false)?;
     files::write_json(&folder.join(format!("{}.json", recorded.answer.case)), &recorded.answer)?;
     files::write_json(&folder.join(format!("{}.reference.json", recorded.answer.case)), &recorded.reference)
 }
@@ -247,7 +250,18 @@ fn most(law: Law) -> f64 {
     if matches!(law, Law::Gain | Law::CrossTalk) { 1.5 } else { 6.0 }
 }
 
-fn try_case(kind: Kind, number: usize, mut random: Random) -> Option<Recorded> {
+/// The runs with a sample between every two.
+fn doubled(runs: &[Run]) -> Vec<Run> {
+    let between = |run: &Run| {
+        let middles = run.time.windows(2).map(|w| 0.5 * (w[0] + w[1]));
+        let mut time: Vec<f64> = run.time.iter().copied().chain(middles).collect();
+        time.sort_by(f64::total_cmp);
+        Run { time, ..run.clone() }
+    };
+    runs.iter().map(between).collect()
+}
+
+fn try_case(kind: Kind, number: usize, twice: bool, mut random: Random) -> Option<Recorded> {
     let random = &mut random;
     let (mut machine, drives) = draw::draw(random);
     for p in &mut machine.parameters {
@@ -336,6 +350,7 @@ fn try_case(kind: Kind, number: usize, mut random: Random) -> Option<Recorded> {
         concealed.push((offer, Concealed { size, ..effect }, left));
     }
     world.concealed = concealed.iter().map(|(_, one, _)| one.clone()).collect();
+    let runs = if twice { doubled(&runs) } else { runs };
     record(kind, number, &world, &runs, &noise, &concealed, random)
 }
 
@@ -495,7 +510,7 @@ mod tests {
     fn a_study_is_drawn_and_its_effects_are_as_large_as_said() {
         let mut seen = std::collections::BTreeSet::new();
         for number in 0..24 {
-            let recorded = case(3, number).unwrap_or_else(|e| panic!("{e}"));
+            let recorded = case(3, number, false).unwrap_or_else(|e| panic!("{e}"));
             seen.insert(recorded.answer.kind.clone());
             for effect in &recorded.answer.effects {
                 let range = match recorded.answer.kind.as_str() {

@@ -10,6 +10,8 @@ pub mod draw;
 pub mod mechanism;
 mod offers;
 pub mod unit;
+mod view;
 mod world;
 
 pub use case::{Kind, case, count, write_answer, write_case};
+pub use view::{VIEWS, View};

@@ -12,9 +12,11 @@ typedef struct {
     void *environment;
 } Callbacks;
 enum { OK, WARNING, DISCARD, ERROR };
+/* an input that does nothing, of units that have one */
+#define IDLE (PARAMETERS + INPUTS + OUTPUTS)
 
 typedef struct {
-    double p[PARAMETERS + 1], u[INPUTS + 1], x[STATES + 1], y[OUTPUTS + 1];
+    double p[PARAMETERS + 1], u[INPUTS + 1], x[STATES + 1], y[OUTPUTS + 1], idle;
     int begun;
 } Unit;
 
@@ -70,8 +72,9 @@ int fmi2GetReal(void *c, const unsigned vr[], size_t n, double value[]) {
     for (size_t k = 0; k < n; k++) {
         unsigned v = vr[k];
         if (v < PARAMETERS) value[k] = m->p[v];
-        else if (v < PARAMETERS + INPUTS) value[k] = m->u[v - PARAMETERS];
-        else if (v < PARAMETERS + INPUTS + OUTPUTS) value[k] = m->y[v - PARAMETERS - INPUTS];
+        else if (v < PARAMETERS + INPUTS) value[k] = m->u[v - PARAMETERS] * input_factors[v - PARAMETERS];
+        else if (v < IDLE) value[k] = m->y[v - PARAMETERS - INPUTS] * output_factors[v - PARAMETERS - INPUTS];
+        else if (v == IDLE) value[k] = m->idle;
         else return ERROR;
     }
     return OK;
@@ -82,7 +85,8 @@ int fmi2SetReal(void *c, const unsigned vr[], size_t n, const double value[]) {
         unsigned v = vr[k];
         if (!isfinite(value[k])) return ERROR;
         if (v < PARAMETERS) m->p[v] = value[k];
-        else if (v < PARAMETERS + INPUTS) m->u[v - PARAMETERS] = value[k];
+        else if (v < PARAMETERS + INPUTS) m->u[v - PARAMETERS] = value[k] / input_factors[v - PARAMETERS];
+        else if (v == IDLE) m->idle = value[k];
         else return ERROR;
     }
     return OK;
@@ -105,6 +109,7 @@ NONE(Text, String, const)
 int fmi2DoStep(void *c, double time, double step, int final) {
     (void)time, (void)final;
     Unit *m = c;
+    step /= SLOWER;
     int count = (int)ceil(step / LONGEST - 1e-9);
     if (count < 1) count = 1;
     double h = step / count, k1[STATES + 1], k2[STATES + 1], k3[STATES + 1], k4[STATES + 1], z[STATES + 1];

@@ -1,6 +1,7 @@
 //! A machine as an FMU of somebody else: C that is written for it, compiled by the system's compiler, and no code of latsch.
 
 use super::mechanism::{Element, GRAVITY, Machine, Sensor};
+use super::view::{IDLE, View};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
@@ -9,16 +10,16 @@ use std::process::Command;
 /// The FMI functions, the same for all machines.
 const FUNCTIONS: &str = include_str!("unit.c");
 
-/// Writes the FMU of a machine with the parameters that its builder believes in.
+/// Writes the FMU of a machine with the parameters that its builder believes in, as it is told in a view.
 ///
 /// # Errors
 /// No C compiler, or a place that cannot be written.
-pub fn write(machine: &Machine, name: &str, start: &[f64], to: &Path) -> Result<(), String> {
+pub fn write(machine: &Machine, name: &str, start: &[f64], view: View, to: &Path) -> Result<(), String> {
     let place = |e: std::io::Error| format!("{}: {e}", to.display());
     let folder = to.with_extension("build");
     std::fs::create_dir_all(&folder).map_err(place)?;
     let (source, library) = (folder.join("unit.c"), folder.join("unit.so"));
-    std::fs::write(&source, self::source(machine, name, start)).map_err(place)?;
+    std::fs::write(&source, self::source(machine, name, start, view)).map_err(place)?;
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     let done = Command::new(&compiler)
         .args(["-O2", "-ffp-contract=off", "-shared", "-fPIC", "-o"])
@@ -32,7 +33,7 @@ pub fn write(machine: &Machine, name: &str, start: &[f64], to: &Path) -> Result<
     let mut zip = zip::ZipWriter::new(std::fs::File::create(to).map_err(place)?);
     let options = zip::write::SimpleFileOptions::default();
     let entries = [
-        ("modelDescription.xml".to_owned(), description(machine, name, start).into_bytes()),
+        ("modelDescription.xml".to_owned(), description(machine, name, start, view).into_bytes()),
         (format!("binaries/linux64/{name}.so"), std::fs::read(&library).map_err(place)?),
     ];
     for (entry, bytes) in entries {
@@ -43,7 +44,7 @@ pub fn write(machine: &Machine, name: &str, start: &[f64], to: &Path) -> Result<
     std::fs::remove_dir_all(&folder).map_err(place)
 }
 
-fn source(machine: &Machine, name: &str, start: &[f64]) -> String {
+fn source(machine: &Machine, name: &str, start: &[f64], view: View) -> String {
     let list = |values: &[f64]| {
         let all: Vec<String> = values.iter().map(|v| format!("{v:e}")).collect();
         if all.is_empty() { "0".to_owned() } else { all.join(", ") }
@@ -61,6 +62,10 @@ fn source(machine: &Machine, name: &str, start: &[f64]) -> String {
     let _ = writeln!(text, "#define LONGEST {:e}", machine.time / 40.0);
     let _ = writeln!(text, "#define GUID \"{name}\"");
     let _ = writeln!(text, "static const double start_values[] = {{{}}};", list(start));
+    let (inputs, outputs) = view.factors(machine);
+    let _ = writeln!(text, "static const double input_factors[] = {{{}}};", list(&inputs));
+    let _ = writeln!(text, "static const double output_factors[] = {{{}}};", list(&outputs));
+    let _ = writeln!(text, "#define SLOWER {:e}", view.time());
     let (n, stores) = (machine.bodies.len(), machine.stores.len());
     text += "static void slope(const double *p, const double *u, const double *x, double *dx) {\n";
     let _ = writeln!(text, "    double f[{}] = {{0}}, q[{}] = {{0}}, e;", n.max(1), stores.max(1));
@@ -171,13 +176,14 @@ fn effort(machine: &Machine, element: Element) -> String {
     }
 }
 
-fn description(machine: &Machine, name: &str, start: &[f64]) -> String {
+fn description(machine: &Machine, name: &str, start: &[f64], view: View) -> String {
     let units: std::collections::BTreeSet<&str> = machine
         .parameters
         .iter()
         .map(|p| p.unit)
         .chain(machine.inputs.iter().map(|v| v.unit))
         .chain(machine.outputs.iter().map(|(v, _)| v.unit))
+        .chain(view.has_idle().then_some(IDLE.1))
         .collect();
     let mut text = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"2.0\" modelName=\"{name}\" \
@@ -214,6 +220,9 @@ fn description(machine: &Machine, name: &str, start: &[f64]) -> String {
     for (output, _) in &machine.outputs {
         let rest = "causality=\"output\" variability=\"continuous\"";
         variable(&mut text, &output.name, output.unit, rest, None);
+    }
+    if view.has_idle() {
+        variable(&mut text, IDLE.0, IDLE.1, "causality=\"input\" variability=\"continuous\"", Some(0.0));
     }
     text += "  </ModelVariables>\n  <ModelStructure><Outputs>\n";
     let before = machine.parameters.len() + machine.inputs.len();
@@ -263,7 +272,7 @@ int main(void) {
     fn answers(machine: &Machine, steps: &str) -> Vec<f64> {
         let folder = tempfile::tempdir().unwrap();
         let (file, program) = (folder.path().join("unit.c"), folder.path().join("unit"));
-        std::fs::write(&file, source(machine, "unit", &machine.values()) + MAIN).unwrap();
+        std::fs::write(&file, source(machine, "unit", &machine.values(), View::Same) + MAIN).unwrap();
         let built =
             Command::new("cc").args(["-O1", "-o"]).args([&program, &file]).arg("-lm").status().unwrap();
         assert!(built.success());
