@@ -15,10 +15,10 @@ pub(super) struct Aside {
 impl Aside {
     /// What faults ask for, of these runs; `variable` knows the model's variables by name. Of each fault that is left
     /// aside which costs less, as a share of what there is: its runs or its channels. `None` if nothing would be
-    /// left to fit or to check.
+    /// left to fit or to check, what runs are for being given or not.
     pub fn of(
         faults: &[&Fault],
-        runs: &[(Run, Use)],
+        (runs, are_given): (&[(Run, Use)], bool),
         variable: impl Fn(&str) -> Option<usize>,
     ) -> Option<Self> {
         let measured: BTreeSet<usize> =
@@ -39,8 +39,9 @@ impl Aside {
             let without_runs =
                 with(Self { runs: fault.runs.iter().skip(kept).cloned().collect(), ..Self::default() });
             let without_channels = channels.map(|channels| with(Self { channels, ..Self::default() }));
-            let ways =
-                std::iter::once(without_runs).chain(without_channels).filter(|way| way.leaves_enough(runs));
+            let ways = std::iter::once(without_runs)
+                .chain(without_channels)
+                .filter(|way| way.leaves_enough(runs, are_given));
             aside = ways.min_by(|a, b| a.share_of(runs).total_cmp(&b.share_of(runs)))?;
         }
         Some(aside)
@@ -50,9 +51,12 @@ impl Aside {
         !self.runs.contains(&run.name)
     }
 
-    fn leaves_enough(&self, runs: &[(Run, Use)]) -> bool {
-        let left = |wanted: Use| runs.iter().any(|(run, use_)| *use_ == wanted && self.is_left(run));
-        self.share_of(runs) < 1.0 && left(Use::Fit) && left(Use::Check)
+    fn leaves_enough(&self, runs: &[(Run, Use)], are_given: bool) -> bool {
+        let left: Vec<Use> =
+            runs.iter().filter(|(run, _)| self.is_left(run)).map(|(_, use_)| *use_).collect();
+        let can_be_shared =
+            left.len() > 1 && (!are_given || (left.contains(&Use::Fit) && left.contains(&Use::Check)));
+        self.share_of(runs) < 1.0 && can_be_shared
     }
 
     /// The share of all channels of all runs that is left aside.
@@ -102,7 +106,7 @@ mod tests {
 
     fn of(faults: &[Fault], runs: &[(Run, Use)]) -> Option<Aside> {
         let variable = |name: &str| NAMES.iter().position(|n| *n == name);
-        Aside::of(&faults.iter().collect::<Vec<_>>(), runs, variable)
+        Aside::of(&faults.iter().collect::<Vec<_>>(), (runs, true), variable)
     }
 
     #[test]
@@ -143,5 +147,9 @@ mod tests {
         let checks = of(&[fault(&[1, 4], Some("force"))], &runs(6, 3)).unwrap();
         assert_eq!((checks.runs.len(), checks.channels.len()), (0, 1));
         assert_eq!(of(&[fault(&[1, 4], Some("force"))], &runs(6, 1)), None);
+        // unless others may check
+        let all = runs(6, 1);
+        let shared = Aside::of(&[&fault(&[1, 4], Some("force"))], (&all, false), |_| Some(0)).unwrap();
+        assert_eq!((shared.runs.len(), shared.channels.len()), (2, 0));
     }
 }

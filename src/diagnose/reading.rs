@@ -5,7 +5,7 @@ use super::hygiene;
 use super::pipeline::Request;
 use super::result::{RunUse, Use, Verdict, WithoutFaults};
 use super::roles::Roles;
-use super::runs::{Map, are_given, courses, prepare, uses};
+use super::runs::{Map, are_given, courses, prepare, split, uses};
 use super::steps::ShorterSteps;
 use super::study::{Model, Study};
 use super::subject::Subject;
@@ -190,12 +190,15 @@ impl Recorded {
         if faults.is_empty() {
             return None;
         }
-        let aside = Aside::of(faults, &self.runs, |name| subject.interface.index(name))?;
+        let aside = Aside::of(faults, (&self.runs, self.are_given), |name| subject.interface.index(name))?;
         let mut rest = self.clone();
         for (name, use_) in rest.names.iter().zip(&mut rest.uses) {
             if aside.runs.contains(name) {
                 *use_ = Use::Leave;
             }
+        }
+        if !self.are_given {
+            rest.share_out();
         }
         rest.runs.retain(|(run, _)| !aside.runs.contains(&run.name));
         for (run, _) in &mut rest.runs {
@@ -205,6 +208,23 @@ impl Recorded {
         rest.channels_aside.extend(aside.channels.iter().map(name));
         rest.runs_aside.extend(aside.runs);
         Some(rest)
+    }
+
+    /// Sees to it that some of the runs that are used are for fitting and some for checking.
+    fn share_out(&mut self) {
+        if [Use::Fit, Use::Check].iter().all(|use_| self.uses.contains(use_)) {
+            return;
+        }
+        let used: Vec<usize> = (0..self.uses.len()).filter(|k| self.uses[*k] != Use::Leave).collect();
+        let recordings: Vec<Recording> = used.iter().map(|k| self.recordings[*k].clone()).collect();
+        for (k, use_) in used.into_iter().zip(split(&courses(&recordings))) {
+            self.uses[k] = use_;
+        }
+        for (run, use_) in &mut self.runs {
+            if let Some(k) = self.names.iter().position(|name| *name == run.name) {
+                *use_ = self.uses[k];
+            }
+        }
     }
 
     /// Whether a fault can be seen in what is used.

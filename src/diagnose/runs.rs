@@ -123,7 +123,7 @@ pub fn uses(folder: &Path, names: &[String], courses: &[Vec<&[f64]>]) -> Result<
 
 /// A third of the runs for checking, the middle of every three changed for what is like the others: a programme
 /// often repeats itself, and a set that lacks one kind of run checks nothing there.
-fn split(courses: &[Vec<&[f64]>]) -> Vec<Use> {
+pub fn split(courses: &[Vec<&[f64]>]) -> Vec<Use> {
     let checked = evened(courses, (0..courses.len()).map(|i| i % 3 == 1).collect());
     checked.into_iter().map(|c| if c { Use::Check } else { Use::Fit }).collect()
 }
