@@ -154,6 +154,11 @@ fn roles_of(info: &VariableInfo) -> Vec<Role> {
         _ if info.causality == Causality::Input => Role::Command,
         _ => Role::Other,
     };
+    if info.causality == Causality::Input && matches!(dimension, NEWTON | NEWTON_METRE) && is_given(role) {
+        let by =
+            if info.name.to_ascii_lowercase().contains("brake") { Role::BrakeForce } else { Role::Command };
+        return vec![Role::Force, by];
+    }
     match role {
         None => vec![quantity],
         Some(Role::Share) => Vec::new(),
@@ -167,6 +172,11 @@ fn roles_of(info: &VariableInfo) -> Vec<Role> {
         Some(Role::SteerAngle) => vec![Role::Position, Role::SteerAngle],
         Some(role) => vec![role],
     }
+}
+
+/// Whether a force with this role is one that a brake or another actuator gives: not a load, and no force of a tire.
+fn is_given(role: Option<Role>) -> bool {
+    matches!(role, None | Some(Role::Force))
 }
 
 /// The role that a name tells, of a variable of which nobody says anything.

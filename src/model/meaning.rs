@@ -64,8 +64,11 @@ pub enum Role {
     /// Anything else.
     Other,
     // at the end, so that GUIDs of interfaces without it stay
-    /// What an actuator is told or fed, where it is none of the others: a voltage, a current, a flow, a valve's opening.
+    /// What an actuator is told or fed, or the force that it gives if it is no brake: a voltage, a current, a flow, a valve's opening,
+    /// a motor's moment.
     Command,
+    /// Force \[N\] or moment \[N.m\] of a brake.
+    BrakeForce,
 }
 
 impl Role {

@@ -16,7 +16,7 @@ SEED = 2
 # masses and stiffnesses, that of all others.
 CASES = {
     1: ("unknown", []),
-    2: ("effect", ["hydraulic-lag"]),
+    2: ("effect", ["actuator-lag"]),
     3: ("nothing", []),
     5: ("effect", ["maxwell-element"]),
     6: ("effect", ["sensor-gain", "sensor-delay"]),

@@ -30,7 +30,7 @@ pub const EFFECT: Effect = Effect {
     apply,
 };
 
-/// What actuators give that are no brake and no force: they move something, or let current, heat or a fluid flow.
+/// What actuators give that are no brake: they move or push something, or let current, heat or a fluid flow.
 pub(super) const ACTUATED: &[Role] = &[
     Role::Position,
     Role::Velocity,

@@ -17,7 +17,7 @@ pub const EFFECT: Effect = Effect {
         ("sensor-bias", "at zero pressure too"),
         ("backlash", "only after a change of sign"),
     ],
-    targets: &[Role::Pressure, Role::Force],
+    targets: &[Role::Pressure, Role::BrakeForce],
     drivers: &[],
     parameters: &[Parameter::amplitude(
         "pressure",

@@ -18,7 +18,7 @@ pub const EFFECT: Effect = Effect {
         ("pad-onset", "only after the first contact"),
         ("valve-rate-limit", "small steps are not late"),
     ],
-    targets: &[Role::Pressure, Role::Force],
+    targets: &[Role::Pressure, Role::BrakeForce],
     drivers: &[],
     parameters: &[Parameter::amplitude(
         "time",

@@ -17,7 +17,7 @@ pub const EFFECT: Effect = Effect {
         ("pad-fade", "falls, over seconds"),
         ("hydraulic-hold-off", "at low pressure, at any time"),
     ],
-    targets: &[Role::Pressure, Role::Force],
+    targets: &[Role::Pressure, Role::BrakeForce],
     drivers: &[],
     parameters: &[LACK, TIME, contact(Scale::of("1", 1, [0, 0, 0]))],
     apply: |p, memory, call| rising(p, memory, call, call.target),

@@ -13,7 +13,7 @@ pub const EFFECT: Effect = Effect {
     source: "standard engineering knowledge",
     signature: "ramps with one slope where the command jumps; small steps are right",
     confused_with: &[("hydraulic-lag", "small steps are late too")],
-    targets: &[Role::Pressure, Role::Force],
+    targets: &[Role::Pressure, Role::BrakeForce],
     drivers: &[],
     parameters: LIMIT,
     apply,
