@@ -16,6 +16,7 @@ mod parts;
 mod pipeline;
 mod placement;
 mod plausible;
+mod prepared;
 mod programmes;
 mod reading;
 mod recalled;
