@@ -124,10 +124,9 @@ impl Asked<'_> {
     fn explain(&self, known: &Known, progress: &mut dyn FnMut(&str, f64)) -> Result<Explained> {
         let Self { subject, roles, bench, .. } = *self;
         let Known { recorded, aside, .. } = known;
-        let fatal = |faults: &[Fault], which: &dyn Fn(&Fault) -> bool| -> Vec<Fault> {
-            faults.iter().filter(|f| f.is_fatal() && which(f)).cloned().collect()
-        };
-        if let Some(rest) = known.without(&fatal(&known.faults, &|_| true), subject) {
+        let fatal =
+            |faults: &[Fault]| -> Vec<Fault> { faults.iter().filter(|f| f.is_fatal()).cloned().collect() };
+        if let Some(rest) = known.without(&fatal(&known.faults), subject) {
             return self.explain(&rest, progress);
         }
         let mut faults = known.faults.clone();
@@ -163,7 +162,8 @@ impl Asked<'_> {
         let is_new = |g: &Fault| !faults.iter().any(|f| f.kind.is_gross() && f.channel == g.channel);
         let new: Vec<Fault> = gross.filter(is_new).collect();
         faults.extend(new);
-        let of_all = fatal(&faults, &|f| !f.kind.is_of_some_runs());
+        let mut of_all = fatal(&faults);
+        of_all.retain(|f| !f.kind.is_of_some_runs());
         if let Some(rest) = known.without(&of_all, subject) {
             return self.explain(&rest, progress);
         }
@@ -195,7 +195,7 @@ impl Asked<'_> {
                 let explained = |f: &Fault| is_named && !there.iter().any(|t| t.is_of(f));
                 faults.retain(|f| !f.is_fatal() || !explained(f));
             }
-            if let Some(rest) = known.without(&fatal(&faults, &|_| true), subject) {
+            if let Some(rest) = known.without(&fatal(&faults), subject) {
                 return self.explain(&rest, progress);
             }
             if faults.iter().any(Fault::is_fatal) {

@@ -1,5 +1,6 @@
 //! Two tanks, one above the other, that never run over.
 
+use crate::rk4::rk4;
 use latsch::model::{Model, Table, input, output, parameter};
 use latsch::{Result, real};
 use serde::{Deserialize, Serialize};
@@ -76,17 +77,9 @@ impl Model for CascadedTanks {
         Ok(())
     }
 
-    /// A step of the classical Runge-Kutta method.
     fn step(&mut self, length: f64) -> Result<()> {
-        let x = [self.upper_level, self.lower_level];
-        let at = |h: f64, d: [f64; 2]| [x[0] + h * d[0], x[1] + h * d[1]];
-        let a = self.slope(x);
-        let b = self.slope(at(0.5 * length, a));
-        let c = self.slope(at(0.5 * length, b));
-        let d = self.slope(at(length, c));
-        let next: [f64; 2] =
-            std::array::from_fn(|i| x[i] + length / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
-        (self.upper_level, self.lower_level) = (next[0].max(0.0), next[1].max(0.0));
+        let levels = rk4([self.upper_level, self.lower_level], length, |x| self.slope(x));
+        [self.upper_level, self.lower_level] = levels.map(|level| level.max(0.0));
         Ok(())
     }
 }

@@ -9,6 +9,7 @@ mod constant_moment;
 mod linear_oscillator;
 mod pneumatic_cylinder;
 mod positioning_axis;
+mod rk4;
 mod servo_pendulum;
 mod torque_pendulum;
 

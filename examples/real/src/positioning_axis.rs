@@ -1,5 +1,6 @@
 //! A motor that moves a carriage along a guide, with no friction but what grows with the speed.
 
+use crate::rk4::rk4;
 use latsch::model::{Model, Table, input, output, parameter};
 use latsch::{Result, real};
 use serde::{Deserialize, Serialize};
@@ -76,15 +77,9 @@ impl Model for PositioningAxis {
         Ok(())
     }
 
-    /// A step of the classical Runge-Kutta method.
     fn step(&mut self, length: f64) -> Result<()> {
-        let (v, half) = (self.velocity, 0.5 * length);
-        let a = self.acceleration(v);
-        let b = self.acceleration(v + half * a);
-        let c = self.acceleration(v + half * b);
-        let d = self.acceleration(v + length * c);
-        self.position += length * v + length * length / 6.0 * (a + b + c);
-        self.velocity = v + length / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+        let slope = |[_, v]: [f64; 2]| [v, self.acceleration(v)];
+        [self.position, self.velocity] = rk4([self.position, self.velocity], length, slope);
         self.motor_force = self.force_constant * self.voltage;
         Ok(())
     }

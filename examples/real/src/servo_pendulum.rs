@@ -1,5 +1,6 @@
 //! A position servo that swings a pendulum, with no friction but what grows with the speed.
 
+use crate::rk4::rk4;
 use latsch::model::{Model, Table, input, output, parameter};
 use latsch::{Result, real};
 use serde::{Deserialize, Serialize};
@@ -122,15 +123,8 @@ impl Model for ServoPendulum {
 
     /// A step of the classical Runge-Kutta method.
     fn step(&mut self, length: f64) -> Result<()> {
-        let (x, v) = (self.position, self.velocity);
-        let slope = |x: f64, v: f64| (v, self.acceleration(x, v));
-        let half = 0.5 * length;
-        let a = slope(x, v);
-        let b = slope(x + half * a.0, v + half * a.1);
-        let c = slope(x + half * b.0, v + half * b.1);
-        let d = slope(x + length * c.0, v + length * c.1);
-        self.position = x + length / 6.0 * (a.0 + 2.0 * b.0 + 2.0 * c.0 + d.0);
-        self.velocity = v + length / 6.0 * (a.1 + 2.0 * b.1 + 2.0 * c.1 + d.1);
+        let slope = |[x, v]: [f64; 2]| [v, self.acceleration(x, v)];
+        [self.position, self.velocity] = rk4([self.position, self.velocity], length, slope);
         self.motor_moment = self.motor(self.position, self.velocity);
         Ok(())
     }

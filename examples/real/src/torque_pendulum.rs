@@ -1,5 +1,6 @@
 //! A pendulum on a torque-controlled motor, with no friction but what grows with the speed.
 
+use crate::rk4::rk4;
 use latsch::model::{Model, Table, input, output, parameter};
 use latsch::{Result, real};
 use serde::{Deserialize, Serialize};
@@ -62,17 +63,8 @@ impl Model for TorquePendulum {
         Ok(())
     }
 
-    /// A step of the classical Runge-Kutta method.
     fn step(&mut self, length: f64) -> Result<()> {
-        let x = [self.position, self.velocity];
-        let at = |h: f64, d: [f64; 2]| [x[0] + h * d[0], x[1] + h * d[1]];
-        let a = self.slope(x);
-        let b = self.slope(at(0.5 * length, a));
-        let c = self.slope(at(0.5 * length, b));
-        let d = self.slope(at(length, c));
-        let next: [f64; 2] =
-            std::array::from_fn(|i| x[i] + length / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
-        (self.position, self.velocity) = (next[0], next[1]);
+        [self.position, self.velocity] = rk4([self.position, self.velocity], length, |x| self.slope(x));
         Ok(())
     }
 }
