@@ -2,7 +2,7 @@
 //! where that fit has bent them.
 
 use super::candidates::{Before, Tried, assess, choose, screen};
-use super::decision::MIN_GAIN;
+use super::numbers::MIN_GAIN;
 use super::plausible::plausible;
 use super::recalled::Recalled;
 use super::roles::Roles;

@@ -1,6 +1,7 @@
 //! Candidates: effects screened at all their places, and the best of them fitted inside the simulation.
 
 use super::excerpt::coarser;
+use super::numbers::SPOILT;
 use super::placement::{Placement, Site, is_tunable, own_time, sizes};
 use super::plausible::{implausible, plausible};
 use super::recalled::{Natural, Recalled};
@@ -34,8 +35,6 @@ const WAVES: usize = 4;
 const FORCES: usize = 10;
 const FAR: f64 = 1e3;
 
-/// A squared error that is so many times larger with an effect than without refutes it.
-const SPOILT: f64 = 1.5;
 /// Iterations of a fit to the end.
 const POLISH: usize = 10;
 /// An effect that misses less than this share of what the best one explains is fitted to the end.

@@ -2,7 +2,8 @@
 //! the check runs.
 
 use super::candidates::Tried;
-use super::decision::{LEVEL, MIN_GAIN};
+use super::judge::is_confirmed;
+use super::numbers::{LEVEL, MIN_GAIN};
 use super::study::{Fitted, Study, differences};
 use crate::fit::side_by_side;
 use crate::stats::{product, sign_flip};
@@ -12,14 +13,8 @@ const TURNED: usize = 15;
 
 impl Tried {
     /// Whether the runs have gained from it what chance does not make, of so many that were fitted.
-    ///
-    /// The check runs chose nothing, so that they have only the effects that were fitted to choose from. The fit runs chose
-    /// these from all places, so that with them the level is shared by all of those, and the check runs have to gain what
-    /// chance makes less often than the level as well.
     pub fn is_confirmed(&self, tried: usize) -> bool {
-        let places = self.screened.all_places.max(1) as f64;
-        self.p <= LEVEL / tried.max(1) as f64
-            || (self.p <= LEVEL && self.p_in_turn.is_some_and(|p| p <= LEVEL / places))
+        is_confirmed(self.p, self.p_in_turn, tried, self.screened.all_places)
     }
 }
 

@@ -1,37 +1,15 @@
 //! What the named effects leave that is no noise of sensors.
 
-use super::decision::{LEFT_OVER, OFTEN_RIGHT};
 use super::locate;
+use super::numbers::{
+    FAR, FAR_ALONE, FORETOLD_LEVEL, LEFT_OVER, LEFT_OVER_FAR, LIKELY_LEVEL, MIN_FORETOLD, MUCH, NOISE_MARGIN,
+    OFTEN_RIGHT, TOO_FAR,
+};
 use super::result::Finding;
 use super::roles::Roles;
 use super::study::{Fitted, Rest, Study, negligible};
 use super::subject::Subject;
 use super::wander::wandering;
-
-/// What is known of the noise is too little by up to this factor, if it is coloured.
-pub(super) const NOISE_MARGIN: f64 = 1.4;
-/// What repeats of a run do not share is less than what noise leaves by so much, at most: filters of a recorder and lines
-/// between samples err alike in all of them. As careful as [`NOISE_MARGIN`], not measured.
-const REPEATED: f64 = 1.4;
-/// An error of so many times the noise is no noise, even if nothing can be said of it: of models that lack
-/// nothing the largest ratio of seeds 4 to 10 of the blind study was 1.37.
-const FAR: f64 = 1.45;
-/// The same for one channel of one run, whose noise is known less well: of models that lack nothing the largest ratio was
-/// 1.40 in 36 cases of the blind study.
-const FAR_ALONE: f64 = 1.7;
-/// And of so many times it nothing is explained, whatever the names have taken away: what was named right left 2.5
-/// times at most in seed 6 of the study, 3.2 times in real recordings.
-const TOO_FAR: f64 = 10.0;
-/// As [`LEFT_OVER`], where a channel errs by more than its noise allows: names that explain most of it are then mostly
-/// those of other physics that looks alike (in seed 10 of the blind study four of six). In the real recordings, where names are
-/// right and the rest is many times the noise, it is at most 0.04.
-const LEFT_OVER_FAR: f64 = 0.05;
-/// Probability of chance below which what can be foretold counts, and the share from which on.
-const FORETOLD_LEVEL: f64 = 0.01;
-const MIN_FORETOLD: f64 = 0.03;
-/// The same for signals that are only said to be likely.
-const LIKELY_LEVEL: f64 = 0.2;
-const MUCH: f64 = 0.3;
 
 /// What the named effects leave that is no noise of sensors.
 pub(super) struct Left {
@@ -94,7 +72,7 @@ impl Left {
         let squared_noise: Vec<f64> = (noise.iter().enumerate())
             .map(|(c, noise)| {
                 let alone = noise.alone.unwrap_or(f64::INFINITY);
-                let most = alone.min(noise.scatter.map_or(f64::INFINITY, |s| REPEATED * s));
+                let most = alone.min(noise.scatter.map_or(f64::INFINITY, |s| NOISE_MARGIN * s));
                 samples as f64 * (most.max(negligible(runs, c)) * study.weights[c]).powi(2)
             })
             .collect();

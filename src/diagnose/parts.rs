@@ -1,7 +1,7 @@
 //! In which part of a wired system a difference is made: the loop is opened at one part after the other, and what its
 //! connected inputs had is replayed from the recordings.
 
-use super::left::NOISE_MARGIN;
+use super::numbers::NOISE_MARGIN;
 use super::pipeline::FINAL;
 use super::result::{Part, PartChannel};
 use super::study::{Rest, Study};

@@ -1,9 +1,8 @@
 //! The chain from recordings to a verdict.
 
-use super::decision::LEVEL;
 use super::excerpt::finer;
 use super::hygiene::Fault;
-use super::left::NOISE_MARGIN;
+use super::numbers::{LEVEL, NOISE_MARGIN, RECORDER_LAG};
 use super::parts::errors_of_parts;
 use super::placement::Placement;
 use super::reading::{Known, Recorded, fault, shortest_interval, with};
@@ -29,8 +28,6 @@ use std::path::PathBuf;
 /// themselves before that as a rule.
 const FIRST: usize = 8;
 pub(super) const FINAL: usize = 25;
-/// A lag of all channels up to this share of the sampling interval is the recorder's filter, no finding.
-const RECORDER_LAG: f64 = 0.3;
 
 /// What is to be diagnosed.
 #[derive(Debug, Clone, Default)]

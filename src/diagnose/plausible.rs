@@ -1,13 +1,12 @@
 //! What the name of an effect allows its parameters to be.
 
+use super::numbers::AT_LITTLE_COST;
 use super::study::{Fitted, Model, Rest, Study};
 use super::tables::estimates;
 use crate::effect::catalogue::nested::{Nested, Place};
 
 /// Iterations of a fit within what is plausible.
 const KEEP: usize = 10;
-/// What keeping to plausible parameters may cost of what an effect explains.
-const AT_LITTLE_COST: f64 = 0.1;
 
 /// A coefficient of the last effect that its name does not allow.
 pub(super) fn implausible(model: &Model) -> Option<String> {

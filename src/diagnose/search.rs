@@ -8,6 +8,7 @@ use super::experiment::Rival;
 use super::in_turn::check_in_turn;
 use super::left::Left;
 use super::locate;
+use super::numbers::NO_MORE;
 use super::pipeline::FINAL;
 use super::recalled::Recalled;
 use super::result::{Candidate, Finding};
@@ -19,9 +20,6 @@ use crate::fit::side_by_side;
 
 /// Effects that are found one after the other.
 const MAX_EFFECTS: usize = 3;
-/// Two effects that leave less than so many times the noise leave nothing for a third one: of what is less than half the
-/// noise nothing is left to find.
-const NO_MORE: f64 = 1.1;
 
 /// What was found.
 pub(super) struct Found {
@@ -94,8 +92,14 @@ pub(super) fn search(
             side_by_side(study.bench.threads(), &begun, finish).into_iter().flatten().flatten().collect();
         polish(study, &mut tried, before);
         check_in_turn(study, &mut tried, &found.current);
-        let rests = (&found.check, &found.base_check);
-        match Round::new(study, &tried, rests, round == 0).decide(subject, &mut found.candidates) {
+        let judged = Round {
+            study,
+            tried: &tried,
+            before: &found.check,
+            base: &found.base_check,
+            is_first: round == 0,
+        };
+        match judged.decide(subject, &mut found.candidates) {
             Decision::Nothing => break,
             Decision::Named(i, finding, others) => {
                 found.findings.push(finding);

@@ -1,6 +1,7 @@
 //! [`Study`]: a model, its runs, and the fits of the model with effects to them.
 
 use super::locate;
+use super::numbers::{PRIOR, VISIBLE_ZERO, ZERO};
 use super::placement::Placement;
 use super::subject::FreeParameter;
 use crate::effect::Parameter;
@@ -12,20 +13,13 @@ use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Mutex;
 
-/// What is known beforehand about a parameter: its standard deviation as a share of the nominal value.
-const PRIOR: f64 = 0.3;
 /// A step of a fit goes at most so many standard deviations of what is known beforehand: bent valleys are
 /// followed, not jumped over.
 const REACH: f64 = 1.0;
 /// Step of differences for parameters, as a share.
 const STEP: f64 = 1e-3;
-/// What a sensor may show at zero, as a share of what its channel spans in all runs, and what is known beforehand of it:
-/// bridges and amplifiers drift by up to 1 % of what they are made for from one balancing to the next, and recordings use a
-/// part of that. More is a finding.
-const ZERO: f64 = 0.02;
+/// What is known beforehand of what a sensor shows at zero: its standard deviation as a share of the most that it may be.
 const ZERO_PRIOR: f64 = 0.5;
-/// And what shows above the rest of the errors by so many standard deviations is a finding, too: whoever looks at the sensor sees it.
-const VISIBLE: f64 = 3.0;
 /// Iterations of a fit of nothing but what the recorder makes: it is nearly linear.
 const RECORDER: usize = 5;
 /// The effect that says so.
@@ -275,7 +269,7 @@ impl Study<'_> {
             }
             let beside = (square / count - (sum / count).powi(2)).max(0.0).sqrt();
             let zero = fitted.model.parameters[first + k].abs() * most;
-            zero < most && zero <= VISIBLE * beside
+            zero < most && zero <= VISIBLE_ZERO * beside
         };
         let all = self.zeros.iter().copied().enumerate();
         let small: Vec<(usize, f64)> = all.filter(|(k, zero)| is_small(*k, *zero)).map(|(_, z)| z).collect();

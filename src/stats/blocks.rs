@@ -74,10 +74,10 @@ pub fn bootstrap_shares<B>(errors: &[Vec<B>], score: impl Fn(usize, &[&B]) -> f6
         let scores: Vec<f64> = (0..errors.len()).map(of).collect();
         let best = (0..errors.len()).min_by(|a, b| scores[*a].total_cmp(&scores[*b]));
         if let Some(best) = best {
-            wins[best] += 1.0 / f64::from(draws);
+            wins[best] += 1.0;
         }
     }
-    wins
+    wins.iter().map(|won| won / f64::from(draws)).collect()
 }
 
 #[cfg(test)]

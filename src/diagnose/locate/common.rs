@@ -2,20 +2,17 @@
 //! noise independently, so what the residuals of two channels share comes from the machine.
 
 use super::signals::{channels, even, interval, outputs, residual};
+use crate::diagnose::numbers::{MUCH, SHARED_LEVEL};
 use crate::fit::{Run, Traces};
 use crate::stats::chance::coherent;
 use crate::stats::welch::{Lines, count, independent};
 
-/// Probability of chance below which a common cause counts.
-const LEVEL: f64 = 1e-3;
 /// Segments, the longest that leave enough of them.
 const LENGTHS: [usize; 3] = [512, 256, 128];
 /// Independent segments that are enough to take the longer ones; and those without which nothing is said.
 const ENOUGH: [f64; 3] = [40.0, 20.0, 8.0];
-/// Share of a band's residual that must be coherent.
-const MIN_SHARE: f64 = 0.3;
-/// Share of the residual that must be in that band, as a mean of both channels; and in each of them.
-const MIN_POWER: [f64; 2] = [0.3, 0.1];
+/// Share of the residual of each of both channels that must be in the band that they share.
+const MIN_POWER: f64 = 0.1;
 /// A lag of all channels up to this share of a sampling interval is the recorder's.
 const RECORDER_LAG: f64 = 0.5;
 /// A coherent part that goes with the slope of the signals to this share is an error of time.
@@ -118,11 +115,11 @@ fn shared(a: &Lines, b: &Lines, last: usize, looks: f64) -> Option<Shared> {
     for line in 1..=last {
         let chance = coherent(a.coherence(b, line), n) * looks;
         p = p.min(chance);
-        if chance < LEVEL {
+        if chance < SHARED_LEVEL {
             (low, high) = (low.min(line), high.max(line));
         }
     }
-    if p >= LEVEL {
+    if p >= SHARED_LEVEL {
         return None;
     }
     let (mut share, mut carried, mut coherence) = (0.0, 0.0, 0.0);
@@ -132,14 +129,14 @@ fn shared(a: &Lines, b: &Lines, last: usize, looks: f64) -> Option<Shared> {
         // coherence of nothing is 1 / n on average
         let unbiased = |k: usize| ((a.coherence(b, k) - 1.0 / n) / (1.0 - 1.0 / n)).max(0.0);
         let common: f64 = (low..=high).map(|k| unbiased(k) * lines.power(k)).sum();
-        if within < MIN_POWER[1] * total {
+        if within < MIN_POWER * total {
             return None;
         }
         share += 0.5 * common / total;
         carried += 0.5 * within / total;
         coherence += 0.5 * common / within;
     }
-    let enough = coherence > MIN_SHARE && carried > MIN_POWER[0];
+    let enough = coherence > MUCH && carried > MUCH;
     enough.then_some(Shared { p, share, coherence, low, high })
 }
 

@@ -3,6 +3,7 @@
 
 use super::depends::{TIME, candidates, rate_by_sample};
 use super::signals::{bins, blocks, channels, memory, residual};
+use crate::diagnose::numbers::MUCH;
 use crate::diagnose::roles::Roles;
 use crate::fit::{Run, Traces};
 use crate::model::Interface;
@@ -20,8 +21,6 @@ const MAX_GROUPS: usize = 4;
 const BLOCK: f64 = 4.0;
 /// A column of which less than this share is new says nothing new.
 const NEW: f64 = 1e-3;
-/// A signal that makes so much less of the foretold part than the most important is not named.
-const MINOR: f64 = 0.3;
 
 /// What can be foretold of a channel's residual.
 #[derive(Debug, Clone, PartialEq)]
@@ -395,7 +394,7 @@ fn important(design: &Design<'_>, chosen: &[usize], parts: &[Vec<f64>]) -> Vec<S
     }
     weights.sort_by(|a, b| b.0.total_cmp(&a.0));
     let most = weights.first().map_or(0.0, |w| w.0);
-    weights.iter().filter(|w| w.0 >= MINOR * most).take(3).map(|w| w.1.to_owned()).collect()
+    weights.iter().filter(|w| w.0 >= MUCH * most).take(3).map(|w| w.1.to_owned()).collect()
 }
 
 /// Makes a column orthogonal to the others, takes it in, and takes it out of what is left.
