@@ -6,7 +6,9 @@
 mod ground;
 pub mod magic_formula;
 mod mounted;
+mod relaxation;
 pub mod ring_brush;
+pub mod super_elastic;
 
 pub use crate::mechanics::{Link, Motion, Wrench};
 pub use ground::{Flat, Ground, Plane};

@@ -1,0 +1,244 @@
+//! One element on its ray: the implicit step.
+//!
+//! The radial equation of an element (4-46 to 4-48) knows its neighbours only through the coupling, and the rim only through its
+//! motion. So it is solved for each element by itself, by a scheme that takes the stiff contact at any step: two stages of
+//! Alexander's singly diagonally implicit Runge-Kutta method of second order, which is L-stable and ends at its second stage.
+
+use super::contact::Contact;
+use crate::road::Point;
+
+/// 1 - 1 / sqrt(2): both stages are this share of a step implicit; the first one is at that share of it.
+pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+
+/// Iterations for the place of an element in contact: Newton's method takes three to five, and where it would leave the range that the
+/// place is known to be in, that is halved.
+const ITERATIONS: usize = 60;
+/// A change of the place that is none \[m\]: a ten-thousandth of a newton on the contact's stiffness at the load of a truck.
+const CLOSE: f64 = 1e-12;
+
+/// What acts on an element besides the road, as a function of its distance and speed: force = base + stiffness r + damping v, pulling
+/// it to the rim, all else included.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Radial {
+    pub mass: f64,
+    /// Stiffness, damping and force at r = v = 0.
+    pub stiffness: f64,
+    pub damping: f64,
+    pub base: f64,
+    /// Friction in parallel.
+    pub friction: Friction,
+}
+
+/// A spring that slips at a force (Prandtl), since the beginning of the step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Friction {
+    pub stiffness: f64,
+    pub limit: f64,
+    /// Its force, and the distance of the element, at the beginning.
+    pub force: f64,
+    pub distance: f64,
+}
+
+impl Friction {
+    /// The force at a distance, and its slope.
+    pub fn at(&self, distance: f64) -> (f64, f64) {
+        let force = self.force + self.stiffness * (distance - self.distance);
+        match force.abs() >= self.limit {
+            true => (self.limit.copysign(force), 0.0),
+            false => (force, self.stiffness),
+        }
+    }
+}
+
+/// Where the contact points of an element are, and how they move, in the wheel's plane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ray<'a> {
+    /// Unit vector along the ray.
+    pub along: [f64; 2],
+    /// Rim: height over the road's datum, velocity, spin speed.
+    pub rim_height: f64,
+    pub rim_velocity: [f64; 2],
+    pub spin: f64,
+    /// From the middle of the element to its tread.
+    pub to_tread: f64,
+    pub offsets: &'a [f64],
+}
+
+impl Ray<'_> {
+    /// A contact point from below the rim's centre at the datum, and its velocity, for a distance and speed of the element.
+    #[inline]
+    fn point(&self, offset: f64, distance: f64, speed: f64) -> ([f64; 2], [f64; 2]) {
+        let [cos, sin] = self.along;
+        let out = distance + self.to_tread;
+        let place = [out * cos - offset * sin, self.rim_height + out * sin + offset * cos];
+        // the ray turns with - spin
+        let velocity = [
+            self.rim_velocity[0] + speed * cos + self.spin * (out * sin + offset * cos),
+            self.rim_velocity[1] + speed * sin - self.spin * (out * cos - offset * sin),
+        ];
+        (place, velocity)
+    }
+}
+
+impl Ray<'_> {
+    /// Energy that the contact of an element at a distance holds \[J\].
+    pub fn stored(&self, track: &impl Track, contact: &Contact, distance: f64) -> f64 {
+        let of = |offset: &f64| {
+            let (place, _) = self.point(*offset, distance, 0.0);
+            let (height, slope, _) = track.at(place[0]);
+            contact.energy((height - place[1]) / libm::sqrt(1.0 + slope * slope))
+        };
+        self.offsets.iter().map(of).sum()
+    }
+}
+
+/// The road in the wheel's plane.
+pub(super) trait Track {
+    /// Height over the datum \[m\], slope along the plane, and factor on the friction, at x \[m\] from the rim's centre.
+    fn at(&self, x: f64) -> (f64, f64, f64);
+}
+
+/// A track from the points of a ground.
+pub(super) struct Along<F>(pub F, pub [f64; 2]);
+
+impl<F: Fn(f64, f64) -> Point> Track for Along<F> {
+    fn at(&self, x: f64) -> (f64, f64, f64) {
+        let [cos, sin] = self.1;
+        let point = self.0(x * cos, x * sin);
+        (point.height, point.slope[0] * cos + point.slope[1] * sin, point.friction)
+    }
+}
+
+/// What the road does to an element.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Pressed {
+    /// Force of the road on it \[N\], in the wheel's plane.
+    pub force: [f64; 2],
+    /// Moment of that about the rim's centre, about y \[N.m\].
+    pub moment: f64,
+    /// The part along the ray, and its derivative by the distance where the speed goes with it.
+    pub along: f64,
+    pub slope: f64,
+    /// Largest penetration \[m\].
+    pub penetration: f64,
+    /// Contact points that touch it.
+    pub points: u32,
+    /// Power that the contact's dampers take \[W\].
+    pub loss: f64,
+}
+
+/// What the road does to an element at a distance and speed; `per_speed` is the derivative of the speed by the distance.
+#[inline]
+pub(super) fn press(
+    ray: &Ray<'_>,
+    track: &impl Track,
+    contact: &Contact,
+    (distance, speed): (f64, f64),
+    per_speed: f64,
+) -> Pressed {
+    let mut pressed = Pressed::default();
+    for offset in ray.offsets {
+        let (place, velocity) = ray.point(*offset, distance, speed);
+        let (height, slope, _) = track.at(place[0]);
+        if place[1] >= height {
+            continue;
+        }
+        let cos = 1.0 / libm::sqrt(1.0 + slope * slope);
+        let normal = [-slope * cos, cos];
+        let penetration = (height - place[1]) * cos;
+        let leaving = normal[0] * velocity[0] + normal[1] * velocity[1];
+        let touch = contact.touch(penetration, leaving);
+        let on_ray = normal[0] * ray.along[0] + normal[1] * ray.along[1];
+        pressed.points += 1;
+        pressed.penetration = pressed.penetration.max(penetration);
+        pressed.force[0] += touch.force * normal[0];
+        pressed.force[1] += touch.force * normal[1];
+        let arm = [place[0], place[1] - ray.rim_height];
+        pressed.moment += touch.force * (arm[1] * normal[0] - arm[0] * normal[1]);
+        pressed.along += touch.force * on_ray;
+        // the penetration grows by - on_ray with the distance, the leaving speed by on_ray with the speed
+        pressed.slope += on_ray * on_ray * (touch.by_leaving * per_speed - touch.by_penetration);
+        pressed.loss += leaving * (contact.touch(penetration, 0.0).force - touch.force);
+    }
+    pressed
+}
+
+/// Where an element is at a stage, and what the road does to it there.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reached {
+    pub distance: f64,
+    pub speed: f64,
+    pub acceleration: f64,
+    pub pressed: Pressed,
+}
+
+/// Solves r = r0 + h v, v = v0 + h a(r, v) for an element, h > 0 seconds, with `guess` for the distance.
+pub(super) fn reach(
+    radial: &Radial,
+    ray: &Ray<'_>,
+    track: &impl Track,
+    contact: &Contact,
+    (distance, speed, h): (f64, f64, f64),
+    guess: f64,
+) -> Reached {
+    let per = 1.0 / h;
+    let speed_at = |r: f64| (r - distance) * per;
+    let acceleration_at = |r: f64| (speed_at(r) - speed) * per;
+    // what pulls it to the rim less what the mass needs; rises with r
+    let without_road = |r: f64| {
+        let (friction, slope) = radial.friction.at(r);
+        let force = radial.base + radial.stiffness * r + radial.damping * speed_at(r) + friction;
+        (
+            radial.mass * acceleration_at(r) + force,
+            radial.mass * per * per + radial.stiffness + radial.damping * per + slope,
+        )
+    };
+    let (value, slope) = without_road(guess);
+    let mut free = guess - value / slope;
+    if radial.friction.limit > 0.0 {
+        // two straight pieces more: one correction on each
+        for _ in 0..3 {
+            let (value, slope) = without_road(free);
+            free -= value / slope;
+        }
+    }
+    let reached = |r: f64, pressed: Pressed| Reached {
+        distance: r,
+        speed: speed_at(r),
+        acceleration: acceleration_at(r),
+        pressed,
+    };
+    if ray.along[1] >= 0.0 {
+        return reached(free, Pressed::default());
+    }
+    let pressed = press(ray, track, contact, (free, speed_at(free)), per);
+    if pressed.points == 0 {
+        return reached(free, pressed);
+    }
+    // the road pushes it in: the place is between there and where it touches no more
+    let (mut low, mut high) = (f64::NEG_INFINITY, free);
+    let mut r = if guess < free { guess } else { free - pressed.penetration };
+    for _ in 0..ITERATIONS {
+        let pressed = press(ray, track, contact, (r, speed_at(r)), per);
+        let (value, slope) = without_road(r);
+        let (value, slope) = (value - pressed.along, slope - pressed.slope);
+        if value > 0.0 {
+            high = r
+        } else {
+            low = r
+        }
+        let mut next = r - value / slope;
+        if !(next > low && next < high) || slope <= 0.0 {
+            next = match low.is_finite() {
+                true => 0.5 * (low + high),
+                false => high - 2.0 * (free - high).max(pressed.penetration).max(1e-6),
+            };
+        }
+        let is_close = (next - r).abs() < CLOSE;
+        r = next;
+        if is_close {
+            break;
+        }
+    }
+    reached(r, press(ray, track, contact, (r, speed_at(r)), per))
+}

@@ -1,0 +1,321 @@
+//! All elements: what they do in a step, and what they put on the rim.
+
+use super::element::{Friction, GAMMA, Pressed, Radial, Ray, Reached, Track, press, reach};
+use super::parameters::{Parameters, Prepared};
+use crate::clone_in_place;
+use serde::{Deserialize, Serialize};
+
+/// The rim in the wheel's plane.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RimInPlane {
+    /// Height of its centre over the road's datum \[m\].
+    pub height: f64,
+    /// Velocity forward and up \[m/s\].
+    pub velocity: [f64; 2],
+    /// Acceleration forward and up \[m/s²\].
+    pub acceleration: [f64; 2],
+    /// Spin angle and speed \[rad, rad/s\].
+    pub angle: f64,
+    /// Spin speed \[rad/s\].
+    pub spin: f64,
+    /// Spin acceleration \[rad/s²\].
+    pub spin_acceleration: f64,
+}
+
+/// Distances of the elements from the rim's centre, their speeds, and what their rubber remembers.
+#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct Ring {
+    /// Distance of the middle of each element \[m\].
+    pub distance: Vec<f64>,
+    /// Its speed \[m/s\].
+    pub speed: Vec<f64>,
+    /// Force of the part that relaxes \[N\].
+    pub relaxing: Vec<f64>,
+    /// Friction \[N\].
+    pub friction: Vec<f64>,
+    /// Force of the road on each element, forward and up \[N\].
+    pub contact: Vec<[f64; 2]>,
+}
+
+clone_in_place!(Ring { distance, speed, relaxing, friction, contact });
+
+/// Stiffness and damping of an element that hold now.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Coefficients {
+    /// \[N/m\]
+    pub stiffness: f64,
+    /// \[N.s/m\]
+    pub damping: f64,
+}
+
+/// What all elements put on the rim, and what the road puts on them; forces forward and up \[N\].
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Sums {
+    /// Of radial springs and dampers.
+    pub radial: [f64; 2],
+    /// All on the rim.
+    pub exact: [f64; 2],
+    /// Moment of that about the rim's centre, about y, beyond what the spinning of a rigid ring takes \[N.m\].
+    pub moment: f64,
+    /// Of the road.
+    pub contact: [f64; 2],
+    /// Elements that the road touches.
+    pub touching: u32,
+    /// Largest penetration \[m\].
+    pub penetration: f64,
+    /// Power that rubber and contact take \[W\].
+    pub loss: f64,
+}
+
+/// Parameters with what follows from them, and the coefficients that hold now.
+#[derive(Clone, Copy)]
+pub(super) struct Rubber<'a> {
+    pub parameters: &'a Parameters,
+    pub prepared: &'a Prepared,
+    pub coefficients: Coefficients,
+}
+
+/// What is known of an element at the end of a step.
+struct End {
+    force: f64,
+    loss: f64,
+}
+
+impl Rubber<'_> {
+    /// The share that is left of the force that relaxes after a time, and that of a change within it.
+    fn relaxation(&self, time: f64) -> (f64, f64) {
+        let p = self.parameters;
+        if p.relaxing_stiffness == 0.0 {
+            return (0.0, 0.0);
+        }
+        let way = time / p.relaxing_time;
+        (libm::exp(-way), if way > 0.0 { -libm::expm1(-way) / way } else { 1.0 })
+    }
+
+    /// What acts on an element within a step, `time` after its beginning, at a sine and a spin speed.
+    fn radial(&self, ring: &Ring, n: usize, rim: &RimInPlane, along: [f64; 2], time: f64) -> Radial {
+        let (p, prepared) = (self.parameters, self.prepared);
+        let m = prepared.mass;
+        let (kept, new) = self.relaxation(time);
+        let relaxing = p.relaxing_stiffness * new;
+        let Coefficients { stiffness, damping } = self.coefficients;
+        let pulled = rim.acceleration[0] * along[0] + (rim.acceleration[1] + p.gravity) * along[1];
+        Radial {
+            mass: m,
+            stiffness: stiffness + relaxing - m * rim.spin * rim.spin,
+            damping,
+            base: -stiffness * prepared.free + kept * ring.relaxing[n] - relaxing * ring.distance[n]
+                + m * pulled,
+            friction: Friction {
+                stiffness: p.friction_stiffness,
+                limit: p.friction_force,
+                force: ring.friction[n],
+                distance: ring.distance[n],
+            },
+        }
+    }
+
+    /// What acts on an element that nothing moves, and that has had time to relax.
+    pub(super) fn at_rest(&self, rim: &RimInPlane, along: [f64; 2]) -> Radial {
+        let (p, prepared) = (self.parameters, self.prepared);
+        let (m, stiffness) = (prepared.mass, self.coefficients.stiffness);
+        Radial {
+            mass: m,
+            stiffness: stiffness - m * rim.spin * rim.spin,
+            damping: 0.0,
+            base: m * p.gravity * along[1] - stiffness * prepared.free,
+            friction: Friction {
+                stiffness: p.friction_stiffness,
+                limit: p.friction_force,
+                force: 0.0,
+                distance: prepared.free,
+            },
+        }
+    }
+
+    /// Takes what the rubber of an element remembers to the end of a step of `time` seconds, at the distance there; returns what
+    /// the rubber pulls it with, and the power that it takes.
+    fn remember(&self, ring: &mut Ring, n: usize, radial: &Radial, reached: &Reached, time: f64) -> End {
+        let p = self.parameters;
+        let Coefficients { stiffness, damping } = self.coefficients;
+        let (mut force, mut loss) = (
+            stiffness * (reached.distance - self.prepared.free) + damping * reached.speed,
+            damping * reached.speed * reached.speed,
+        );
+        if p.relaxing_stiffness > 0.0 {
+            let (kept, new) = self.relaxation(time);
+            let way = reached.distance - ring.distance[n];
+            ring.relaxing[n] = kept * ring.relaxing[n] + p.relaxing_stiffness * new * way;
+            force += ring.relaxing[n];
+            loss += ring.relaxing[n] * ring.relaxing[n] / (p.relaxing_stiffness * p.relaxing_time);
+        }
+        if p.friction_force > 0.0 {
+            let (friction, slope) = radial.friction.at(reached.distance);
+            ring.friction[n] = friction;
+            force += friction;
+            loss += if slope == 0.0 { (friction * reached.speed).max(0.0) } else { 0.0 };
+        }
+        End { force, loss }
+    }
+}
+
+/// Unit vector along ray `n` at a spin angle with this sine and cosine.
+#[inline]
+pub(super) fn along(prepared: &Prepared, n: usize, (sin, cos): (f64, f64)) -> [f64; 2] {
+    let [x, z] = prepared.rays[n];
+    [x * cos + z * sin, z * cos - x * sin]
+}
+
+fn ray<'a>(rubber: &Rubber<'a>, rim: &RimInPlane, along: [f64; 2]) -> Ray<'a> {
+    Ray {
+        along,
+        rim_height: rim.height,
+        rim_velocity: rim.velocity,
+        spin: rim.spin,
+        to_tread: 0.5 * rubber.parameters.element_thickness,
+        offsets: &rubber.prepared.offsets,
+    }
+}
+
+impl Ring {
+    /// Elements without load.
+    pub(super) fn free(prepared: &Prepared) -> Self {
+        let n = prepared.rays.len();
+        Self {
+            distance: vec![prepared.free; n],
+            speed: vec![0.0; n],
+            relaxing: vec![0.0; n],
+            friction: vec![0.0; n],
+            contact: vec![[0.0; 2]; n],
+        }
+    }
+
+    /// Whether it fits parameters that say how many elements there are.
+    pub(super) fn fits(&self, prepared: &Prepared) -> bool {
+        let n = prepared.rays.len();
+        [&self.distance, &self.speed, &self.relaxing, &self.friction].iter().all(|v| v.len() == n)
+            && self.contact.len() == n
+    }
+
+    /// Moves all elements by `dt` > 0 seconds, in which the rim moves so that `rim` has it at both stages; `tracks` has the road
+    /// at both.
+    pub(super) fn step(
+        &mut self,
+        rubber: &Rubber<'_>,
+        rim: &[RimInPlane; 2],
+        tracks: &[impl Track; 2],
+        dt: f64,
+    ) -> Sums {
+        let h = GAMMA * dt;
+        let turned = [0, 1].map(|i| libm::sincos(rim[i].angle));
+        let mut sums = Sums::default();
+        for n in 0..self.distance.len() {
+            let contact = &rubber.prepared.contact;
+            let (distance, speed) = (self.distance[n], self.speed[n]);
+            let first_along = along(rubber.prepared, n, turned[0]);
+            let radial = rubber.radial(self, n, &rim[0], first_along, h);
+            let guess = distance + h * speed;
+            let first_ray = ray(rubber, &rim[0], first_along);
+            let first = reach(&radial, &first_ray, &tracks[0], contact, (distance, speed, h), guess);
+
+            let last_along = along(rubber.prepared, n, turned[1]);
+            let radial = rubber.radial(self, n, &rim[1], last_along, dt);
+            let rest = dt - h;
+            let from = (distance + rest * first.speed, speed + rest * first.acceleration, h);
+            let guess = from.0 + h * (from.1 + h * first.acceleration);
+            let last_ray = ray(rubber, &rim[1], last_along);
+            let last = reach(&radial, &last_ray, &tracks[1], contact, from, guess);
+
+            let end = rubber.remember(self, n, &radial, &last, dt);
+            (self.distance[n], self.speed[n]) = (last.distance, last.speed);
+            self.contact[n] = last.pressed.force;
+            sums.add(rubber, &rim[1], last_along, &last, &end);
+        }
+        sums
+    }
+
+    /// The sums where the elements are, which have this acceleration along their rays at rest: none.
+    pub(super) fn evaluate(&mut self, rubber: &Rubber<'_>, rim: &RimInPlane, track: &impl Track) -> Sums {
+        let turned = libm::sincos(rim.angle);
+        let mut sums = Sums::default();
+        for n in 0..self.distance.len() {
+            let along = along(rubber.prepared, n, turned);
+            let (distance, speed) = (self.distance[n], self.speed[n]);
+            let pressed = match along[1] < 0.0 {
+                true => {
+                    press(&ray(rubber, rim, along), track, &rubber.prepared.contact, (distance, speed), 0.0)
+                }
+                false => Pressed::default(),
+            };
+            let radial = rubber.radial(self, n, rim, along, 0.0);
+            let reached = Reached { distance, speed, acceleration: 0.0, pressed };
+            let end = rubber.remember(self, n, &radial, &reached, 0.0);
+            let force = radial.base
+                + radial.stiffness * distance
+                + radial.damping * speed
+                + radial.friction.at(distance).0;
+            let acceleration = (pressed.along - force) / rubber.prepared.mass;
+            self.contact[n] = pressed.force;
+            sums.add(rubber, rim, along, &Reached { acceleration, ..reached }, &end);
+        }
+        sums
+    }
+
+    /// Energy of the elements' motion along their rays, of their springs and of the contact \[J\], without the height.
+    pub(super) fn energy(&self, rubber: &Rubber<'_>, rim: &RimInPlane, track: &impl Track) -> f64 {
+        let turned = libm::sincos(rim.angle);
+        let (p, prepared) = (rubber.parameters, rubber.prepared);
+        (0..self.distance.len())
+            .map(|n| {
+                let along = along(prepared, n, turned);
+                let (r, v) = (self.distance[n], self.speed[n]);
+                let [x, z] = [
+                    rim.velocity[0] + v * along[0] + r * rim.spin * along[1],
+                    rim.velocity[1] + v * along[1] - r * rim.spin * along[0],
+                ];
+                let height = rim.height + r * along[1];
+                let mut energy = 0.5 * prepared.mass * (x * x + z * z) + prepared.mass * p.gravity * height;
+                energy += 0.5 * rubber.coefficients.stiffness * (r - prepared.free) * (r - prepared.free);
+                if p.relaxing_stiffness > 0.0 {
+                    energy += 0.5 * self.relaxing[n] * self.relaxing[n] / p.relaxing_stiffness;
+                }
+                if p.friction_stiffness > 0.0 {
+                    energy += 0.5 * self.friction[n] * self.friction[n] / p.friction_stiffness;
+                }
+                if along[1] < 0.0 {
+                    energy += ray(rubber, rim, along).stored(track, &prepared.contact, r);
+                }
+                energy
+            })
+            .sum()
+    }
+}
+
+impl Sums {
+    fn add(&mut self, rubber: &Rubber<'_>, rim: &RimInPlane, along: [f64; 2], at: &Reached, end: &End) {
+        let (m, g) = (rubber.prepared.mass, rubber.parameters.gravity);
+        let (r, v, spin) = (at.distance, at.speed, rim.spin);
+        // the acceleration of the element (4-29), with that of the spin
+        let outward = at.acceleration - r * spin * spin;
+        let forward = r * rim.spin_acceleration + 2.0 * v * spin;
+        let acceleration = [
+            rim.acceleration[0] + outward * along[0] + forward * along[1],
+            rim.acceleration[1] + outward * along[1] - forward * along[0],
+        ];
+        let pressed = &at.pressed;
+        for i in 0..2 {
+            self.radial[i] += end.force * along[i];
+            self.contact[i] += pressed.force[i];
+            self.exact[i] += pressed.force[i] - m * acceleration[i];
+        }
+        self.exact[1] -= m * g;
+        // about the rim's centre: the road's, less what turning and being carried takes beyond a ring at the free radius
+        let carried = r * (along[1] * rim.acceleration[0] - along[0] * (rim.acceleration[1] + g));
+        let free = rubber.prepared.free;
+        let turning = r * forward - free * free * rim.spin_acceleration;
+        self.moment += pressed.moment - m * (turning + carried);
+        self.touching += u32::from(pressed.points > 0);
+        self.penetration = self.penetration.max(pressed.penetration);
+        self.loss += end.loss + pressed.loss;
+    }
+}

@@ -1,0 +1,157 @@
+//! The state that a wheel stays in: elements where springs, weight, turning and the road balance, each as if it stood still there.
+//!
+//! As the wheel turns, elements come and go, and load or height ripple with N per turn: the state is that of the spin angle at which
+//! the rim is. An element's speed is how its place changes along the turn; its acceleration there is not looked for.
+
+use super::element::{Ray, Track, reach};
+use super::parameters::{Parameters, Prepared};
+use super::ring::{Coefficients, RimInPlane, Ring, Rubber, Sums, along};
+use crate::{Error, Result};
+
+/// A time so long that nothing moves at its end \[s\]: squared, it makes the mass of an element nothing beside its spring.
+const LONG: f64 = 1e6;
+/// Step of the spin angle for the speeds of elements \[rad\]: a thousandth of the angle between them.
+const TURN: f64 = 1e-4;
+/// Halvings of the height at most; the secants between them need ten.
+const SEARCHES: usize = 80;
+/// How low the rim's centre may be over the road, as a share of the radius: the rim's own radius is beyond that.
+const LOWEST: f64 = 0.4;
+
+/// A level road.
+pub(super) struct Level {
+    pub friction: f64,
+}
+
+impl Track for Level {
+    fn at(&self, _: f64) -> (f64, f64, f64) {
+        (0.0, 0.0, self.friction)
+    }
+}
+
+/// A stationary ring.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stationary {
+    /// The elements.
+    pub ring: Ring,
+    /// The load that coefficients were taken at \[N\].
+    pub load: f64,
+    pub(super) coefficients: Coefficients,
+    pub(super) sums: Sums,
+    /// Height of the rim's centre over the road \[m\].
+    pub height: f64,
+}
+
+impl Parameters {
+    /// Coefficients at a load and a speed.
+    pub(super) fn coefficients(&self, prepared: &Prepared, load: f64, speed: f64) -> Coefficients {
+        let load = if self.characteristic_load > 0.0 { self.characteristic_load } else { load.max(0.0) };
+        Coefficients {
+            stiffness: self.stiffness_factor * prepared.stiffness.at(self.stiffness, load, speed),
+            damping: prepared.damping.at(self.damping, load, speed),
+        }
+    }
+
+    /// The vertical part of the force on the rim \[N\].
+    pub(super) fn on_rim(&self, sums: &Sums) -> [f64; 2] {
+        if self.rim_force == 2 { sums.exact } else { sums.radial }
+    }
+}
+
+/// The ring at rest under a rim at a height.
+fn at_height(rubber: &Rubber<'_>, rim: &RimInPlane) -> (Ring, Sums) {
+    let prepared = rubber.prepared;
+    let mut ring = Ring::free(prepared);
+    let still = |n: usize, angle: f64, guess: f64| {
+        let along = along(prepared, n, libm::sincos(angle));
+        let ray = Ray {
+            along,
+            rim_height: rim.height,
+            rim_velocity: [0.0; 2],
+            spin: 0.0,
+            to_tread: 0.5 * rubber.parameters.element_thickness,
+            offsets: &prepared.offsets,
+        };
+        let radial = rubber.at_rest(rim, along);
+        reach(&radial, &ray, &Level { friction: 1.0 }, &prepared.contact, (prepared.free, 0.0, LONG), guess)
+            .distance
+    };
+    for n in 0..ring.distance.len() {
+        let here = still(n, rim.angle, prepared.free);
+        let turned = [-TURN, TURN].map(|turn| still(n, rim.angle + turn, here));
+        ring.distance[n] = here;
+        ring.friction[n] =
+            rubber.at_rest(rim, along(prepared, n, libm::sincos(rim.angle))).friction.at(here).0;
+        ring.speed[n] = rim.spin * (turned[1] - turned[0]) / (2.0 * TURN);
+    }
+    let sums = ring.evaluate(rubber, rim, &Level { friction: 1.0 });
+    (ring, sums)
+}
+
+/// The stationary ring under a rim that moves so, at its height or where the rim carries `load`.
+///
+/// # Errors
+/// No height carries that load.
+pub(super) fn stationary(
+    parameters: &Parameters,
+    prepared: &Prepared,
+    rim: &RimInPlane,
+    load: Option<f64>,
+) -> Result<Stationary> {
+    let with = |height: f64, coefficients: Coefficients| {
+        let rim = RimInPlane { height, ..*rim };
+        at_height(&Rubber { parameters, prepared, coefficients }, &rim)
+    };
+    let speed = rim.velocity[0];
+    if let Some(load) = load {
+        let coefficients = parameters.coefficients(prepared, load, speed);
+        let carried = |height: f64| parameters.on_rim(&with(height, coefficients).1)[1] - load;
+        let (mut low, mut high) =
+            (LOWEST * parameters.radius, parameters.radius + 0.5 * parameters.element_thickness);
+        let (mut at_low, mut at_high) = (carried(low), carried(high));
+        if at_low < 0.0 {
+            return Err(Error::numeric(format!(
+                "the tire cannot carry {load:.0} N: with its rim at {LOWEST} of its radius it carries {:.0} N",
+                at_low + load
+            )));
+        }
+        if at_high > 0.0 {
+            return Err(Error::numeric(format!(
+                "a load of {load:.0} N is less than the tire in the air has, {:.0} N: its own weight hangs on the rim",
+                at_high + load
+            )));
+        }
+        for k in 0..SEARCHES {
+            // secants, and a halving now and then, so that both ends come near
+            let secant = high - at_high * (high - low) / (at_high - at_low);
+            let middle = if k % 3 == 2 { 0.5 * (low + high) } else { secant };
+            let at = carried(middle);
+            if at > 0.0 {
+                (low, at_low) = (middle, at)
+            } else {
+                (high, at_high) = (middle, at)
+            }
+            if at == 0.0 || high - low < 1e-12 {
+                break;
+            }
+        }
+        let height =
+            if at_high == at_low { high } else { high - at_high * (high - low) / (at_high - at_low) };
+        let (ring, sums) = with(height, coefficients);
+        return Ok(Stationary { ring, load, coefficients, sums, height });
+    }
+    // at a height the coefficients know the load that they make
+    let mut load = parameters.reference_load;
+    let mut found = None;
+    for _ in 0..SEARCHES {
+        let coefficients = parameters.coefficients(prepared, load, speed);
+        let (ring, sums) = with(rim.height, coefficients);
+        let next = parameters.on_rim(&sums)[1].max(0.0);
+        let is_same = (next - load).abs() <= 1e-9 * load;
+        load = next;
+        found = Some(Stationary { ring, load, coefficients, sums, height: rim.height });
+        if is_same {
+            break;
+        }
+    }
+    found.ok_or_else(|| Error::numeric("no stationary state was looked for"))
+}
