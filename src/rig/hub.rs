@@ -70,9 +70,10 @@ impl Hub {
     }
 
     /// Takes over the force \[N\] and the torque about the wheel's axis \[N.m\] of the present instant,
-    /// without gravity and brake.
-    pub fn load(&mut self, p: &HubParameters, force: &Vector3<f64>, torque: f64) {
-        self.centre.acceleration = force / p.mass - Vector3::new(0.0, 0.0, p.gravity);
+    /// without gravity and brake, and the mass that the hub carries along \[kg\], whose gravity is in the force.
+    pub fn load(&mut self, p: &HubParameters, (force, carried): (&Vector3<f64>, f64), torque: f64) {
+        let mass = p.mass + carried;
+        self.centre.acceleration = force / mass - Vector3::new(0.0, 0.0, p.gravity * (p.mass / mass));
         self.spin.free_acceleration = torque / p.inertia;
     }
 
@@ -132,7 +133,7 @@ mod tests {
     const P: HubParameters = HubParameters { mass: 20.0, inertia: 1.2, gravity: 9.81 };
 
     fn run(hub: &mut Hub, torque: f64, brake: f64, dt: f64, steps: usize) {
-        hub.load(&P, &Vector3::zeros(), torque);
+        hub.load(&P, (&Vector3::zeros(), 0.0), torque);
         for _ in 0..steps {
             hub.drift(&P, brake, dt);
             hub.kick(&P, brake, dt);

@@ -18,6 +18,7 @@ use crate::model::Table;
 use crate::road::{Road, Window};
 use crate::solver::Dual;
 use crate::{Error, Result};
+use nalgebra::Vector3;
 use serde::{Serialize, de::DeserializeOwned};
 
 /// What holds the rim in the vertical direction.
@@ -198,6 +199,12 @@ pub trait Tire: Clone + Default + PartialEq + Serialize + DeserializeOwned + Sen
 
     /// Force and moment on the rim about its centre at the last instant, frame 0.
     fn on_rim(&self) -> Wrench<f64>;
+
+    /// The force on the rim without what it takes to accelerate masses of the tire that ride on the rim \[N\], and how much they
+    /// weigh \[kg\]: what a body needs whose own acceleration is made by that force. Their gravity is in the force.
+    fn on_hub(&self) -> (Vector3<f64>, f64) {
+        (self.on_rim().force, 0.0)
+    }
 
     /// Energy lost in the contact since the start \[J\].
     fn energy_loss(&self) -> f64;

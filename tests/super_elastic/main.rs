@@ -2,9 +2,11 @@
 //! equations that shares no code with it, closed forms and balances.
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod cleats;
 #[path = "../common/mod.rs"]
 mod common;
 mod dynamics;
+mod reference;
 mod statics;
 
 use latsch::road::Road;

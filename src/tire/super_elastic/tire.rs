@@ -4,7 +4,7 @@ use super::element::{Along, GAMMA};
 use super::longitudinal::{adhesion, brush_force};
 use super::parameters::{Parameters, Prepared};
 use super::ring::{Coefficients, RimInPlane, Ring, Rubber, Sums, along};
-use super::stationary::{Stationary, stationary};
+use super::stationary::{Level, Stationary, stationary};
 use crate::mechanics::{Link, Motion, Wrench};
 use crate::model::Table;
 use crate::road::{Road, Window};
@@ -55,6 +55,10 @@ pub struct State {
     pub resistance: f64,
     /// Spin angle of the rim \[rad\].
     pub angle: f64,
+    /// Acceleration of its centre forward and up \[m/s²\].
+    pub acceleration: [f64; 2],
+    /// Cosine and sine of its heading.
+    pub heading: [f64; 2],
     /// Sums over the elements.
     pub sums: Sums,
     /// Force and moment on the rim about its centre, frame 0.
@@ -75,6 +79,8 @@ clone_in_place!(State {
     traction,
     resistance,
     angle,
+    acceleration,
+    heading,
     sums,
     on_rim,
     power_loss,
@@ -155,7 +161,7 @@ impl SuperElastic {
         let load = (force_z * under.along[0] - force_x * under.along[1]).max(0.0);
         let state = &mut self.state;
         state.height = under.height;
-        state.angle = rim.angle;
+        (state.angle, state.acceleration, state.heading) = (rim.angle, rim.acceleration, heading);
         let faster = speed.abs().max(rolling.abs());
         state.wheel_slip = if faster > 0.0 { (rolling - speed) / faster } else { 0.0 };
         if load > 0.0 {
@@ -337,7 +343,8 @@ impl Tire for SuperElastic {
             self.state.ring.evaluate(&rubber, &to, &track(1.0))
         };
         let under = under(&to, heading, ground, 1.0);
-        self.pass_on(&to, heading, &under, dt);
+        let end = if dt > 0.0 { between(&from, &to, 1.0, dt) } else { to };
+        self.pass_on(&end, heading, &under, dt);
         let p = &self.parameters;
         let state = &mut self.state;
         let load = p.on_rim(&state.sums)[1];
@@ -357,6 +364,16 @@ impl Tire for SuperElastic {
 
     fn on_rim(&self) -> Wrench<f64> {
         self.state.on_rim
+    }
+
+    /// Elements are carried across their rays, which is half of their mass in each direction: the sum of t tᵀ over N even rays is N / 2.
+    fn on_hub(&self) -> (Vector3<f64>, f64) {
+        if self.parameters.rim_force != 2 {
+            return (self.state.on_rim.force, 0.0);
+        }
+        let carried = 0.5 * self.parameters.rubber_mass;
+        let ([x, z], [cos, sin]) = (self.state.acceleration, self.state.heading);
+        (self.state.on_rim.force + Vector3::new(x * cos, x * sin, z) * carried, carried)
     }
 
     fn energy_loss(&self) -> f64 {
@@ -379,5 +396,17 @@ impl Tire for SuperElastic {
             })
         };
         (0..prepared.rays.len()).filter_map(cell).collect()
+    }
+}
+
+impl SuperElastic {
+    /// Energy of the elements' motion, height and springs and of the contact's, on level road \[J\].
+    pub fn energy(&self, rim: &Motion<f64>) -> f64 {
+        let rubber = Rubber {
+            parameters: &self.parameters,
+            prepared: &self.prepared,
+            coefficients: self.state.coefficients,
+        };
+        self.state.ring.energy(&rubber, &in_plane(rim).0, &Level { friction: 1.0 })
     }
 }
