@@ -22,6 +22,7 @@ pub mod random;
 pub mod recording;
 pub mod score;
 pub mod sensor;
+pub mod sessions;
 pub mod simulate;
 pub mod sizing;
 pub mod study;
