@@ -155,7 +155,7 @@ impl Drawn {
         let jitter = if random.chance(0.7) { JITTER } else { 0.0 };
         let runs = programme::draw(random, jitter);
         let few: Vec<Run> = runs.iter().map(|run| run.thinned(EVERY)).collect();
-        let mut world = World { tire, concealed: Vec::new() };
+        let world = World { tire, concealed: Vec::new() };
         let nominal = world.session(&few, COARSE);
         let spreads: [f64; CHANNELS] =
             std::array::from_fn(|c| spread(nominal.iter().flat_map(|i| i.outputs[c].iter().copied())));
@@ -191,7 +191,6 @@ impl Drawn {
             drawn.world.concealed.push(effect.sized(signed * size));
             drawn.marks.push((*offer, left));
         }
-        world.concealed.clone_from(&drawn.world.concealed);
         Some(drawn)
     }
 
@@ -320,6 +319,7 @@ fn csv(tables: &Tables, run: usize, quanta: &[Quantum]) -> String {
 
 fn answer(drawn: &Drawn, number: usize, fault: Option<String>) -> Answer {
     let inside = drawn.kind != Kind::Outside;
+    let names = OUTPUTS.map(|row| row.0);
     let effects =
         drawn.marks.iter().zip(&drawn.world.concealed).map(|((offer, left), one): (_, &Concealed)| {
             let over_noise = left.iter().copied().fold(0.0, f64::max);
@@ -329,7 +329,7 @@ fn answer(drawn: &Drawn, number: usize, fault: Option<String>) -> Answer {
                 id: offer.id().to_owned(),
                 family: family(offer.id()).unwrap_or_default().to_owned(),
                 channels: order.into_iter().map(|c| OUTPUTS[c].0.to_owned()).collect(),
-                depends_on: one.depends_on().iter().map(|name| (*name).to_owned()).collect(),
+                depends_on: one.depends_on(&names).into_iter().map(str::to_owned).collect(),
                 accept: if inside { alike_on(NAME, offer.id()) } else { Vec::new() },
                 size: one.size,
                 over_noise,

@@ -141,24 +141,29 @@ impl Concealed {
         }
     }
 
-    /// Variables on which it depends, by the names of the columns.
-    pub(crate) fn depends_on(&self) -> &'static [&'static str] {
-        match &self.place {
-            Place::Tire(law) => match law {
-                Law::Imbalance(_) => &["wheel_angle", "path_speed"],
-                Law::NonUniformity(..) => &["wheel_angle", "deflection", "force_z"],
-                Law::Conicity | Law::PlySteer => &["force_z", "load", "path_speed", "travel_speed"],
-                Law::WarmUp(_) => &["time", "path_speed", "travel_speed", "contact_power_loss"],
-                Law::Softening(_) => &["time", "contact_power_loss", "slip", "slip_angle"],
-                Law::SpeedFriction(_) => &["path_speed", "travel_speed", "slip", "slip_angle"],
-                // the sense of sliding is that of the slip, or of its force
-                Law::Nap => &["slip", "force_x"],
-                Law::TrackPart(..) => &["path_speed", "travel_distance", "path_distance", "time"],
-                Law::SlipAngleTime => &["slip_angle", "time"],
-                Law::CamberSpeed => &["camber", "path_speed"],
-                Law::AngleDescent => &["slip_angle", "deflection"],
-            },
-            Place::Chain(_) => &["time"],
-        }
+    /// Variables on which it depends, by the names of the columns; `channels` are those of the measured ones.
+    pub(crate) fn depends_on(&self, channels: &[&'static str]) -> Vec<&'static str> {
+        let law = match &self.place {
+            Place::Tire(law) => law,
+            Place::Chain(chain) if chain.law == conceal::Law::CrossTalk => {
+                return vec![channels[chain.other.0]];
+            }
+            Place::Chain(_) => return vec!["time"],
+        };
+        let all: &[&str] = match law {
+            Law::Imbalance(_) => &["wheel_angle", "path_speed"],
+            Law::NonUniformity(..) => &["wheel_angle", "deflection", "force_z"],
+            Law::Conicity | Law::PlySteer => &["force_z", "load", "path_speed", "travel_speed"],
+            Law::WarmUp(_) => &["time", "path_speed", "travel_speed", "contact_power_loss"],
+            Law::Softening(_) => &["time", "contact_power_loss", "slip", "slip_angle"],
+            Law::SpeedFriction(_) => &["path_speed", "travel_speed", "slip", "slip_angle"],
+            // the sense of sliding is that of the slip, or of its force
+            Law::Nap => &["slip", "force_x"],
+            Law::TrackPart(..) => &["path_speed", "travel_distance", "path_distance", "time"],
+            Law::SlipAngleTime => &["slip_angle", "time"],
+            Law::CamberSpeed => &["camber", "path_speed"],
+            Law::AngleDescent => &["slip_angle", "deflection"],
+        };
+        all.to_vec()
     }
 }

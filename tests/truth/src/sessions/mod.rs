@@ -1,8 +1,8 @@
 //! Sessions on a flat track: recordings of a ring-and-brush tire whose truth is a tire of its own.
 //!
-//! Nothing here depends on latsch. The tire is written from the specification of the model alone: [`tire`] and what it
+//! Nothing here depends on latsch. The tire is written from the specification of the model alone: `tire` and what it
 //! is made of; equation numbers are those of the thesis (Kaden, TU München 2015), as the specification has them.
-//! [`rig`] drives it through a [`programme`], [`session`] with what is [`concealed`] in it.
+//! `rig` drives it through a `programme`, `session` with what is `concealed` in it; `case` draws, sizes and records.
 
 mod bessel;
 mod case;
@@ -19,3 +19,6 @@ mod sidewall;
 mod tire;
 
 pub use case::{Recorded, case, count, write_answer, write_case};
+
+#[cfg(test)]
+mod tests;

@@ -153,7 +153,8 @@ impl Parameters {
     }
 
     /// Sets one by its name; says whether there is one.
-    pub fn set(&mut self, name: &str, value: f64) -> bool {
+    #[cfg(test)]
+    pub(crate) fn set(&mut self, name: &str, value: f64) -> bool {
         let found = ALL.iter().position(|(own, _)| *own == name);
         let place = found.and_then(|k| self.places().into_iter().nth(k));
         place.map(|place| *place = value).is_some()
