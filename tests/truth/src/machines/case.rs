@@ -15,7 +15,7 @@ use crate::random::Random;
 use crate::recording::{file_name, sensed, stamped};
 use crate::sensor::{Noise, Quantum, quantum};
 use crate::simulate::Ideal;
-use crate::sizing::Refit;
+use crate::sizing::{Refit, strongest};
 use std::path::Path;
 
 /// What a case is about.
@@ -462,9 +462,7 @@ fn record(
         floor.push(ReferenceRun { name: file_name(k), samples: run.time.len(), channels: squares });
     }
     let effects = concealed.iter().map(|(offer, one, left)| {
-        let over_noise = left.iter().copied().fold(0.0, f64::max);
-        let mut order: Vec<usize> = (0..left.len()).filter(|c| left[*c] > 0.4 * over_noise).collect();
-        order.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
+        let (over_noise, order) = strongest(left);
         let inside = kind != Kind::Outside;
         Effect {
             id: offer.id.to_owned(),

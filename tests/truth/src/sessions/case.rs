@@ -16,7 +16,7 @@ use crate::random::Random;
 use crate::recording::sensed;
 use crate::sensor::{Noise, Quantum, quantum};
 use crate::simulate::Ideal;
-use crate::sizing::Refit;
+use crate::sizing::{Refit, strongest};
 use std::f64::consts::TAU;
 use std::path::Path;
 
@@ -57,8 +57,8 @@ pub(crate) fn study(seed: u64) -> Vec<(Kind, Vec<Offer>, &'static str)> {
             random.shuffle(&mut deck);
             cards.extend_from_slice(&deck);
         }
-        for k in 0..count {
-            let fault = if kind == Kind::Fault { FAULTS[k] } else { "" };
+        let faults = if kind == Kind::Fault { FAULTS.to_vec() } else { vec![""; count] };
+        for (k, fault) in faults.into_iter().enumerate() {
             let cards = cards.iter().copied().skip(k * each).take(each).collect();
             all.push((kind, cards, fault));
         }
@@ -128,6 +128,8 @@ pub(crate) struct Drawn {
     pub(crate) belief: Parameters,
     pub(crate) runs: Vec<Run>,
     pub(crate) noise: Vec<Noise>,
+    /// Of the channels, without what is concealed.
+    pub(crate) spreads: [f64; CHANNELS],
     /// Of the channels, constant.
     pub(crate) offsets: [f64; FORCES],
     /// Per effect what it is and what it leaves of each channel.
@@ -149,11 +151,25 @@ const MOST: f64 = 8.0;
 const MOST_OF_CHANNEL: f64 = 1.5;
 
 impl Drawn {
-    pub(crate) fn draw(kind: Kind, offers: &[Offer], random: &mut Random) -> Option<Self> {
+    fn draw(kind: Kind, offers: &[Offer], random: &mut Random) -> Option<Self> {
+        let (mut drawn, few, nominal) = Self::bare(kind, random, |_| true);
+        drawn.conceal(offers, (&few, &nominal), random)?;
+        Some(drawn)
+    }
+
+    /// A case without what is concealed, of those runs that are `wanted`; with them, their samples thinned, and what is
+    /// ideally recorded there.
+    pub(crate) fn bare(
+        kind: Kind,
+        random: &mut Random,
+        wanted: impl Fn(usize) -> bool,
+    ) -> (Self, Vec<Run>, Vec<Ideal>) {
         let tire = Parameters::draw(random);
         let belief = tire.believed(random, kind == Kind::Null);
         let jitter = if random.chance(0.7) { JITTER } else { 0.0 };
-        let runs = programme::draw(random, jitter);
+        let mut runs = programme::draw(random, jitter);
+        let mut number = 0..;
+        runs.retain(|_| number.next().is_some_and(&wanted));
         let few: Vec<Run> = runs.iter().map(|run| run.thinned(EVERY)).collect();
         let world = World { tire, concealed: Vec::new() };
         let nominal = world.session(&few, COARSE);
@@ -170,28 +186,37 @@ impl Drawn {
         let offsets = std::array::from_fn(|c| {
             if given { noise[c].deviation * random.within(-OFFSET, OFFSET) } else { 0.0 }
         });
-        let mut drawn = Self { kind, belief, noise, offsets, marks: Vec::new(), runs, world: world.clone() };
+        let drawn = Self { kind, world, belief, runs, noise, offsets, spreads, marks: Vec::new() };
+        (drawn, few, nominal)
+    }
+
+    /// Conceals what is offered, each as large as the kind wants it; none if something cannot be.
+    pub(crate) fn conceal(
+        &mut self,
+        offers: &[Offer],
+        (runs, nominal): (&[Run], &[Ideal]),
+        random: &mut Random,
+    ) -> Option<()> {
         if offers.is_empty() {
-            return Some(drawn);
+            return Some(());
         }
-        let refit = drawn.refit(&few, &nominal);
+        let refit = self.refit(runs, nominal);
         for offer in offers {
-            let (low, high) = kind.target();
+            let (low, high) = self.kind.target();
             let target = random.log_within(low, high);
-            // which way it goes
-            let sign = random.sign();
-            let effect = offer.draw(random, &spreads, few[0].duration);
-            let signed = if offer.may_be_negative() { sign } else { 1.0 };
+            let sign = if offer.may_be_negative() { random.sign() } else { 1.0 };
+            let effect = offer.draw(random, &self.spreads, runs[0].duration);
             let left = |size: f64| {
-                let world = World { concealed: vec![effect.sized(signed * size)], ..world.clone() };
-                refit.left(&drawn.flat(&world.session(&few, COARSE)), FORCES)
+                let concealed = vec![effect.sized(sign * size)];
+                let world = World { concealed, tire: self.world.tire.clone() };
+                refit.left(&self.flat(&world.session(runs, COARSE)), FORCES)
             };
             let most = if matches!(offer, Offer::Gain | Offer::CrossTalk) { MOST_OF_CHANNEL } else { MOST };
             let (size, left) = size(target, (low, most), &left)?;
-            drawn.world.concealed.push(effect.sized(signed * size));
-            drawn.marks.push((*offer, left));
+            self.world.concealed.push(effect.sized(sign * size));
+            self.marks.push((*offer, left));
         }
-        Some(drawn)
+        Some(())
     }
 
     /// All channels of all runs over the noise, channels taking turns.
@@ -322,9 +347,7 @@ fn answer(drawn: &Drawn, number: usize, fault: Option<String>) -> Answer {
     let names = OUTPUTS.map(|row| row.0);
     let effects =
         drawn.marks.iter().zip(&drawn.world.concealed).map(|((offer, left), one): (_, &Concealed)| {
-            let over_noise = left.iter().copied().fold(0.0, f64::max);
-            let mut order: Vec<usize> = (0..left.len()).filter(|c| left[*c] > 0.4 * over_noise).collect();
-            order.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
+            let (over_noise, order) = strongest(left);
             Effect {
                 id: offer.id().to_owned(),
                 family: family(offer.id()).unwrap_or_default().to_owned(),

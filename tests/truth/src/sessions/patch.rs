@@ -311,10 +311,9 @@ impl Patch {
                     force = trial.map(|w| w * share);
                     load.heat += slid * (size - slid).max(0.0) / soft;
                 }
-                for k in 0..2 {
-                    bristle.way[k] = (force[k] * span + damper * bristle.way[k]) / soft;
-                    load.force[k] += force[k];
-                }
+                bristle.way = std::array::from_fn(|k| (force[k] * span + damper * bristle.way[k]) / soft);
+                load.force[0] += force[0];
+                load.force[1] += force[1];
                 load.moment[0] += y_def * weight;
                 load.moment[2] += x_def * force[1] - y_def * force[0];
             }

@@ -1,11 +1,12 @@
 //! Cases of sessions as they are drawn.
 
 use super::case::{Drawn, case, study};
+use super::offers::Offer;
 use super::parameters::Parameters;
-use super::programme::Run;
 use super::session::{COARSE, FINE, FORCES, World};
 use crate::machines::Kind;
 use crate::random::Random;
+use crate::sizing::strongest;
 
 const SEED: u64 = 1;
 
@@ -58,7 +59,7 @@ fn true_parameters_of_a_null_leave_noise_alone() {
     );
     let world = World { tire: told(file("parameters.toml")), concealed: Vec::new() };
     let mut random = Random::new(SEED, 1 + number as u64);
-    let drawn = Drawn::draw(Kind::Null, &[], &mut random).unwrap();
+    let (drawn, ..) = Drawn::bare(Kind::Null, &mut random, |_| true);
     assert_eq!(world.tire, drawn.world.tire);
     let session = world.session(&drawn.runs, FINE);
     for c in 0..FORCES {
@@ -81,20 +82,26 @@ fn true_parameters_of_a_null_leave_noise_alone() {
 
 #[test]
 fn what_is_concealed_leaves_what_is_wanted() {
-    let (number, offers) = study(SEED)
-        .into_iter()
-        .enumerate()
-        .find_map(|(n, (kind, offers, _))| (kind == Kind::Plain).then_some((n, offers)))
-        .unwrap();
-    let mut random = Random::new(SEED, 1 + number as u64);
-    let drawn = Drawn::draw(Kind::Plain, &offers, &mut random).unwrap();
-    let largest = |left: &[f64]| left.iter().copied().fold(0.0, f64::max);
-    let said = largest(&drawn.marks[0].1);
-    assert!((1.3..2.7).contains(&said), "{said}");
-    // all samples, and the other half of them, tell the same
-    let bare = World { concealed: Vec::new(), ..drawn.world.clone() };
-    let runs: Vec<Run> = drawn.runs.iter().map(|run| run.thinned(2)).collect();
-    let nominal = bare.session(&runs, COARSE);
-    let all = drawn.refit(&runs, &nominal).left(&drawn.flat(&drawn.world.session(&runs, COARSE)), FORCES);
-    assert!((largest(&all) / said - 1.0).abs() < 0.05, "{} {said}", largest(&all));
+    // lifted, a sweep, two runs of many things: enough for any effect to be seen
+    let mut random = Random::new(SEED, 1);
+    let (mut drawn, few, bare) = Drawn::bare(Kind::Plain, &mut random, |run| [1, 3, 8, 11].contains(&run));
+    let offers = [Offer::Imbalance, Offer::Softening];
+    drawn.conceal(&offers, (&few, &bare), &mut random).unwrap();
+    // all samples with a step as in recordings tell the same as some of them
+    let nominal = World { concealed: Vec::new(), ..drawn.world.clone() }.session(&drawn.runs, FINE);
+    let refit = drawn.refit(&few, &bare);
+    assert_eq!(drawn.marks.len(), 2);
+    for (one, (offer, left)) in drawn.world.concealed.iter().zip(&drawn.marks) {
+        let (said, order) = strongest(left);
+        assert!((1.3..2.7).contains(&said), "{offer:?}: {said}");
+        let world = World { concealed: vec![one.clone()], ..drawn.world.clone() };
+        let again = refit.left(&drawn.flat(&world.session(&few, COARSE)), FORCES);
+        assert!((strongest(&again).0 / said - 1.0).abs() < 1e-9);
+        // a refit takes a part of it away
+        let session = world.session(&drawn.runs, FINE);
+        let (with, without) = (drawn.flat(&session), drawn.flat(&nominal));
+        let own = || with.iter().zip(&without).skip(order[0]).step_by(FORCES).map(|(a, b)| (a - b) * (a - b));
+        let rms = (own().sum::<f64>() / own().count() as f64).sqrt();
+        assert!(rms > 0.97 * said, "{offer:?}: {rms} {said}");
+    }
 }
