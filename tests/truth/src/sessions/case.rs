@@ -136,9 +136,11 @@ pub(crate) struct Drawn {
     pub(crate) marks: Vec<(Offer, Vec<f64>)>,
 }
 
-/// Share of a channel's spread over the session that its noise has: that of a load cell on a rig. In units of the whole
-/// span, which peaks at the largest slip alone, it is a third of that.
-const NOISE: (f64, f64) = (0.007, 0.015);
+/// Share of a channel's spread over the session that its noise has. A load cell has to bear the overturning moment, so that
+/// of its small moment about the vertical it sees less well: 0.7 to 1 % of the whole span, which is reached at the edge of
+/// sliding alone.
+const NOISE: [(f64, f64); FORCES] =
+    [(0.007, 0.011), (0.007, 0.011), (0.008, 0.013), (0.005, 0.008), (0.005, 0.008), (0.035, 0.055)];
 /// Offsets of channels are at most so many times the noise, as zeros of a load cell between two calibrations.
 const OFFSET: f64 = 1.8;
 /// Sample times are off the even grid by as much \[s\], or not at all.
@@ -177,8 +179,9 @@ impl Drawn {
             std::array::from_fn(|c| spread(nominal.iter().flat_map(|i| i.outputs[c].iter().copied())));
         let noise: Vec<Noise> = spreads[..FORCES]
             .iter()
-            .map(|own| {
-                let deviation = random.within(NOISE.0, NOISE.1) * own;
+            .zip(NOISE)
+            .map(|(own, (least, most))| {
+                let deviation = random.within(least, most) * own;
                 Noise::draw(random, deviation)
             })
             .collect();
