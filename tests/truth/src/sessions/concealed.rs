@@ -1,7 +1,7 @@
 //! What is concealed in a session, by its physics: in the tire, on the track, in the wheel; what happens to a command or
 //! to a channel is that of the [machines](crate::machines::conceal).
 
-use super::patch::Oddness;
+use super::odd::Oddness;
 use super::rig::{CAMBER, Commands, SLIP_ANGLE, SPEED};
 use crate::machines::conceal;
 use std::f64::consts::TAU;

@@ -5,10 +5,13 @@
 //! `rig` drives it through a `programme`, `session` with what is `concealed` in it; `case` draws, sizes and records.
 
 mod bessel;
+mod bristle;
 mod case;
 mod concealed;
 mod fault;
+mod footing;
 mod frames;
+mod odd;
 mod offers;
 mod parameters;
 mod patch;

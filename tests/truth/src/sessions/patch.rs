@@ -1,44 +1,15 @@
-//! The contact patch: stripes, pressure and bristles (8.3 to 8.10 of the specification).
+//! The contact patch: stripes, pressure and bristles (8.5 to 8.10 of the specification).
 
-use super::frames::{Motion, Vector, cross};
+use super::bristle::Bristle;
+use super::footing::Footing;
+use super::frames::{Motion, Vector};
+use super::odd::Oddness;
 use super::parameters::Parameters;
 
 /// Stripes across the tire.
 pub(crate) const STRIPES: usize = 6;
 /// Bristles of a stripe.
 pub(crate) const BRISTLES: usize = 30;
-
-/// What of the patch is other than the model has it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Oddness {
-    /// Factor on all friction.
-    pub(crate) friction: f64,
-    /// Share of the sliding friction that is lost at high sliding speed, and the speed at which two thirds of it are
-    /// \[m/s\].
-    pub(crate) fall: (f64, f64),
-    /// Share by which sliding friction is larger where the tread slides forward, and smaller backward.
-    pub(crate) nap: f64,
-    /// Factor on the vertical spring of the belt.
-    pub(crate) stiffness: f64,
-    /// Angle by which the tread runs askew on the belt, in the sense of its rotation \[rad\].
-    pub(crate) ply: f64,
-    /// Angle of the cone that the tread is \[rad\].
-    pub(crate) cone: f64,
-}
-
-impl Default for Oddness {
-    fn default() -> Self {
-        Self { friction: 1.0, fall: (0.0, 1.0), nap: 0.0, stiffness: 1.0, ply: 0.0, cone: 0.0 }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Bristle {
-    /// Deflection: bottom minus top, contact frame \[m\].
-    way: [f64; 2],
-    sticks: bool,
-    touches: bool,
-}
 
 /// Force and moment of the patch on the belt, at the contact point and in the contact frame \[N, N.m\], and what
 /// sliding turns into heat \[W\].
@@ -54,76 +25,6 @@ pub(crate) struct Load {
 pub(crate) struct Lagged {
     pub(crate) value: Vector,
     pub(crate) rate: Vector,
-}
-
-/// Where the belt is over a flat road: 8.3 and 8.4.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Footing {
-    /// Camber and yaw of the belt and their rates \[rad, rad/s\].
-    tilt: [f64; 2],
-    tilting: [f64; 2],
-    sine: f64,
-    cosine: f64,
-    /// From belt centre to contact point \[m\], and its rate.
-    pub(crate) height: f64,
-    rising: f64,
-    /// Velocity of the contact point in the contact frame \[m/s\].
-    pub(crate) velocity: [f64; 2],
-    /// Penetration (4.14) \[m\] and normal force (4.15) \[N\].
-    pub(crate) penetration: f64,
-    pub(crate) force: f64,
-    /// Belt centre over the contact point, contact frame \[m\].
-    pub(crate) arm: Vector,
-}
-
-impl Footing {
-    pub(crate) fn new(p: &Parameters, belt: &Motion, odd: &Oddness) -> Self {
-        let ([eps, _, yaw], [d_eps, _, d_yaw]) = (belt.angles, belt.rates);
-        let ((s, c), (sz, cz)) = (libm::sincos(eps), libm::sincos(yaw));
-        let (z, dz) = (belt.place[2], belt.velocity[2]);
-        let half = 0.5 * p.tire_width;
-        let round = p.cross_section_radius;
-        // (4.13), continuous at the limit with (B/2)² under the root
-        let inner = p.tire_radius - round;
-        let (lowest, falling) = if s.abs() <= half / round {
-            (inner * c + round, -inner * s * d_eps)
-        } else {
-            let edge = inner + (round * round - half * half).max(0.0).sqrt();
-            (edge * c + half * s.abs(), (-edge * s + half * s.signum() * c) * d_eps)
-        };
-        let penetration = (lowest - z).max(0.0);
-        let rate = if penetration > 0.0 { falling - dz } else { 0.0 };
-        let spring =
-            p.vertical_stiffness * penetration + p.vertical_stiffness_quadratic * penetration * penetration;
-        let (vx, vy) = (belt.velocity[0], belt.velocity[1]);
-        Self {
-            tilt: [eps, yaw],
-            tilting: [d_eps, d_yaw],
-            sine: s,
-            cosine: c,
-            height: z / c,
-            rising: dz / c + z * s / (c * c) * d_eps,
-            velocity: [
-                cz * vx + sz * vy - d_yaw * z * s / c,
-                -sz * vx + cz * vy + dz * s / c + z * d_eps / (c * c),
-            ],
-            penetration,
-            force: (odd.stiffness * spring + p.vertical_damping * rate).max(0.0),
-            arm: [0.0, -z * s / c, z],
-        }
-    }
-
-    /// From the contact frame to inertial axes: it only yaws.
-    pub(crate) fn out(&self, v: Vector) -> Vector {
-        let (s, c) = libm::sincos(self.tilt[1]);
-        [c * v[0] - s * v[1], s * v[0] + c * v[1], v[2]]
-    }
-
-    /// Moment of a load of the patch about the belt centre (4.35), contact frame.
-    pub(crate) fn moment(&self, load: &Load) -> Vector {
-        let lever = cross(self.arm, load.force);
-        [load.moment[0] - lever[0], load.moment[1] - lever[1], load.moment[2] - lever[2]]
-    }
 }
 
 /// The stripe grid (8.5) and its bristles.
@@ -247,7 +148,7 @@ impl Patch {
         let (s, c) = (foot.sine + odd.cone, foot.cosine);
         let rest = p.rolling_radius - foot.height;
         let cell = p.bristle_length * self.width;
-        let (spring, damper) = (p.bristle_stiffness, p.bristle_damping);
+        let rubber = (p.bristle_stiffness, p.bristle_damping);
         let friction = |zero: f64, reference: f64, pressure: f64| {
             odd.friction * (zero + (reference - zero) * pressure / p.friction_pressure)
         };
@@ -258,18 +159,13 @@ impl Patch {
                 let bristle = &mut self.bristles[i][j];
                 let touches = x.abs() <= half && half > 0.0;
                 if !touches {
-                    let kept = damper / (damper + spring * dt);
-                    bristle.way = [bristle.way[0] * kept, bristle.way[1] * kept];
-                    (bristle.sticks, bristle.touches) = (false, false);
+                    bristle.release(rubber, dt);
                     continue;
                 }
                 // one that came in during the step moves with the road only from its entry on (10.4)
-                let mut span = dt;
-                if !bristle.touches && run != 0.0 {
-                    let inside = if run < 0.0 { half - x } else { half + x };
-                    span = (inside / run.abs()).clamp(1e-3 * dt, dt);
-                }
-                bristle.touches = true;
+                let inside = if run < 0.0 { half - x } else { half + x };
+                let came = !bristle.touches && run != 0.0;
+                let span = if came { (inside / run.abs()).clamp(1e-3 * dt, dt) } else { dt };
                 let value = pressure.value[i][j];
                 let weight = value * cell;
                 let normal = weight.max(0.0);
@@ -289,29 +185,11 @@ impl Patch {
                     run + p.patch_compliance_x * dx - d_yaw * y_phi + foot.velocity[0],
                     y_rate + d_yaw * (m + shift_x) + foot.velocity[1],
                 ];
-                // backward Euler with radial return (10.2)
-                let trial = [0, 1].map(|k| spring * (bristle.way[k] - span * v[k]) - damper * v[k]);
-                let size = (trial[0] * trial[0] + trial[1] * trial[1]).sqrt();
                 let held = friction(p.friction_static_zero, p.friction_static_reference, value) * normal;
-                let mut slid =
-                    friction(p.friction_sliding_zero, p.friction_sliding_reference, value) * normal;
-                if odd.fall.0 != 0.0 {
-                    // what slides for more than a moment slides as fast as its top moves over the road
-                    let speed = (v[0] * v[0] + v[1] * v[1]).sqrt();
-                    slid *= 1.0 + odd.fall.0 * libm::expm1(-speed / odd.fall.1);
-                }
-                if odd.nap != 0.0 && size > 0.0 {
-                    slid *= 1.0 - odd.nap * trial[0] / size;
-                }
-                bristle.sticks = normal > 0.0 && size <= if bristle.sticks { held } else { slid };
-                let soft = damper + spring * span;
-                let mut force = trial;
-                if !bristle.sticks {
-                    let share = if size > 0.0 { slid / size } else { 0.0 };
-                    force = trial.map(|w| w * share);
-                    load.heat += slid * (size - slid).max(0.0) / soft;
-                }
-                bristle.way = std::array::from_fn(|k| (force[k] * span + damper * bristle.way[k]) / soft);
+                let slid = friction(p.friction_sliding_zero, p.friction_sliding_reference, value) * normal;
+                let pull = bristle.drag(rubber, v, span, held, |way| slid * odd.sliding(v, way));
+                let force = pull.force;
+                load.heat += pull.heat;
                 load.force[0] += force[0];
                 load.force[1] += force[1];
                 load.moment[0] += y_def * weight;

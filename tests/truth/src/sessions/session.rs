@@ -3,8 +3,8 @@
 use super::bessel::{Bessel, DELAY};
 use super::concealed::{Concealed, Now, Place};
 use super::frames::Motion;
+use super::odd::Oddness;
 use super::parameters::Parameters;
-use super::patch::Oddness;
 use super::programme::Run;
 use super::rig::{self, Commands, SPEED, STEER};
 use super::tire::Tire;

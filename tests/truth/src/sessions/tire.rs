@@ -1,8 +1,10 @@
 //! The ring-and-brush tire, written from its specification: the belt as a rigid body between sidewall and patch.
 
+use super::footing::Footing;
 use super::frames::{Frame, Motion, Vector, add, cross, dot, minus, times};
+use super::odd::Oddness;
 use super::parameters::Parameters;
-use super::patch::{Footing, Lagged, Load, Oddness, Patch};
+use super::patch::{Lagged, Load, Patch};
 use super::sidewall::Sidewall;
 
 /// Gravity \[m/s²\].
