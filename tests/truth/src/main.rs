@@ -18,7 +18,7 @@ enum Command {
         #[arg(long)]
         output: PathBuf,
         /// How a machine is told: larger, smaller, slower, faster, turned, renamed, reordered, beside, doubled, spoilt
-        #[arg(long, default_value = "same", requires = "machines")]
+        #[arg(long, default_value = "same", requires = "machines", conflicts_with = "sessions")]
         view: View,
         #[command(flatten)]
         seed: Seed,
