@@ -136,6 +136,8 @@ pub(crate) struct Drawn {
     pub(crate) marks: Vec<(Offer, Vec<f64>)>,
 }
 
+/// How often another place and shape of an effect is drawn that cannot be as large as it is wanted.
+const SHAPES: usize = 3;
 /// Share of a channel's spread over the session that its noise has. A load cell has to bear the overturning moment, so that
 /// of its small moment about the vertical it sees less well: 0.7 to 1 % of the whole span, which is reached at the edge of
 /// sliding alone.
@@ -208,15 +210,18 @@ impl Drawn {
             let (low, high) = self.kind.target();
             let target = random.log_within(low, high);
             let sign = if offer.may_be_negative() { random.sign() } else { 1.0 };
-            let effect = offer.draw(random, &self.spreads, runs[0].duration);
-            let left = |size: f64| {
-                let concealed = vec![effect.sized(sign * size)];
-                let world = World { concealed, tire: self.world.tire.clone() };
-                refit.left(&self.flat(&world.session(runs, COARSE)), FORCES)
-            };
             let most = if matches!(offer, Offer::Gain | Offer::CrossTalk) { MOST_OF_CHANNEL } else { MOST };
-            let (size, left) = size(target, (low, most), &left)?;
-            self.world.concealed.push(effect.sized(sign * size));
+            let (effect, left) = (0..SHAPES).find_map(|_| {
+                let effect = offer.draw(random, &self.spreads, runs[0].duration);
+                let with = |size: f64| effect.sized(sign * size);
+                let left = |size: f64| {
+                    let world = World { concealed: vec![with(size)], tire: self.world.tire.clone() };
+                    refit.left(&self.flat(&world.session(runs, COARSE)), FORCES)
+                };
+                let (size, left) = size(target, (low, most), &left)?;
+                Some((with(size), left))
+            })?;
+            self.world.concealed.push(effect);
             self.marks.push((*offer, left));
         }
         Some(())

@@ -127,7 +127,7 @@ fn courses(random: &mut Random, number: usize, duration: f64) -> [Course; 6] {
         let hold = random.within(hold.0, hold.1);
         let shares = (0..(duration / hold).ceil().max(1.0) as usize)
             .map(|k| if k == 0 { 0.0 } else { most * random.sign() * random.within(0.15, 1.0) });
-        Steps(shares.collect(), hold, random.within(0.03, 0.06))
+        Steps(shares.collect(), hold, random.within(0.025, 0.045))
     };
     match number {
         // pressed down while it stands, from just above the road
