@@ -3,7 +3,7 @@
 use clap::Parser;
 use latsch_truth::machines::{self, View};
 use latsch_truth::study::{name, study};
-use latsch_truth::{files, score};
+use latsch_truth::{files, score, sessions};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -18,7 +18,7 @@ enum Command {
         #[arg(long)]
         output: PathBuf,
         /// How a machine is told: larger, smaller, slower, faster, turned, renamed, reordered, beside, doubled, spoilt
-        #[arg(long, default_value = "same", requires = "machines")]
+        #[arg(long, default_value = "same", requires = "machines", conflicts_with = "sessions")]
         view: View,
         #[command(flatten)]
         seed: Seed,
@@ -81,13 +81,20 @@ struct Seed {
 #[derive(clap::Args)]
 struct Of {
     /// The study of random machines in place of the one of the base models
-    #[arg(long)]
+    #[arg(long, conflicts_with = "sessions")]
     machines: bool,
+    /// The study of sessions on a flat track, with a tire of its own
+    #[arg(long)]
+    sessions: bool,
 }
 
 impl Of {
     fn count(&self, seed: u64) -> usize {
-        if self.machines { machines::count() } else { study(seed).len() }
+        match self {
+            Self { machines: true, .. } => machines::count(),
+            Self { sessions: true, .. } => sessions::count(),
+            _ => study(seed).len(),
+        }
     }
 }
 
@@ -109,13 +116,18 @@ fn run(command: &Command) -> Result<(), String> {
     match command {
         Command::Case { number, output, view, seed, of } => {
             let number = index(*number)?;
-            if of.machines {
-                return machines::write_case(seed.seed, number, *view, output);
+            match of {
+                Of { machines: true, .. } => machines::write_case(seed.seed, number, *view, output),
+                Of { sessions: true, .. } => sessions::write_case(seed.seed, number, output),
+                _ => files::write_case(seed.seed, number, output),
             }
-            files::write_case(seed.seed, number, output)
         }
         Command::Answers { numbers, output, seed, of } => {
-            let write = if of.machines { machines::write_answer } else { files::write_answer };
+            let write = match of {
+                Of { machines: true, .. } => machines::write_answer,
+                Of { sessions: true, .. } => sessions::write_answer,
+                _ => files::write_answer,
+            };
             let all: Vec<usize> = (1..=of.count(seed.seed)).collect();
             for number in if numbers.is_empty() { &all } else { numbers } {
                 write(seed.seed, index(*number)?, output)?;

@@ -7,6 +7,7 @@ use crate::fault::Tables;
 use crate::random::Random;
 use crate::sensor::{Noise, Quantum, quantum};
 use crate::simulate::STEP;
+use crate::sizing::strongest;
 use crate::study::Kind;
 
 /// A case as it is written.
@@ -156,9 +157,7 @@ fn answer(case: &Case, fault: Option<(String, String)>) -> Answer {
     let base = case.world.base;
     let outputs = base.outputs();
     let effects = case.world.hidden.iter().zip(&case.marks).map(|(hidden, (depends_on, left))| {
-        let over_noise = left.iter().copied().fold(0.0, f64::max);
-        let mut order: Vec<usize> = (0..left.len()).filter(|c| left[*c] > 0.4 * over_noise).collect();
-        order.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
+        let (over_noise, order) = strongest(left);
         Effect {
             id: hidden.id.to_owned(),
             family: family(hidden.id).unwrap_or_default().to_owned(),

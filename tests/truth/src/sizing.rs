@@ -71,6 +71,15 @@ fn flat(world: &World, runs: &[(u64, Run)], deviations: &[f64]) -> Vec<f64> {
     all
 }
 
+/// The largest rest, and the channels in which it is at least 0.4 of that: the largest first.
+#[must_use]
+pub(crate) fn strongest(left: &[f64]) -> (f64, Vec<usize>) {
+    let largest = left.iter().copied().fold(0.0, f64::max);
+    let mut order: Vec<usize> = (0..left.len()).filter(|c| left[*c] > 0.4 * largest).collect();
+    order.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
+    (largest, order)
+}
+
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

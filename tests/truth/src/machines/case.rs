@@ -15,7 +15,7 @@ use crate::random::Random;
 use crate::recording::{file_name, sensed, stamped};
 use crate::sensor::{Noise, Quantum, quantum};
 use crate::simulate::Ideal;
-use crate::sizing::Refit;
+use crate::sizing::{Refit, strongest};
 use std::path::Path;
 
 /// What a case is about.
@@ -35,10 +35,12 @@ pub enum Kind {
     Parameters,
     /// What has no name, clear.
     Outside,
+    /// A fault of the recording; machines have none.
+    Fault,
 }
 
 impl Kind {
-    fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Clear => "clear",
             Self::Plain => "plain",
@@ -47,11 +49,12 @@ impl Kind {
             Self::Null => "null",
             Self::Parameters => "parameters",
             Self::Outside => "outside",
+            Self::Fault => "fault",
         }
     }
 
     /// What an effect leaves after a refit, over the noise.
-    fn target(self) -> (f64, f64) {
+    pub(crate) fn target(self) -> (f64, f64) {
         match self {
             Self::Plain => (1.4, 2.5),
             Self::Faint => (0.3, 0.9),
@@ -186,7 +189,8 @@ fn stretched(wave: Wave, random: &mut Random) -> Wave {
     }
 }
 
-fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
+/// Standard deviation.
+pub(crate) fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let count = values.clone().count().max(1) as f64;
     let mean = values.clone().sum::<f64>() / count;
     (values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / count).sqrt()
@@ -309,7 +313,7 @@ fn try_case(kind: Kind, number: usize, twice: bool, mut random: Random) -> Optio
     };
     let (named, outside) = offers(&world.machine, &drives);
     let count = match kind {
-        Kind::Null | Kind::Parameters => 0,
+        Kind::Null | Kind::Parameters | Kind::Fault => 0,
         Kind::Mix => 2,
         _ => 1,
     };
@@ -369,7 +373,11 @@ fn pick(random: &mut Random, from: &[Offer], taken: &[(Offer, Concealed, Vec<f64
 }
 
 /// The size at which the largest rest over the channels is `target`.
-fn size(target: f64, (least, most): (f64, f64), left: &impl Fn(f64) -> Vec<f64>) -> Option<(f64, Vec<f64>)> {
+pub(crate) fn size(
+    target: f64,
+    (least, most): (f64, f64),
+    left: &impl Fn(f64) -> Vec<f64>,
+) -> Option<(f64, Vec<f64>)> {
     let largest = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);
     let (mut small, mut large, mut at) = (0.0_f64, f64::INFINITY, 0.3_f64);
     for _ in 0..14 {
@@ -454,9 +462,7 @@ fn record(
         floor.push(ReferenceRun { name: file_name(k), samples: run.time.len(), channels: squares });
     }
     let effects = concealed.iter().map(|(offer, one, left)| {
-        let over_noise = left.iter().copied().fold(0.0, f64::max);
-        let mut order: Vec<usize> = (0..left.len()).filter(|c| left[*c] > 0.4 * over_noise).collect();
-        order.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
+        let (over_noise, order) = strongest(left);
         let inside = kind != Kind::Outside;
         Effect {
             id: offer.id.to_owned(),

@@ -14,4 +14,5 @@ mod view;
 mod world;
 
 pub use case::{Kind, case, count, write_answer, write_case};
+pub(crate) use case::{size, spread};
 pub use view::{VIEWS, View};
