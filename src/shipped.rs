@@ -5,6 +5,7 @@ use crate::fmi::Entry;
 use crate::rig::{Bare, Corner, FlatTrack, Wheel};
 use crate::tire::magic_formula::MagicFormula;
 use crate::tire::ring_brush::RingBrush;
+use crate::tire::super_elastic::SuperElastic;
 
 /// Each tire on all rigs, and other models behind them.
 macro_rules! models {
@@ -23,4 +24,4 @@ macro_rules! models {
 
 /// Every shipped model.
 pub const MODELS: &[Entry] =
-    models! { tires: RingBrush, MagicFormula; others: BrakeHydraulics, AbsController };
+    models! { tires: RingBrush, MagicFormula, SuperElastic; others: BrakeHydraulics, AbsController };

@@ -214,12 +214,11 @@ impl<T: Tire> Corner<T> {
             (self.body_force[1] - z) / sprung_mass,
         );
         let weight = sprung_mass * gravity;
-        let (of_tire, carried) = self.tire.tire().on_hub();
-        let mut force = of_tire + Vector3::new(x, 0.0, z - weight);
+        let mut force = self.tire.tire().on_rim().force + Vector3::new(x, 0.0, z - weight);
         // the vehicle guides the wheel sideways
         force.y = 0.0;
         let torque = self.tire.mounted.spin_moment() + self.drive_torque;
-        self.hub.load(&self.hub_parameters, (&force, carried), torque);
+        self.hub.load(&self.hub_parameters, &force, torque, &self.tire.tire().carried());
     }
 
     /// How far the body is from its place over the wheel \[m\].

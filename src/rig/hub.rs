@@ -3,6 +3,7 @@
 use crate::mechanics::{Motion, PointMass, Spin};
 use crate::model::{Role, Table, output, parameter};
 use crate::real;
+use crate::tire::Carried;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -38,12 +39,14 @@ pub struct Hub {
     pub centre: PointMass,
     /// The wheel about its axis.
     pub spin: Spin,
+    /// Inertia of the tire's masses that it carries \[kg.m²\].
+    carried_inertia: f64,
 }
 
 impl Hub {
     /// A hub at the origin that travels and does not spin.
     pub fn moving(velocity: Vector3<f64>) -> Self {
-        Self { centre: PointMass { velocity, ..PointMass::default() }, spin: Spin::default() }
+        Self { centre: PointMass { velocity, ..PointMass::default() }, ..Self::default() }
     }
 
     /// The wheel's spin and its brake.
@@ -60,21 +63,25 @@ impl Hub {
     /// First half of a step: half a kick, drift. Returns velocity and spin speed as predicted for the
     /// end of the step, for whatever damps.
     pub fn drift(&mut self, p: &HubParameters, brake: f64, dt: f64) -> (Vector3<f64>, f64) {
-        (self.centre.drift(dt), self.spin.drift(p.inertia, brake, dt))
+        (self.centre.drift(dt), self.spin.drift(p.inertia + self.carried_inertia, brake, dt))
     }
 
     /// Second half: the kick by what [`load`](Self::load) was told about the end of the step.
     pub fn kick(&mut self, p: &HubParameters, brake: f64, dt: f64) {
         self.centre.kick(dt);
-        self.spin.kick(p.inertia, brake, dt);
+        self.spin.kick(p.inertia + self.carried_inertia, brake, dt);
     }
 
     /// Takes over the force \[N\] and the torque about the wheel's axis \[N.m\] of the present instant,
-    /// without gravity and brake, and the mass that the hub carries along \[kg\], whose gravity is in the force.
-    pub fn load(&mut self, p: &HubParameters, (force, carried): (&Vector3<f64>, f64), torque: f64) {
-        let mass = p.mass + carried;
+    /// without gravity and brake, and the masses of the tire that the hub carries along.
+    pub fn load(&mut self, p: &HubParameters, force: &Vector3<f64>, torque: f64, carried: &Carried) {
+        // what their accelerations take is in force and torque already
+        let force = force + carried.acceleration * carried.mass;
+        let torque = torque + carried.spin_acceleration * carried.inertia;
+        let mass = p.mass + carried.mass;
+        self.carried_inertia = carried.inertia;
         self.centre.acceleration = force / mass - Vector3::new(0.0, 0.0, p.gravity * (p.mass / mass));
-        self.spin.free_acceleration = torque / p.inertia;
+        self.spin.free_acceleration = torque / (p.inertia + carried.inertia);
     }
 
     /// The rim's motion as the tire sees it, at attitude (camber, steer) and its rates.
@@ -133,7 +140,7 @@ mod tests {
     const P: HubParameters = HubParameters { mass: 20.0, inertia: 1.2, gravity: 9.81 };
 
     fn run(hub: &mut Hub, torque: f64, brake: f64, dt: f64, steps: usize) {
-        hub.load(&P, (&Vector3::zeros(), 0.0), torque);
+        hub.load(&P, &Vector3::zeros(), torque, &Carried::default());
         for _ in 0..steps {
             hub.drift(&P, brake, dt);
             hub.kick(&P, brake, dt);

@@ -171,10 +171,9 @@ impl<T: Tire> Wheel<T> {
 
     /// Loads the hub with what acts on it now.
     fn accelerate(&mut self) {
-        let (of_tire, carried) = self.tire.tire().on_hub();
-        let force = of_tire + self.axle_force;
+        let force = self.tire.tire().on_rim().force + self.axle_force;
         let torque = self.tire.mounted.spin_moment() + self.drive_torque;
-        self.hub.load(&self.hub_parameters, (&force, carried), torque);
+        self.hub.load(&self.hub_parameters, &force, torque, &self.tire.tire().carried());
     }
 
     /// Velocity of the wheel centre in H axes.

@@ -41,6 +41,19 @@ pub struct Rest<S> {
     pub inside: S,
 }
 
+/// Masses that ride on a rim.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Carried {
+    /// Mass that goes where the rim goes \[kg\]. Its weight is in the force on the rim.
+    pub mass: f64,
+    /// Inertia that spins as the rim spins \[kg.m²\].
+    pub inertia: f64,
+    /// Acceleration of the rim's centre, frame 0 \[m/s²\].
+    pub acceleration: Vector3<f64>,
+    /// Acceleration of its spin \[rad/s²\].
+    pub spin_acceleration: f64,
+}
+
 /// How what a tire tells changes along a direction, in which the rim's motion and the friction change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
@@ -200,10 +213,10 @@ pub trait Tire: Clone + Default + PartialEq + Serialize + DeserializeOwned + Sen
     /// Force and moment on the rim about its centre at the last instant, frame 0.
     fn on_rim(&self) -> Wrench<f64>;
 
-    /// The force on the rim without what it takes to accelerate masses of the tire that ride on the rim \[N\], and how much they
-    /// weigh \[kg\]: what a body needs whose own acceleration is made by that force. Their gravity is in the force.
-    fn on_hub(&self) -> (Vector3<f64>, f64) {
-        (self.on_rim().force, 0.0)
+    /// Masses of the tire that ride on the rim, with the accelerations of the rim for which [`on_rim`](Self::on_rim) has what they
+    /// take. A body whose acceleration is made by that force has to carry them itself.
+    fn carried(&self) -> Carried {
+        Carried::default()
     }
 
     /// Energy lost in the contact since the start \[J\].

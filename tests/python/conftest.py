@@ -28,6 +28,10 @@ MODELS = {
     "magic-formula-tire": (dict(rim_velocity_y=0.3, road_slope_x=0.02), dict(rim_spin_rate=35.0, friction_factor=0.7)),
     "magic-formula-wheel": (dict(steer=0.02, brake_torque=300.0), dict(axle_force_y=-500.0, brake_torque=2500.0)),
     "magic-formula-corner": (dict(brake_torque=800.0), dict(brake_torque=3000.0, friction_factor=0.5)),
+    "super-elastic-flat-track": (dict(deflection=0.012, path_speed=3.0), dict(slip=0.1)),
+    "super-elastic-tire": (dict(rim_z=0.215, rim_velocity_x=3.0, rim_spin_rate=13.5), dict(rim_spin_rate=15.0, friction_factor=0.7)),
+    "super-elastic-wheel": (dict(initial_speed=3.0, brake_torque=50.0), dict(brake_torque=400.0)),
+    "super-elastic-corner": (dict(initial_speed=3.0, brake_torque=100.0), dict(brake_torque=400.0, friction_factor=0.5)),
     "brake-hydraulics": (dict(driver_pressure=5e6), dict(inlet_valve=0.0, outlet_valve=0.4)),
     "abs-controller": (dict(wheel_speed_1=60.0, driver_pressure=1e7), dict(wheel_speed_1=45.0)),
 }

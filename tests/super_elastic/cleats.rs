@@ -28,6 +28,15 @@ impl Led {
         Self { tire, rim, road, place: 0.0, mass, acceleration: 0.0 }
     }
 
+    /// Lets it go from a state at rest, so much lower.
+    pub fn press(&mut self, lower: f64) {
+        self.rim.position.z -= lower;
+        let height = self.rim.position.z;
+        let rest = self.tire.stationary(&self.rim, Vertical::Height(height), 1.0).unwrap();
+        let ground = OnRoad::at(&self.road, [0.0; 2], 1.0);
+        self.tire.begin(&rest, &self.rim, &Plane::level(height, 1.0), &ground).unwrap();
+    }
+
     pub fn step(&mut self, step: f64) {
         let before = self.rim;
         let from = self.place;
@@ -39,8 +48,9 @@ impl Led {
         predicted.velocity.z += 0.5 * step * self.acceleration;
         let ground = OnRoad { road: &self.road, from: [from, 0.0], to: [self.place, 0.0], friction: 1.0 };
         self.tire.step(&before, &predicted, &ground, step).unwrap();
-        let (force, carried) = self.tire.on_hub();
-        self.acceleration = (force.z - self.mass * 9.81) / (self.mass + carried);
+        let (force, carried) = (self.tire.on_rim().force, self.tire.carried());
+        let force = force + carried.acceleration * carried.mass;
+        self.acceleration = (force.z - self.mass * 9.81) / (self.mass + carried.mass);
         self.rim.velocity.z += 0.5 * step * self.acceleration;
     }
 

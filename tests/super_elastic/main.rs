@@ -2,6 +2,7 @@
 //! equations that shares no code with it, closed forms and balances.
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod balances;
 mod cleats;
 #[path = "../common/mod.rs"]
 mod common;

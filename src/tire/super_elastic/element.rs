@@ -13,8 +13,8 @@ pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Iterations for the place of an element in contact: Newton's method takes three to five, and where it would leave the range that the
 /// place is known to be in, that is halved.
 const ITERATIONS: usize = 60;
-/// A change of the place that is none \[m\]: a ten-thousandth of a newton on the contact's stiffness at the load of a truck.
-const CLOSE: f64 = 1e-12;
+/// A change of the place that is none \[m\]: two ten-thousandths of a newton on the contact's stiffness at the load of a truck.
+const CLOSE: f64 = 1e-11;
 
 /// What acts on an element besides the road, as a function of its distance and speed: force = base + stiffness r + damping v, pulling
 /// it to the rim, all else included.
@@ -158,7 +158,7 @@ pub(super) fn press(
         pressed.along += touch.force * on_ray;
         // the penetration grows by - on_ray with the distance, the leaving speed by on_ray with the speed
         pressed.slope += on_ray * on_ray * (touch.by_leaving * per_speed - touch.by_penetration);
-        pressed.loss += leaving * (contact.touch(penetration, 0.0).force - touch.force);
+        pressed.loss += leaving * (touch.elastic - touch.force);
     }
     pressed
 }
@@ -234,11 +234,10 @@ pub(super) fn reach(
                 false => high - 2.0 * (free - high).max(pressed.penetration).max(1e-6),
             };
         }
-        let is_close = (next - r).abs() < CLOSE;
-        r = next;
-        if is_close {
-            break;
+        if (next - r).abs() < CLOSE {
+            return reached(r, pressed);
         }
+        r = next;
     }
     reached(r, press(ray, track, contact, (r, speed_at(r)), per))
 }

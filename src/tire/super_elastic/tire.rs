@@ -9,7 +9,7 @@ use crate::mechanics::{Link, Motion, Wrench};
 use crate::model::Table;
 use crate::road::{Road, Window};
 use crate::tire::relaxation::follow;
-use crate::tire::{Cell, Ground, Plane, Rest, Tire, Vertical};
+use crate::tire::{Carried, Cell, Ground, Plane, Rest, Tire, Vertical};
 use crate::{Error, Result, clone_in_place};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -57,6 +57,8 @@ pub struct State {
     pub angle: f64,
     /// Acceleration of its centre forward and up \[m/s²\].
     pub acceleration: [f64; 2],
+    /// Acceleration of its spin \[rad/s²\].
+    pub spin_acceleration: f64,
     /// Cosine and sine of its heading.
     pub heading: [f64; 2],
     /// Sums over the elements.
@@ -80,6 +82,7 @@ clone_in_place!(State {
     resistance,
     angle,
     acceleration,
+    spin_acceleration,
     heading,
     sums,
     on_rim,
@@ -158,10 +161,14 @@ impl SuperElastic {
         let speed = rim.velocity[0] * under.along[0] + rim.velocity[1] * under.along[1];
         let rolling = rim.spin * radius;
         let [force_x, force_z] = p.on_rim(&self.state.sums);
-        let load = (force_z * under.along[0] - force_x * under.along[1]).max(0.0);
+        // what friction works on: the wheel load as printed, or what the road carries
+        let [pressing_x, pressing_z] =
+            if p.rim_force == 2 { self.state.sums.contact } else { [force_x, force_z] };
+        let load = (pressing_z * under.along[0] - pressing_x * under.along[1]).max(0.0);
         let state = &mut self.state;
         state.height = under.height;
-        (state.angle, state.acceleration, state.heading) = (rim.angle, rim.acceleration, heading);
+        (state.angle, state.heading) = (rim.angle, heading);
+        (state.acceleration, state.spin_acceleration) = (rim.acceleration, rim.spin_acceleration);
         let faster = speed.abs().max(rolling.abs());
         state.wheel_slip = if faster > 0.0 { (rolling - speed) / faster } else { 0.0 };
         if load > 0.0 {
@@ -185,11 +192,14 @@ impl SuperElastic {
         let direction = libm::tanh(speed / CREEP);
         let resisted = p.rolling_resistance * load * direction;
         state.resistance = resisted;
-        let (mut along, mut moment) = (state.traction, -under.height * state.traction);
+        // the lever is the radius of the slip: with another one rolling would make energy or take it
+        let (mut along, mut moment) = (state.traction, -radius * state.traction);
         match p.resistance_as {
             2 => moment -= radius * resisted,
             _ => along -= resisted,
         }
+        let free = self.prepared.free;
+        moment -= p.rubber_mass * free * free * rim.spin_acceleration;
         if p.rim_force == 2 {
             moment += state.sums.moment;
         }
@@ -366,14 +376,16 @@ impl Tire for SuperElastic {
         self.state.on_rim
     }
 
-    /// Elements are carried across their rays, which is half of their mass in each direction: the sum of t tᵀ over N even rays is N / 2.
-    fn on_hub(&self) -> (Vector3<f64>, f64) {
-        if self.parameters.rim_force != 2 {
-            return (self.state.on_rim.force, 0.0);
-        }
-        let carried = 0.5 * self.parameters.rubber_mass;
+    /// Elements are carried across their rays, which is half of their mass in each direction: the sum of t tᵀ over N even rays is
+    /// N / 2. As printed, that is not felt; but they spin with the rim.
+    fn carried(&self) -> Carried {
         let ([x, z], [cos, sin]) = (self.state.acceleration, self.state.heading);
-        (self.state.on_rim.force + Vector3::new(x * cos, x * sin, z) * carried, carried)
+        Carried {
+            mass: if self.parameters.rim_force == 2 { 0.5 * self.parameters.rubber_mass } else { 0.0 },
+            inertia: self.parameters.rubber_mass * self.prepared.free * self.prepared.free,
+            acceleration: Vector3::new(x * cos, x * sin, z),
+            spin_acceleration: self.state.spin_acceleration,
+        }
     }
 
     fn energy_loss(&self) -> f64 {
