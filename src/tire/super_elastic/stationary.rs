@@ -105,8 +105,16 @@ pub(super) fn stationary(
     if let Some(load) = load {
         let coefficients = parameters.coefficients(prepared, load, speed);
         let carried = |height: f64| parameters.on_rim(&with(height, coefficients).1)[1] - load;
-        let (mut low, mut high) =
-            (LOWEST * parameters.radius, parameters.radius + 0.5 * parameters.element_thickness);
+        // spinning makes it larger; nothing touches at that height
+        let spring = coefficients.stiffness - prepared.mass * rim.spin * rim.spin;
+        if spring <= 0.0 {
+            return Err(Error::numeric(format!(
+                "the wheel spins too fast for its rubber: at {:.0} rad/s no spring holds the elements",
+                rim.spin
+            )));
+        }
+        let grown = prepared.free * coefficients.stiffness / spring + 0.5 * parameters.element_thickness;
+        let (mut low, mut high) = (LOWEST * parameters.radius, grown);
         let (mut at_low, mut at_high) = (carried(low), carried(high));
         if at_low < 0.0 {
             return Err(Error::numeric(format!(
