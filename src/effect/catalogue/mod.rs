@@ -112,6 +112,7 @@ pub const EFFECTS: &[Effect] = &[
     plysteer::AS_ANGLE,
     non_uniformity::EFFECT,
     non_uniformity::WITH_SECOND,
+    non_uniformity::OF_STIFFNESS,
     loss_of_contact::EFFECT,
     lift_off::EFFECT,
     hydraulic_lag::EFFECT,

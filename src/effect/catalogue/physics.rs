@@ -350,11 +350,16 @@ fn orders_of_the_wheel() {
     is(course("non-uniformity", 100.0, 4000.0)[0], 4000.0);
     is(course("non-uniformity", 100.0, 4000.0)[1], 0.0);
     // with the second order at half of the first
-    let both = forms("non-uniformity").find(|e| e.parameters.len() == 4).unwrap();
+    let both = forms("non-uniformity").find(|e| e.drivers.len() == 2 && e.parameters.len() == 4).unwrap();
     let points: Vec<_> = (0..=n).map(|i| (1.0, 100.0, [turn(i), 4000.0, 0.0])).collect();
     let y = run(both, &[0.03, -0.04, 0.015, -0.02], &points);
     is(line(&y, turn), 4000.0);
     is(line(&y, |i| 2.0 * turn(i)), 2000.0);
+    // a stiffness by shares of itself
+    let stiffness = forms("non-uniformity").find(|e| e.drivers.len() == 1).unwrap();
+    let y = run(stiffness, &[0.03, -0.04, 0.015, -0.02], &points);
+    is(line(&y, turn), 100.0);
+    is(line(&y, |i| 2.0 * turn(i)), 50.0);
     is(course("brake-torque-variation", 100.0, 20.0)[0], 20.0);
     // four times as much at twice the speed
     is(course("imbalance", 100.0, 10.0)[0], 100.0);
