@@ -91,7 +91,7 @@ impl Wheel {
     }
 
     /// One step of Dormand and Prince's method of fifth order.
-    pub fn step(&self, time: f64, y: &mut Vec<f64>, h: f64) {
+    pub fn step(&self, time: f64, y: &mut [f64], h: f64) {
         const A: [&[f64]; 6] = [
             &[],
             &[1.0 / 5.0],
@@ -104,7 +104,7 @@ impl Wheel {
         const C: [f64; 6] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0];
         let mut stages: Vec<Vec<f64>> = Vec::new();
         for (a, c) in A.iter().zip(C) {
-            let mut at = y.clone();
+            let mut at = y.to_vec();
             for (stage, a) in stages.iter().zip(*a) {
                 at.iter_mut().zip(stage).for_each(|(y, k)| *y += h * a * k);
             }
