@@ -1,7 +1,7 @@
 //! A wheel under a mass that swings.
 
 use super::{common, rim, single, tire};
-use latsch::rig::Wheel;
+use latsch::rig::{HydroPulse, Wheel};
 use latsch::tire::super_elastic::SuperElastic;
 use latsch::tire::{Tire, Vertical};
 
@@ -63,24 +63,24 @@ fn the_mass_swings_as_the_table_says() {
     }
 }
 
-/// Deflections \[mm\] of a wheel of 27 kg pressed on the road by a force around 10 kN, in the last two of five periods.
+/// Deflections \[mm\] of a wheel of 27 kg that the hydropulse rig presses on the road around 10 kN, in the last two of five periods.
 fn pressed(parameters: &[(&str, f64)], amplitude: f64, frequency: f64, step: f64) -> (f64, f64) {
     let mut values = vec![
         ("rim_force", 2.0),
-        ("hub_mass", 27.0 - 19.8),
-        ("axle_force_z", -10e3),
-        ("initial_load", 10e3 + 7.2 * 9.81),
-        ("initial_speed", 0.0),
+        ("wheel_mass", 27.0 - 19.8),
+        ("force", 10e3),
+        ("excitation", 2.0),
+        ("excitation_amplitude", amplitude),
+        ("excitation_frequency", frequency),
+        ("command_actuators", 0.0),
         ("step_size", step),
     ];
     values.extend(parameters);
-    let mut slave = common::started::<Wheel<SuperElastic>>(&values);
+    let mut slave = common::started::<HydroPulse<SuperElastic>>(&values);
     let steps = (5.0 / frequency / 1e-3).round() as usize;
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     for k in 0..steps {
         let time = 1e-3 * k as f64;
-        let force = -10e3 - amplitude * (std::f64::consts::TAU * frequency * time).sin();
-        common::set(&mut slave, &[("axle_force_z", force)]);
         latsch::model::Slave::step(&mut slave, time, 1e-3).unwrap();
         if k > steps * 3 / 5 {
             let deflection = 1e3 * common::get(&mut slave, "tire_deflection");
@@ -122,4 +122,81 @@ fn the_hydropulse_presses_as_far_as_the_table_says() {
 fn assert_near(found: (f64, f64), expected: (f64, f64), tolerance: f64) {
     let away = (found.0 - expected.0).abs().max((found.1 - expected.1).abs());
     assert!(away < tolerance, "{found:?} instead of {expected:?}");
+}
+
+/// Led along the way that force control has made, the rig answers with the force: the two kinds of control are one machine.
+#[test]
+fn position_control_gives_back_the_force_that_made_the_way() {
+    let common_values =
+        [("rim_force", 2.0), ("wheel_mass", 20.0), ("command_actuators", 0.0), ("step_size", 1e-3)];
+    let sine =
+        [("force", 8e3), ("excitation", 2.0), ("excitation_amplitude", 3e3), ("excitation_frequency", 2.0)];
+    let mut pressing = common::started::<HydroPulse<SuperElastic>>(&[&common_values[..], &sine].concat());
+    let mut moving = {
+        let at = common::get(&mut pressing, "piston_position");
+        common::started::<HydroPulse<SuperElastic>>(
+            &[&common_values[..], &[("control", 2.0), ("position", at)]].concat(),
+        )
+    };
+    let (mut difference, mut size) = (0.0, 0.0);
+    for k in 0..1000 {
+        common::advance(&mut pressing, 1e-3, k, k + 1);
+        let mut get = |name: &str| common::get(&mut pressing, name);
+        let [position, velocity, force] = ["piston_position", "piston_velocity", "cell_force"].map(&mut get);
+        let variable = latsch::model::Slave::find(&moving, "position").unwrap();
+        latsch::model::Slave::set(&mut moving, variable, position).unwrap();
+        latsch::model::Slave::set_rate(&mut moving, variable, velocity).unwrap();
+        common::advance(&mut moving, 1e-3, k, k + 1);
+        if k > 100 {
+            let other = common::get(&mut moving, "cell_force");
+            difference += (other - force).powi(2);
+            size += (force - 8e3).powi(2);
+        }
+    }
+    println!("P {}", (difference / size).sqrt());
+    assert!((difference / size).sqrt() < 0.02);
+}
+
+/// Friction in the rubber makes a loop that does not depend on the frequency; a damper makes one that grows with it.
+#[test]
+fn the_loop_tells_friction_from_damping() {
+    let area = |parameters: &[(&str, f64)], frequency: f64| {
+        let mut values = vec![
+            ("contact_points", 1.0),
+            ("wheel_mass", 20.0),
+            ("force", 8e3),
+            ("excitation", 2.0),
+            ("excitation_amplitude", 3e3),
+            ("excitation_frequency", frequency),
+            ("command_actuators", 0.0),
+            ("step_size", 1e-3),
+        ];
+        values.extend(parameters);
+        let mut slave = common::started::<HydroPulse<SuperElastic>>(&values);
+        let period = (1e3 / frequency).round() as u32;
+        let mut work = 0.0;
+        let mut last = (0.0, 0.0);
+        for k in 0..2 * period {
+            common::advance(&mut slave, 1e-3, k, k + 1);
+            let now = (common::get(&mut slave, "cell_force"), common::get(&mut slave, "piston_position"));
+            if k >= period {
+                work += 0.5 * (now.0 + last.0) * (now.1 - last.1);
+            }
+            last = now;
+        }
+        work
+    };
+    let damped = [("element_radial_damping", 280.0), ("contact_damping", 0.0)];
+    let rubbed = [
+        ("element_radial_damping", 0.0),
+        ("contact_damping", 0.0),
+        ("friction_force", 100.0),
+        ("friction_stiffness", 1e6),
+    ];
+    let [slow, fast] = [0.5, 2.0].map(|f| area(&damped, f));
+    println!("L {slow} {fast}");
+    assert!((fast / slow / 4.0 - 1.0).abs() < 0.05, "{slow} {fast}");
+    let [slow, fast] = [0.5, 2.0].map(|f| area(&rubbed, f));
+    println!("L {slow} {fast}");
+    assert!((fast / slow - 1.0).abs() < 0.02, "{slow} {fast}");
 }
