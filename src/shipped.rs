@@ -2,7 +2,7 @@
 
 use crate::control::{AbsController, BrakeHydraulics};
 use crate::fmi::Entry;
-use crate::rig::{Bare, Corner, FlatTrack, Wheel};
+use crate::rig::{Bare, Corner, FlatTrack, HydroPulse, Wheel};
 use crate::tire::magic_formula::MagicFormula;
 use crate::tire::ring_brush::RingBrush;
 use crate::tire::super_elastic::SuperElastic;
@@ -16,6 +16,7 @@ macro_rules! models {
                 Entry::of::<Bare<$tire>>(),
                 Entry::of::<Wheel<$tire>>(),
                 Entry::of::<Corner<$tire>>(),
+                Entry::of::<HydroPulse<$tire>>(),
             )+
             $(Entry::of::<$model>(),)+
         ]

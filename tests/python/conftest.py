@@ -32,6 +32,9 @@ MODELS = {
     "super-elastic-tire": (dict(rim_z=0.215, rim_velocity_x=3.0, rim_spin_rate=13.5), dict(rim_spin_rate=15.0, friction_factor=0.7)),
     "super-elastic-wheel": (dict(initial_speed=3.0, brake_torque=50.0), dict(brake_torque=400.0)),
     "super-elastic-corner": (dict(initial_speed=3.0, brake_torque=100.0), dict(brake_torque=400.0, friction_factor=0.5)),
+    "ring-brush-hydropulse": (dict(force=4000.0), dict(force=5000.0)),
+    "magic-formula-hydropulse": (dict(force=4000.0), dict(force=5000.0)),
+    "super-elastic-hydropulse": (dict(force=6000.0), dict(force=9000.0)),
     "brake-hydraulics": (dict(driver_pressure=5e6), dict(inlet_valve=0.0, outlet_valve=0.4)),
     "abs-controller": (dict(wheel_speed_1=60.0, driver_pressure=1e7), dict(wheel_speed_1=45.0)),
 }
