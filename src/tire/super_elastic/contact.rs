@@ -12,7 +12,7 @@ pub fn smooth_step(x: f64, (x0, h0): (f64, f64), (x1, h1): (f64, f64)) -> f64 {
 /// The contact of one point.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Contact {
-    /// Force \[N\] at a penetration of [`UNIT`]: so it has a unit whatever the exponent is.
+    /// Force \[N\] at a penetration of 1 mm: so it has a unit whatever the exponent is.
     pub force: f64,
     /// Exponent of the penetration.
     pub exponent: f64,

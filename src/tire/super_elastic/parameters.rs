@@ -63,23 +63,23 @@ pub struct Parameters {
     pub damping: f64,
     /// Factor on the stiffness for tires of other makers.
     pub stiffness_factor: f64,
-    /// Law of the stiffness, [`LAWS`].
+    /// Law of the stiffness: 1 constant, 2 a power, 3 a table.
     pub stiffness_law: i32,
     /// Exponent of the load in the stiffness.
     pub stiffness_load_exponent: f64,
     /// Points of the stiffness.
     pub stiffness_points: String,
-    /// Law of the damping, [`LAWS`].
+    /// Law of the damping, likewise.
     pub damping_law: i32,
-    /// Exponents of load and speed in the damping.
+    /// Exponent of the load in the damping.
     pub damping_load_exponent: f64,
-    /// The same of the speed.
+    /// Exponent of the speed in it.
     pub damping_speed_exponent: f64,
     /// Points of the damping.
     pub damping_points: String,
-    /// References of load \[N\] and speed \[m/s\].
+    /// Load at which the constants hold \[N\].
     pub reference_load: f64,
-    /// The same of the speed.
+    /// Speed at which they hold \[m/s\].
     pub reference_speed: f64,
     /// The load that coefficients are taken at \[N\]; 0: the present one behind a lag.
     pub characteristic_load: f64,
@@ -93,27 +93,27 @@ pub struct Parameters {
     pub friction_force: f64,
     /// Stiffness up to that friction \[N/m\].
     pub friction_stiffness: f64,
-    /// Contact of an element or a point.
+    /// Contact with the road.
     pub contact: Contact,
-    /// What it is of, [`SHARINGS`].
+    /// What that is of: 1 an element, 2 a point.
     pub contact_of: i32,
     /// Slip stiffness C_s \[N\].
     pub slip_stiffness: f64,
-    /// Friction coefficient without slip and at a slip of 1.
+    /// Friction coefficient without slip.
     pub friction_max: f64,
-    /// The same at a slip of 1.
+    /// Friction coefficient at a slip of 1.
     pub friction_min: f64,
     /// Relaxation length \[m\].
     pub relaxation_length: f64,
-    /// [`RATES`].
+    /// The speed with which the slip follows: 1 the faster one of travelling and rolling, 2 that of travelling.
     pub relaxation_rate: i32,
-    /// [`ADHESIONS`].
+    /// Where the adhering share of the contact is from: 1 the slip, 2 the elements in contact as well.
     pub adhesion: i32,
     /// Rolling resistance over the load.
     pub rolling_resistance: f64,
-    /// [`RESISTANCES`].
+    /// What resists rolling: 1 a force, 2 a moment.
     pub resistance_as: i32,
-    /// [`RIM_FORCES`].
+    /// What is summed up to the force on the rim: 1 the radial forces, 2 all.
     pub rim_force: i32,
     /// Gravity \[m/s²\].
     pub gravity: f64,
