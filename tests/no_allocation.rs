@@ -12,11 +12,12 @@ use latsch::shipped::MODELS;
 /// What the names of models end with (every tire on a rig, or a name), start values that let something happen, and an input that moves, with its rate.
 type Run = (&'static str, &'static [(&'static str, f64)], (&'static str, f64));
 
-const RUNS: [Run; 6] = [
+const RUNS: [Run; 7] = [
     ("-flat-track", &[("slip", 0.05), ("slip_angle", 0.03), ("camber", 0.02)], ("deflection", 0.01)),
     ("-tire", &[("rim_velocity_y", 0.3), ("road_slope_x", 0.02)], ("rim_spin_rate", 20.0)),
     ("-wheel", &[("steer", 0.02), ("camber", 0.02)], ("brake_torque", 3e4)),
     ("-corner", &[("friction_factor", 0.8)], ("brake_torque", 3e4)),
+    ("-hydropulse", &[("excitation", 4.0), ("excitation_amplitude", 500.0)], ("force", 3e4)),
     ("brake-hydraulics", &[("outlet_valve", 0.3)], ("driver_pressure", 1e8)),
     ("abs-controller", &[("driver_pressure", 1e7)], ("wheel_speed_1", -100.0)),
 ];

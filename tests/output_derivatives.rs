@@ -68,6 +68,7 @@ const CASES: &[Case] = &[
         start: &[("road_kind", 6.0)],
         inputs: |t| vec![("brake_torque", 1000.0 * ramp(t, 0.1, 0.2) * (1.0 - ramp(t, 1.0, 0.1)))],
     },
+    Case { model: "-hydropulse", start: &[], inputs: |t| vec![("force", 4000.0 + 1500.0 * (9.0 * t).sin())] },
     Case {
         model: "brake-hydraulics",
         start: &[],

@@ -425,7 +425,7 @@ mod tests {
         ];
         assert_eq!((free, left), (all.map(String::from).to_vec(), vec![("step_size".into(), NUMERICS)]));
         // of a tire that a file gives, its scales are fitted
-        for rig in ["flat-track", "tire", "wheel", "corner"] {
+        for rig in ["flat-track", "tire", "wheel", "corner", "hydropulse"] {
             let (free, left) = shares(&format!("magic-formula-{rig}"));
             let is_coefficient = |name: &&String| name.chars().all(|c| !c.is_ascii_lowercase());
             let fitted: Vec<_> = free.iter().filter(is_coefficient).collect();
@@ -437,6 +437,28 @@ mod tests {
             let given = left.iter().filter(|(_, why)| *why == DATA);
             assert!(given.count() > 80, "{left:?}");
         }
+        // what the source of a tire leaves out is off, and its contact is numerics
+        for rig in ["flat-track", "tire", "wheel", "corner", "hydropulse"] {
+            let (free, left) = shares(&format!("super-elastic-{rig}"));
+            let fitted = [
+                "element_radial_stiffness",
+                "element_radial_damping",
+                "rubber_mass",
+                "slip_stiffness",
+                "friction_max",
+            ];
+            assert!(fitted.iter().all(|n| free.iter().any(|f| f == n)), "{rig}: {free:?}");
+            let off =
+                [("relaxing_stiffness", ZERO), ("friction_force", ZERO), ("contact_stiffness", NUMERICS)];
+            let is_left = |(name, why): &(&str, &str)| left.iter().any(|(n, w)| n == name && w == why);
+            assert!(off.iter().all(is_left), "{rig}: {left:?}");
+        }
+        let (free, left) = shares("ring-brush-hydropulse");
+        assert!(
+            free.iter().any(|f| f == "wheel_mass") && !free.iter().any(|f| f.starts_with("excitation")),
+            "{left:?}"
+        );
+
         // thresholds of a controller have units; its reference speed is no reference of anything else
         let (free, left) = shares("abs-controller");
         assert_eq!(left, [("sample_time".to_string(), NUMERICS)]);
@@ -482,6 +504,6 @@ mod tests {
     /// What `shipped::MODELS` has beside those above would be tested by nobody.
     #[test]
     fn no_shipped_model_is_forgotten() {
-        assert_eq!(MODELS.len(), 10);
+        assert_eq!(MODELS.len(), 17);
     }
 }

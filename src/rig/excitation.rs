@@ -40,12 +40,12 @@ impl Excitation {
     #[rustfmt::skip] // a row is a line
     pub(super) fn rows() -> Table<Self> {
         Table::new([
-            integer_parameter("excitation", integer!(kind), 1, "What the rig adds to the command that it controls").items(KINDS).purpose(Purpose::Surroundings),
-            parameter("excitation_amplitude", "1", real!(amplitude), 0.0, "Amplitude, in N or in m as what is controlled").range(0.0, 1e6).purpose(Purpose::Surroundings),
-            parameter("excitation_frequency", "Hz", real!(frequency), 1.0, "Frequency of the sine; lower end of sweep and band").range(1e-3, 500.0).purpose(Purpose::Surroundings),
-            parameter("excitation_frequency_end", "Hz", real!(frequency_end), 10.0, "Upper end of sweep and band").range(1e-3, 500.0).purpose(Purpose::Surroundings),
-            parameter("excitation_time", "s", real!(time), 10.0, "Duration of the sweep").range(1e-2, 1e4).purpose(Purpose::Surroundings),
-            integer_parameter("excitation_seed", integer!(seed), 1, "Number of the random band").range(1.0, 1e6).purpose(Purpose::Surroundings),
+            integer_parameter("excitation", integer!(kind), 1, "What the rig adds to the command that it controls").items(KINDS).purpose(Purpose::Data),
+            parameter("excitation_amplitude", "1", real!(amplitude), 0.0, "Amplitude, in N or in m as what is controlled").range(0.0, 1e6).purpose(Purpose::Data),
+            parameter("excitation_frequency", "Hz", real!(frequency), 1.0, "Frequency of the sine; lower end of sweep and band").range(1e-3, 500.0).purpose(Purpose::Data),
+            parameter("excitation_frequency_end", "Hz", real!(frequency_end), 10.0, "Upper end of sweep and band").range(1e-3, 500.0).purpose(Purpose::Data),
+            parameter("excitation_time", "s", real!(time), 10.0, "Duration of the sweep").range(1e-2, 1e4).purpose(Purpose::Data),
+            integer_parameter("excitation_seed", integer!(seed), 1, "Number of the random band").range(1.0, 1e6).purpose(Purpose::Data),
         ])
     }
 

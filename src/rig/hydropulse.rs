@@ -70,7 +70,7 @@ impl<T: Tire> Model for HydroPulse<T> {
             output("cell_force", "N", real!(cell), "Force in the load cell above the wheel, positive where it presses the wheel down").nominal(1000.0).role(Role::Load),
             output("piston_position", "m", Access::computed(|m: &Self| m.lowered()), "How much lower than without load on level road the wheel's centre is"),
             output("piston_velocity", "m/s", Access::computed(|m: &Self| -m.wheel.velocity.z), "Velocity of the piston, downward"),
-            integer_parameter("control", integer!(control), 1, "What the cylinder controls").items(CONTROLS).purpose(Purpose::Surroundings),
+            integer_parameter("control", integer!(control), 1, "What the cylinder controls").items(CONTROLS).purpose(Purpose::Data),
         ])
         .part("", lens!(excitation), Excitation::rows())
         .and([

@@ -1,7 +1,7 @@
 //! One element on its ray: the implicit step.
 //!
-//! The radial equation of an element (4-46 to 4-48) knows its neighbours only through the coupling, and the rim only through its
-//! motion. So it is solved for each element by itself, by a scheme that takes the stiff contact at any step: two stages of
+//! The radial equation of an element (4-46 to 4-48) knows nothing of its neighbours, and of the rim only its motion. So it is solved
+//! for each element by itself, by a scheme that takes the stiff contact at any step: two stages of
 //! Alexander's singly diagonally implicit Runge-Kutta method of second order, which is L-stable and ends at its second stage.
 
 use super::contact::Contact;

@@ -29,7 +29,7 @@ impl SuperElastic {
             local("element_damping", "N.s/m", real!(state.coefficients.damping), "Damping of an element that holds now (c_ce)"),
             text_parameter("tire_name", text!(name), "Continental SE 18x7-8 (Oh 2017, as printed)", "Name of the tire, for reports"),
             parameter("tire_radius", "m", real!(parameters.radius), 0.2265, "Radius without load (r0)").range(0.02, 2.0),
-            parameter("tire_width", "m", real!(parameters.width), 0.152, "Width of the tread, for pictures: the source prints 152 and 187 mm").range(0.01, 1.5).purpose(Purpose::Surroundings),
+            parameter("tire_width", "m", real!(parameters.width), 0.152, "Width of the tread, for pictures: the source prints 152 and 187 mm").range(0.01, 1.5).purpose(Purpose::Data),
             parameter("element_thickness", "m", real!(parameters.element_thickness), 0.005, "Thickness of a contact element along its ray (l_ce)").range(1e-4, 0.5),
             integer_parameter("elements", integer!(parameters.elements), 45, "Contact elements around the wheel (N)").range(4.0, 2000.0).purpose(Purpose::Numerics),
             integer_parameter("contact_points", integer!(parameters.contact_points), 3, "Contact points of an element along the tread; the source leaves their number and places open").range(1.0, 15.0).purpose(Purpose::Numerics),
