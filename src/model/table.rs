@@ -102,6 +102,18 @@ impl<M> Table<M> {
         self
     }
 
+    /// The same with all real outputs [without a derivative](Variable::without_derivative), if `ragged`: where parts that come and
+    /// go within a step make them.
+    #[must_use]
+    pub fn without_derivatives_if(mut self, ragged: bool) -> Self {
+        if ragged {
+            let without =
+                |row: Variable<M>| if row.is_smooth_output() { row.without_derivative() } else { row };
+            self.rows = self.rows.into_iter().map(without).collect();
+        }
+        self
+    }
+
     /// The rows.
     pub fn rows(&self) -> &[Variable<M>] {
         &self.rows

@@ -364,6 +364,12 @@ impl<M: 'static> Variable<M> {
         self
     }
 
+    /// A real output that has a derivative.
+    pub(super) fn is_smooth_output(&self) -> bool {
+        let is_real = matches!(self.access, Access::Real(..) | Access::Rated(..));
+        self.causality == Causality::Output && is_real && matches!(self.change, Change::Smooth)
+    }
+
     /// Lets a real input that comes without a derivative run on between communication points with the
     /// real input called `rate`: a position with the velocity that comes beside it, x + v t, or, where
     /// the velocity has a derivative a, x + v t + a t²/2.

@@ -77,6 +77,7 @@ impl<T: Tire> Model for Bare<T> {
             output("spin_moment", "N.m", Access::computed(|m: &Self| m.tire.spin_moment()), "Moment of the tire on the rim about the wheel's own axis").nominal(100.0),
             parameter("step_size", "s", real!(step_size), T::STEP, "Step of the model's own time grid").range(1e-7, 1e-3).purpose(Purpose::Numerics).role(Role::Step),
         ])
+        .without_derivatives_if(T::RIPPLES)
     }
 
     fn step_size(&self) -> f64 {

@@ -125,6 +125,7 @@ impl<T: Tire> Model for Corner<T> {
             parameter("bump_stop_gap", "m", real!(vehicle.bump_stop.gap), 0.08, "Way of the wheel up in the vehicle from the static position until it meets the bump stop").range(0.0, 1.0).purpose(Purpose::Data),
             parameter("bump_stop_stiffness", "N/m2", real!(vehicle.bump_stop.stiffness), 0.0, "Force of the bump stop over the square of the way into it; 0: there is none").range(0.0, 1e10).role(Role::Stiffness).tunable(),
         ])
+        .without_derivatives_if(T::RIPPLES)
     }
 
     fn step_size(&self) -> f64 {

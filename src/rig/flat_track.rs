@@ -103,6 +103,7 @@ impl<T: Tire> Model for FlatTrack<T> {
         ])
         .part("", lens!(actuation), Actuation::rows())
         .part("", lens!(load_control), LoadControl::rows())
+        .without_derivatives_if(T::RIPPLES)
     }
 
     fn step_size(&self) -> f64 {

@@ -65,7 +65,8 @@ impl<T: Tire> Model for HydroPulse<T> {
             input("force", "N", rated!(force), 4000.0, "Force with which the cylinder presses the wheel on the road, with force control: the preload and, where recorded, all of it").range(-1e6, 1e6).nominal(1000.0).role(Role::Force),
             input("position", "m", rated!(position), 0.01, "How much lower than without load on level road the wheel's centre is, with position control").range(-0.5, 0.5),
         ])
-        .part("", lens!(tire), Rolling::rows())
+        // under a wheel that stands, bristles stick and let go in moments
+        .part("", lens!(tire), Rolling::rows().without_derivatives_if(true))
         .and([
             output("cell_force", "N", real!(cell), "Force in the load cell above the wheel, positive where it presses the wheel down").nominal(1000.0).role(Role::Load),
             output("piston_position", "m", Access::computed(|m: &Self| m.lowered()), "How much lower than without load on level road the wheel's centre is"),
@@ -78,6 +79,7 @@ impl<T: Tire> Model for HydroPulse<T> {
             parameter("step_size", "s", real!(step_size), T::STEP, "Step of the model's own time grid").range(1e-7, 1e-3).purpose(Purpose::Numerics).role(Role::Step),
         ])
         .part("", lens!(actuation), Actuation::rows())
+        .without_derivatives_if(T::RIPPLES)
     }
 
     fn step_size(&self) -> f64 {

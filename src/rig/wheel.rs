@@ -97,6 +97,7 @@ impl<T: Tire> Model for Wheel<T> {
             parameter("step_size", "s", real!(step_size), T::STEP, "Step of the model's own time grid").range(1e-7, 1e-3).purpose(Purpose::Numerics).role(Role::Step),
         ])
         .part("", lens!(actuation), Actuation::rows())
+        .without_derivatives_if(T::RIPPLES)
     }
 
     fn step_size(&self) -> f64 {

@@ -109,6 +109,9 @@ pub trait Tire: Clone + Default + PartialEq + Serialize + DeserializeOwned + Sen
     const ON_ROAD: &'static str = "";
     /// True if [`stationary_change`](Tire::stationary_change) and [`step_change`](Tire::step_change) have answers.
     const DERIVATIVES: bool = false;
+    /// True if its forces ripple with parts that come and go, faster than communication points see: then the last change of an output
+    /// does not tell how it goes on, and outputs of models with this tire have no derivative over time.
+    const RIPPLES: bool = false;
     /// Step of the rigs' own time grids if none is set \[s\].
     const STEP: f64 = 1e-4;
     /// What a [`Rest`] of this tire has inside.

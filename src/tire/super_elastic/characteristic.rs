@@ -5,7 +5,7 @@ use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 /// A coefficient over load and speed.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
 pub enum Characteristic {
     /// Everywhere the same.
     #[default]
@@ -26,6 +26,30 @@ pub enum Characteristic {
         /// A row of values for each load.
         values: Vec<f64>,
     },
+}
+
+impl Clone for Characteristic {
+    fn clone(&self) -> Self {
+        match self {
+            Self::Constant => Self::Constant,
+            Self::Power { reference, exponent } => Self::Power { reference: *reference, exponent: *exponent },
+            Self::Table { loads, speeds, values } => {
+                Self::Table { loads: loads.clone(), speeds: speeds.clone(), values: values.clone() }
+            }
+        }
+    }
+
+    /// Reuses the memory of a table: steps must not touch the heap.
+    fn clone_from(&mut self, source: &Self) {
+        match (&mut *self, source) {
+            (Self::Table { loads, speeds, values }, Self::Table { loads: l, speeds: s, values: v }) => {
+                loads.clone_from(l);
+                speeds.clone_from(s);
+                values.clone_from(v);
+            }
+            (this, source) => *this = source.clone(),
+        }
+    }
 }
 
 /// Loads and speeds of a power law are taken no smaller than this share of their references: with a negative exponent it has no

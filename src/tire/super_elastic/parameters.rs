@@ -2,7 +2,7 @@
 
 use super::Characteristic;
 use super::contact::Contact;
-use crate::{Error, Result};
+use crate::{Error, Result, clone_in_place};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
@@ -41,7 +41,7 @@ pub(super) const RATES: &[(&str, &str)] = &[
 ];
 
 /// Parameters. Items of enumerations count from 1.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Parameters {
     /// Radius without load r0 \[m\].
     pub radius: f64,
@@ -119,8 +119,48 @@ pub struct Parameters {
     pub gravity: f64,
 }
 
+clone_in_place!(Parameters {
+    radius,
+    element_thickness,
+    width,
+    elements,
+    contact_points,
+    gap_angle,
+    rubber_mass,
+    stiffness,
+    damping,
+    stiffness_factor,
+    stiffness_law,
+    stiffness_load_exponent,
+    stiffness_points,
+    damping_law,
+    damping_load_exponent,
+    damping_speed_exponent,
+    damping_points,
+    reference_load,
+    reference_speed,
+    characteristic_load,
+    characteristic_lag,
+    relaxing_stiffness,
+    relaxing_time,
+    friction_force,
+    friction_stiffness,
+    contact,
+    contact_of,
+    slip_stiffness,
+    friction_max,
+    friction_min,
+    relaxation_length,
+    relaxation_rate,
+    adhesion,
+    rolling_resistance,
+    resistance_as,
+    rim_force,
+    gravity
+});
+
 /// What follows from the parameters.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Prepared {
     /// Angle between neighbours \[rad\].
     pub pitch: f64,
@@ -137,6 +177,8 @@ pub(super) struct Prepared {
     pub stiffness: Characteristic,
     pub damping: Characteristic,
 }
+
+clone_in_place!(Prepared { pitch, rays, offsets, mass, free, contact, stiffness, damping });
 
 impl Parameters {
     pub(super) fn prepare(&self) -> Result<Prepared> {

@@ -224,6 +224,7 @@ impl Tire for SuperElastic {
     const TITLE: &'static str = "Super-elastic tire";
     const DOCUMENTATION: &'static str = include_str!("documentation.html");
     const ON_ROAD: &'static str = include_str!("on_road.html");
+    const RIPPLES: bool = true;
     const STEP: f64 = 1e-3;
     type Inside = Stationary;
 
