@@ -102,7 +102,7 @@ impl<T: Tire> Model for HydroPulse<T> {
             self.tire.start(&self.rim(), [0.0; 2])?;
         }
         self.wheel.position.z = self.tire.mounted.rim.position.z;
-        self.accelerate();
+        self.balance();
         Ok(())
     }
 
@@ -127,7 +127,7 @@ impl<T: Tire> Model for HydroPulse<T> {
             let predicted = self.wheel.drift(length);
             let rim = Motion { velocity: predicted, ..self.rim() };
             self.tire.step(&rim, [0.0; 2], [0.0; 2], length)?;
-            self.accelerate();
+            self.balance();
             self.wheel.kick(length);
         } else {
             let before = self.wheel.velocity.z;
@@ -136,11 +136,7 @@ impl<T: Tire> Model for HydroPulse<T> {
             self.wheel.acceleration.z = (self.wheel.velocity.z - before) / length;
             let rim = self.rim();
             self.tire.step(&rim, [0.0; 2], [0.0; 2], length)?;
-            let acceleration = self.wheel.acceleration.z;
-            self.accelerate();
-            self.wheel.acceleration.z = acceleration;
-            let of_tire = self.tire.tire().on_rim().force.z;
-            self.cell = of_tire - self.mass * (self.tire.tire().gravity() + acceleration);
+            self.balance();
         }
         if self.wheel.is_finite() {
             Ok(())
@@ -177,14 +173,19 @@ impl<T: Tire> HydroPulse<T> {
         self.tire.tire().radius() - self.wheel.position.z
     }
 
-    /// Loads the wheel with what acts on it now; in the load cell is what the cylinder presses with.
-    fn accelerate(&mut self) {
-        let carried = self.tire.tire().carried();
-        let of_tire = self.tire.tire().on_rim().force.z + carried.acceleration.z * carried.mass;
-        let weight = self.mass * self.tire.tire().gravity();
-        self.cell = self.actuator.position;
-        let mass = self.mass + carried.mass;
-        self.wheel.acceleration = Vector3::new(0.0, 0.0, (of_tire - weight - self.cell) / mass);
+    /// Takes over what acts on the wheel now: with force control its acceleration follows, with position control the force in the
+    /// load cell.
+    fn balance(&mut self) {
+        let tire = self.tire.tire();
+        let (of_tire, weight) = (tire.on_rim().force.z, self.mass * tire.gravity());
+        if self.controls_force() {
+            let carried = tire.carried();
+            self.cell = self.actuator.position;
+            let free = of_tire + carried.acceleration.z * carried.mass - weight - self.cell;
+            self.wheel.acceleration = Vector3::new(0.0, 0.0, free / (self.mass + carried.mass));
+        } else {
+            self.cell = of_tire - weight - self.mass * self.wheel.acceleration.z;
+        }
     }
 
     fn check_steps(&self) -> Result<()> {

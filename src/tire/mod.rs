@@ -254,3 +254,16 @@ pub trait Tire: Clone + Default + PartialEq + Serialize + DeserializeOwned + Sen
         Err(Error::call(format!("the tire {} has no directional derivatives", Self::NAME)))
     }
 }
+
+/// Checks that a wheel has not fallen over: its camber to the road and the most that its tire is good for \[rad\].
+///
+/// # Errors
+/// It has.
+fn check_upright(camber: f64, most: f64) -> Result<()> {
+    if camber.abs() <= most {
+        return Ok(());
+    }
+    Err(Error::numeric(format!(
+        "the wheel has fallen over: its camber of {camber:.3} rad to the road is outside the tire's validity of {most} rad"
+    )))
+}

@@ -8,7 +8,7 @@ use crate::mechanics::{Link, Motion, Wrench, cross, rotation_z};
 use crate::model::Table;
 use crate::road::{Road, Window};
 use crate::tire::relaxation::follow;
-use crate::tire::{Ground, Plane, Rest, Tire, Vertical};
+use crate::tire::{Ground, Plane, Rest, Tire, Vertical, check_upright};
 use crate::{Error, Result, clone_in_place};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -309,12 +309,7 @@ impl Tire for MagicFormula {
             (plane.relative(rim), plane)
         };
         let ((from, _), (to, plane)) = (under(before, 0.0), under(after, 1.0));
-        if to.angles.x.abs() > MAX_CAMBER {
-            return Err(Error::numeric(format!(
-                "the wheel has fallen over: its camber of {:.3} rad to the road is outside the tire's validity of {MAX_CAMBER} rad",
-                to.angles.x
-            )));
-        }
+        check_upright(to.angles.x, MAX_CAMBER)?;
         let (old, new) = (self.contact(&from), self.contact(&to));
         let mean = |old: f64, new: f64| 0.5 * (old + new);
         let speed = mean(old.travel[0], new.travel[0]);

@@ -9,7 +9,7 @@ use crate::mechanics::{Link, Motion, Wrench};
 use crate::model::Table;
 use crate::road::{Road, Window};
 use crate::tire::relaxation::follow;
-use crate::tire::{Carried, Cell, Ground, Plane, Rest, Tire, Vertical};
+use crate::tire::{Carried, Cell, Ground, Plane, Rest, Tire, Vertical, check_upright};
 use crate::{Error, Result, clone_in_place};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -233,8 +233,7 @@ impl Tire for SuperElastic {
     }
 
     fn mount(&mut self, _road: &Road) -> Result<()> {
-        self.prepared = self.parameters.prepare()?;
-        Ok(())
+        self.tune()
     }
 
     fn tune(&mut self) -> Result<()> {
@@ -334,12 +333,7 @@ impl Tire for SuperElastic {
         ground: &impl Ground,
         dt: f64,
     ) -> Result<()> {
-        if after.angles.x.abs() > MAX_CAMBER {
-            return Err(Error::numeric(format!(
-                "the wheel has fallen over: its camber of {:.3} rad is outside the tire's validity of {MAX_CAMBER} rad",
-                after.angles.x
-            )));
-        }
+        check_upright(after.angles.x, MAX_CAMBER)?;
         let ((from, _), (to, heading)) = (in_plane(before), in_plane(after));
         let track = |share: f64| Along(move |x, y| ground.point(x, y, share), heading);
         let rubber = Rubber {
