@@ -3,13 +3,14 @@
 use crate::control::{AbsController, BrakeHydraulics};
 use crate::fmi::Entry;
 use crate::rig::{Bare, Corner, FlatTrack, HydroPulse, Wheel};
+use crate::tire::classic::{FialaTire, LinearTire, SwiftTire, TmEasyTire, UaTire};
 use crate::tire::magic_formula::MagicFormula;
 use crate::tire::ring_brush::RingBrush;
 use crate::tire::super_elastic::SuperElastic;
 
-/// Each tire on all rigs, and other models behind them.
+/// Each tire on all rigs, classic ones on those where they make sense, and other models behind them.
 macro_rules! models {
-    (tires: $($tire:ty),+; others: $($model:ty),+) => {
+    (tires: $($tire:ty),+; with_slip: $($slip:ty),+; vertical: $($vertical:ty),+; others: $($model:ty),+) => {
         &[
             $(
                 Entry::of::<FlatTrack<$tire>>(),
@@ -18,11 +19,26 @@ macro_rules! models {
                 Entry::of::<Corner<$tire>>(),
                 Entry::of::<HydroPulse<$tire>>(),
             )+
+            $(
+                Entry::of::<FlatTrack<$slip>>(),
+                Entry::of::<Bare<$slip>>(),
+                Entry::of::<Wheel<$slip>>(),
+                Entry::of::<Corner<$slip>>(),
+            )+
+            $(
+                Entry::of::<Wheel<$vertical>>(),
+                Entry::of::<Corner<$vertical>>(),
+                Entry::of::<HydroPulse<$vertical>>(),
+            )+
             $(Entry::of::<$model>(),)+
         ]
     };
 }
 
 /// Every shipped model.
-pub const MODELS: &[Entry] =
-    models! { tires: RingBrush, MagicFormula, SuperElastic; others: BrakeHydraulics, AbsController };
+pub const MODELS: &[Entry] = models! {
+    tires: RingBrush, MagicFormula, SuperElastic;
+    with_slip: FialaTire, UaTire, TmEasyTire, SwiftTire;
+    vertical: LinearTire;
+    others: BrakeHydraulics, AbsController
+};

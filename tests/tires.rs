@@ -3,6 +3,8 @@
 
 mod common;
 
+use common::Run;
+
 use latsch::Result;
 use latsch::model::{Model, Native, Settings, Slave, Table, local, parameter};
 use latsch::real;
@@ -15,32 +17,6 @@ use latsch::tire::ring_brush::RingBrush;
 use latsch::tire::{Ground, Link, Motion, Plane, Rest, Tire, Vertical, Wrench};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-
-/// A model that runs.
-struct Run<M: Model> {
-    slave: Native<M>,
-    time: f64,
-}
-
-impl<M: Model> Run<M> {
-    fn new(values: &[(&str, f64)]) -> Self {
-        let slave = common::started(values);
-        Self { slave, time: 0.0 }
-    }
-
-    fn get(&mut self, name: &str) -> f64 {
-        common::get(&mut self.slave, name)
-    }
-
-    fn set(&mut self, name: &str, value: f64) {
-        common::set(&mut self.slave, &[(name, value)]);
-    }
-
-    fn step(&mut self, length: f64) {
-        self.slave.step(self.time, length).unwrap();
-        self.time += length;
-    }
-}
 
 /// A ball on a spring that slides without friction: radius 0.3 m.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -175,7 +151,7 @@ fn a_tire_of_twenty_lines_fits_every_rig() {
 }
 
 fn formula(rig: &Native<FlatTrack<MagicFormula>>) -> Coefficients {
-    rig.model().tire().coefficients.clone()
+    rig.model().tire().law.coefficients.clone()
 }
 
 /// At rest behind its relaxation the flat track measures what the equations say at the slips that the rig imposes: there
@@ -259,7 +235,7 @@ fn a_free_wheel_stays_free_and_a_locked_one_slides() {
     let mut corner = Run::<Corner<MagicFormula>>::new(&[("brake_torque", 9000.0)]);
     corner.step(1.0);
     assert_eq!(corner.get("wheel_speed"), 0.0);
-    let c = corner.slave.model().mounted().tire.coefficients.clone();
+    let c = corner.slave.model().mounted().tire.law.coefficients.clone();
     let fz = corner.get("force_z");
     let input =
         Input { fz, kappa: -1.0, alpha: 0.0, gamma: 0.0, vx: corner.get("vehicle_speed"), friction: 1.0 };

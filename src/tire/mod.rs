@@ -3,9 +3,12 @@
 //! A [`Tire`] is what happens between a rim and a road. It fits every rig: a rig moves the rim and knows the road, the
 //! tire answers with the force and the moment on the rim.
 
+mod brush;
+pub mod classic;
 mod ground;
 pub mod magic_formula;
 mod mounted;
+pub mod one_point;
 mod relaxation;
 pub mod ring_brush;
 pub mod super_elastic;

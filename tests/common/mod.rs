@@ -44,6 +44,32 @@ pub fn get(slave: &mut dyn Slave, name: &str) -> f64 {
     slave.get(index).unwrap()
 }
 
+/// A model that runs.
+pub struct Run<M: Model> {
+    pub slave: Native<M>,
+    time: f64,
+}
+
+impl<M: Model> Run<M> {
+    pub fn new(values: &[(&str, f64)]) -> Self {
+        let slave = started(values);
+        Self { slave, time: 0.0 }
+    }
+
+    pub fn get(&mut self, name: &str) -> f64 {
+        get(&mut self.slave, name)
+    }
+
+    pub fn set(&mut self, name: &str, value: f64) {
+        set(&mut self.slave, &[(name, value)]);
+    }
+
+    pub fn step(&mut self, length: f64) {
+        self.slave.step(self.time, length).unwrap();
+        self.time += length;
+    }
+}
+
 /// The pressure as the source prints it, for comparisons with the source's numbers.
 pub const PRINTED_PRESSURE: (&str, f64) = ("limit_pressure_tilt", 0.0);
 /// A rig whose commands are the motion.

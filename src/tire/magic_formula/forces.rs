@@ -1,40 +1,8 @@
 //! The equations. The numbers (4.E…) are those of Pacejka's book as its public implementations cite them; "PAC2002" is
 //! the Adams/Tire help.
 
-use super::Coefficients;
+use super::{Coefficients, Input};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
-
-/// What the steady forces depend on, in ISO-W axes and SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Input {
-    /// Wheel load \[N\]; zero or less means that the tire is off the ground.
-    pub fz: f64,
-    /// Longitudinal slip −Vsx/|Vx| \[1\]: positive driven, −1 locked.
-    pub kappa: f64,
-    /// Slip angle atan(Vsy/|Vx|) \[rad\]: positive when the wheel travels to its left; beyond ±π/2 it is taken as ±π/2.
-    pub alpha: f64,
-    /// Inclination angle \[rad\]: positive when the top of the wheel leans to −y.
-    pub gamma: f64,
-    /// Speed of travel along x \[m/s\]; negative in reverse.
-    pub vx: f64,
-    /// Friction factor of the road \[1\]: multiplies `LMUX` and `LMUY`; 1 on the road of the measurement.
-    ///
-    /// In the weights of combined slip, slips count over it: on a slippery road less slip in one direction takes the
-    /// force from the other. That is no part of the published equations, which know no such factor; without it forces would
-    /// leave the ellipse of friction by 36 % at a factor of 0.2. At 1 the equations are the published ones.
-    pub friction: f64,
-}
-
-impl Input {
-    /// The mirror image of this input at the xz plane.
-    ///
-    /// For a tire whose property file was made for the other side of the vehicle, the forces are the
-    /// [`mirrored`](Output::mirrored) forces at the mirrored input.
-    #[must_use]
-    pub fn mirrored(self) -> Self {
-        Self { alpha: -self.alpha, gamma: -self.gamma, ..self }
-    }
-}
 
 /// Which of the inputs lay outside the range that the coefficients are good for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

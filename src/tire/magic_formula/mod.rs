@@ -25,17 +25,18 @@
 
 mod coefficients;
 mod forces;
+mod law;
 mod rows;
 #[cfg(test)]
 #[allow(clippy::field_reassign_with_default)] // one coefficient a line
 mod tests;
-mod tire;
 
+pub use super::one_point::Input;
 #[cfg(feature = "host")]
 pub(crate) use coefficients::out_of_bound;
 pub use coefficients::{Bound, Coefficients, Dimension, FIELDS, Field, field};
 pub use forces::{
-    Input, Limits, Options, Output, Outside, RelaxationLengths, Slip, effective_rolling_radius,
-    gyroscopic_couple, relaxation_lengths, static_deflection, steady, steady_with, vertical_force,
+    Limits, Options, Output, Outside, RelaxationLengths, Slip, effective_rolling_radius, gyroscopic_couple,
+    relaxation_lengths, static_deflection, steady, steady_with, vertical_force,
 };
-pub use tire::{MagicFormula, State};
+pub use law::{Formula, MagicFormula};

@@ -28,7 +28,6 @@
 mod characteristic;
 mod contact;
 mod element;
-mod longitudinal;
 mod parameters;
 mod ring;
 mod rows;
@@ -37,7 +36,6 @@ mod tire;
 
 pub use characteristic::Characteristic;
 pub use contact::{Contact, smooth_step};
-pub use longitudinal::{adhesion, brush_force};
 pub use parameters::Parameters;
 pub use ring::{RimInPlane, Ring};
 pub use tire::{State, SuperElastic};

@@ -1,13 +1,13 @@
 //! The super-elastic tire as rigs see it.
 
 use super::element::{Along, GAMMA};
-use super::longitudinal::{adhesion, brush_force};
 use super::parameters::{Parameters, Prepared};
 use super::ring::{Coefficients, RimInPlane, Ring, Rubber, Sums, along};
 use super::stationary::{Level, Stationary, stationary};
 use crate::mechanics::{Link, Motion, Wrench};
 use crate::model::Table;
 use crate::road::{Road, Window};
+use crate::tire::brush::{adhesion, brush_force};
 use crate::tire::relaxation::follow;
 use crate::tire::{Carried, Cell, Ground, Plane, Rest, Tire, Vertical, check_upright};
 use crate::{Error, Result, clone_in_place};

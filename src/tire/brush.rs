@@ -1,8 +1,8 @@
-//! The longitudinal force: a brush with a parabolic pressure (Gim; 2-43 to 2-53) whose slip is given.
+//! A brush with a parabolic pressure in one direction (Gim; S. Y. Oh 2017, 2-43 to 2-53) whose slip is given.
 
 /// The share of the contact that adheres at a slip (2-50), from where the stress of bristles meets that of friction:
-/// 1 - C S / (3 mu F), not below 0. This closure is not printed; it makes both forms of (2-49) the same.
-pub fn adhesion(stiffness: f64, slip: f64, friction: f64) -> f64 {
+/// 1 - C S / (3 mu F), not below 0. Of a slip in two directions C S is the length of both. This closure is not printed; it makes both forms of (2-49) the same.
+pub(super) fn adhesion(stiffness: f64, slip: f64, friction: f64) -> f64 {
     if friction <= 0.0 {
         return 0.0;
     }
@@ -11,10 +11,10 @@ pub fn adhesion(stiffness: f64, slip: f64, friction: f64) -> f64 {
 
 /// Force of the brush (2-49, 2-53) \[N\] at a slip, with the sign of the slip: `stiffness` is the slope at no slip \[N\],
 /// `friction` the most that friction takes, mu F \[N\], and `adhering` the share of the contact that adheres.
-pub fn brush_force(stiffness: f64, slip: f64, friction: f64, adhering: f64) -> f64 {
+pub(super) fn brush_force(stiffness: f64, slip: f64, friction: f64, adhering: f64) -> f64 {
     let l = adhering;
     let force = stiffness * slip.abs() * l * l + friction * (1.0 - l * l * (3.0 - 2.0 * l));
-    force.min(friction).copysign(slip)
+    force.copysign(slip)
 }
 
 #[cfg(test)]

@@ -1,0 +1,104 @@
+//! Fiala's tire: a brush under uniform pressure, slip and slip angle each for itself.
+
+use super::Basics;
+use crate::mechanics::Link;
+use crate::model::{Table, integer_parameter, parameter};
+use crate::tire::one_point::{Input, Law, Pressed, Standstill, Steady};
+use crate::{clone_in_place, integer, lens, real};
+use serde::{Deserialize, Serialize};
+
+/// The forms of the aligning moment, from 1.
+const MOMENTS: &[(&str, &str)] = &[
+    ("usual", "mu Fz w (1 - H) H^3, as it is implemented everywhere"),
+    ("printed", "mu Fz w (1 - H^3) H^3, as the source prints it (2-39)"),
+];
+
+/// Fiala's tire.
+#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct Fiala {
+    /// Parameters that it shares with others.
+    pub basics: Basics,
+    /// Width of the contact \[m\], the lever of the aligning moment.
+    pub width: f64,
+    /// Which form of the aligning moment, from 1 in the order of its items.
+    pub moment: i32,
+}
+
+clone_in_place!(Fiala { basics, width, moment });
+
+impl Law for Fiala {
+    const NAME: &'static str = "fiala";
+    const TITLE: &'static str = "Fiala tire";
+    const DOCUMENTATION: &'static str = concat!(include_str!("fiala.html"), include_str!("basics.html"));
+
+    #[rustfmt::skip] // a row is a line
+    fn rows() -> Table<Self> {
+        Table::new([]).part("", lens!(basics), Basics::rows()).and([
+            parameter("tire_width", "m", real!(width), 0.152, "Width of the contact, the lever of the aligning moment").range(0.01, 1.5),
+            integer_parameter("aligning_moment", integer!(moment), 1, "Form of the aligning moment").items(MOMENTS),
+        ])
+    }
+
+    fn radius(&self) -> f64 {
+        self.basics.radius
+    }
+
+    fn normal_force(&self, pressed: &Pressed) -> f64 {
+        self.basics.normal_force(pressed)
+    }
+
+    fn deflection(&self, load: f64, _spin: f64) -> f64 {
+        load / self.basics.vertical[0]
+    }
+
+    /// The distance of the wheel's centre from the road.
+    fn rolling_radius(&self, deflection: f64, _spin: f64) -> f64 {
+        self.basics.radius - deflection.max(0.0)
+    }
+
+    fn relaxation(&self, _load: f64, _camber: f64) -> [f64; 2] {
+        self.basics.relaxation()
+    }
+
+    /// (2-31) to (2-42).
+    fn steady(&self, input: &Input) -> Steady {
+        let b = &self.basics;
+        let tangent = libm::tan(input.alpha.abs());
+        let slip = input.kappa.abs();
+        let friction = b.friction_at(libm::hypot(slip, tangent)) * input.friction;
+        let most = friction * input.fz;
+        if most <= 0.0 {
+            return Steady::default();
+        }
+        let along = match slip <= 0.5 * most / b.slip_stiffness {
+            true => b.slip_stiffness * slip,
+            false => most - most * most / (4.0 * slip * b.slip_stiffness),
+        };
+        // what adheres; none from the critical angle on (2-38)
+        let h = (1.0 - b.cornering_stiffness * tangent / (3.0 * most)).max(0.0);
+        let cube = h * h * h;
+        let share = if self.moment == 2 { 1.0 - cube } else { 1.0 - h };
+        let aligning = most * self.width * share * cube;
+        Steady {
+            force: [along.copysign(input.kappa), -(most * (1.0 - cube)).copysign(input.alpha)],
+            moment: [0.0, b.resistance(input.fz, input.vx), aligning.copysign(input.alpha)],
+            // in the limit of no slip angle too
+            trail: self.width * cube * if self.moment == 2 { 1.0 } else { 1.0 / (1.0 + h + h * h) },
+            friction: [friction; 2],
+            stiffness: [b.slip_stiffness, -b.cornering_stiffness],
+            ..Steady::default()
+        }
+    }
+
+    fn standstill(&self) -> Standstill {
+        self.basics.standstill()
+    }
+
+    fn vertical_link(&self) -> Link {
+        self.basics.vertical_link()
+    }
+
+    fn usual_load(&self) -> (f64, [&'static str; 2]) {
+        self.basics.usual_load()
+    }
+}
