@@ -2,7 +2,7 @@
 
 use crate::control::{AbsController, BrakeHydraulics};
 use crate::fmi::Entry;
-use crate::rig::{Bare, Corner, FlatTrack, HydroPulse, Wheel};
+use crate::rig::{Bare, Corner, Drum, FlatTrack, HydroPulse, Wheel};
 use crate::tire::classic::{FialaTire, LinearTire, SwiftTire, TmEasyTire, UaTire};
 use crate::tire::magic_formula::MagicFormula;
 use crate::tire::ring_brush::RingBrush;
@@ -18,6 +18,7 @@ macro_rules! models {
                 Entry::of::<Wheel<$tire>>(),
                 Entry::of::<Corner<$tire>>(),
                 Entry::of::<HydroPulse<$tire>>(),
+                Entry::of::<Drum<$tire>>(),
             )+
             $(
                 Entry::of::<FlatTrack<$slip>>(),
@@ -29,6 +30,7 @@ macro_rules! models {
                 Entry::of::<Wheel<$vertical>>(),
                 Entry::of::<Corner<$vertical>>(),
                 Entry::of::<HydroPulse<$vertical>>(),
+                Entry::of::<Drum<$vertical>>(),
             )+
             $(Entry::of::<$model>(),)+
         ]

@@ -139,6 +139,24 @@ pub enum Start {
     None,
 }
 
+impl From<f64> for Start {
+    fn from(value: f64) -> Self {
+        Self::Real(value)
+    }
+}
+
+impl From<i32> for Start {
+    fn from(value: i32) -> Self {
+        Self::Integer(value)
+    }
+}
+
+impl From<&'static str> for Start {
+    fn from(value: &'static str) -> Self {
+        Self::Text(value)
+    }
+}
+
 /// How a real output moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Change {
@@ -402,8 +420,8 @@ impl<M: 'static> Variable<M> {
 
     /// The same variable with another start value: a part may need another one in another whole.
     #[must_use]
-    pub fn start(mut self, start: f64) -> Self {
-        self.start = Start::Real(start);
+    pub fn start(mut self, start: impl Into<Start>) -> Self {
+        self.start = start.into();
         self
     }
 

@@ -3,6 +3,7 @@
 mod actuator;
 mod bare;
 mod corner;
+mod drum;
 mod excitation;
 mod flat_track;
 mod hub;
@@ -15,6 +16,7 @@ mod wheel;
 pub use actuator::{Actuation, Actuator, Command};
 pub use bare::Bare;
 pub use corner::Corner;
+pub use drum::Drum;
 pub use excitation::Excitation;
 pub use flat_track::FlatTrack;
 pub use hub::{Hub, HubParameters};

@@ -8,7 +8,7 @@ use crate::tire::{Ground, Motion, Plane};
 /// The plane under a body has the height and slope of the mean over the tire's window below the body's centre: its
 /// distance from the centre is measured vertically, and it is tilted there by the slope. That is the
 /// convention of the effective road plane. On a long slope s a circle of radius R would sit
-/// R s²/2 higher.
+/// R s²/2 higher. On a drum the plane is that of the road as it would lie, below the wheel: the plane does not know that the drum is round.
 #[derive(Debug, Clone, Copy)]
 pub struct OnRoad<'a> {
     /// The road.
@@ -27,9 +27,10 @@ impl<'a> OnRoad<'a> {
         Self { road, from: place, to: place, friction }
     }
 
-    /// Where the rim is at a share of the step.
+    /// Where the rim is at a share of the step; on a drum, within its first turn.
     fn place(&self, share: f64) -> [f64; 2] {
-        [0, 1].map(|axis| self.from[axis] + share * (self.to[axis] - self.from[axis]))
+        let [s, t] = [0, 1].map(|axis| self.from[axis] + share * (self.to[axis] - self.from[axis]));
+        [self.road.within_turn(s), t]
     }
 }
 
@@ -50,7 +51,10 @@ impl Ground for OnRoad<'_> {
 
     fn point(&self, x: f64, y: f64, share: f64) -> Point {
         let place = self.place(share);
-        let point = self.road.at(place[0] + x, place[1] + y);
+        let point = match self.road.drum_curvature() == 0.0 {
+            true => self.road.at(place[0] + x, place[1] + y),
+            false => self.road.on_drum(place[0], x, place[1] + y),
+        };
         Point { friction: point.friction * self.friction, ..point }
     }
 }

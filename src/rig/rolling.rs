@@ -40,6 +40,17 @@ impl<T: Tire> Rolling<T> {
         self.mounted.tire.mount(&self.road)
     }
 
+    /// [`mount`](Self::mount) on a road that is wound around a drum of a radius \[m\], or inside of one where it is negative.
+    ///
+    /// # Errors
+    /// Parameters that contradict each other, a road that does not close.
+    pub fn mount_on_drum(&mut self, radius: f64) -> Result<()> {
+        // what a tire can see of the road before and behind it
+        let reach = self.mounted.tire.radius();
+        self.road = Road::new(&self.road_parameters)?.wound(radius, reach)?;
+        self.mounted.tire.mount(&self.road)
+    }
+
     /// As [`Model::tune`](crate::model::Model::tune).
     ///
     /// # Errors

@@ -48,6 +48,7 @@
 //!   the road before it, is not represented.
 //! * The window lies along s: nothing is averaged across, and the kink of different tracks stays a kink.
 
+mod drum;
 mod friction;
 mod parameters;
 mod polyline;
@@ -58,6 +59,7 @@ mod text;
 mod waves;
 mod window;
 
+pub use drum::round;
 pub use parameters::{KINDS, MAX_POINTS, RoadParameters, TRACKS};
 pub use window::Window;
 
@@ -84,9 +86,11 @@ pub struct Road {
     /// None: as on the left.
     right: Option<Profile>,
     friction: Friction,
+    /// Of the drum that it is wound around \[1/m\]; 0: of none.
+    curvature: f64,
 }
 
-clone_in_place!(Road { along, aside, half_width, left, right, friction });
+clone_in_place!(Road { along, aside, half_width, left, right, friction, curvature });
 
 /// The road at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,6 +127,7 @@ impl Default for Road {
             left: Profile::default(),
             right: None,
             friction: Friction::default(),
+            curvature: 0.0,
         }
     }
 }
@@ -159,6 +164,7 @@ impl Road {
             left,
             right,
             friction: p.friction()?,
+            curvature: 0.0,
         })
     }
 
@@ -209,7 +215,8 @@ impl Road {
             && self.half_width > 0.0
             && self.left.is_whole()
             && self.right.as_ref().is_none_or(Profile::is_whole)
-            && self.friction.is_whole();
+            && self.friction.is_whole()
+            && self.curvature.is_finite();
         if whole { Ok(()) } else { Err(Error::numeric("the saved road is damaged")) }
     }
 

@@ -6,6 +6,7 @@ mod balances;
 mod cleats;
 #[path = "../common/mod.rs"]
 mod common;
+mod drum;
 mod dynamics;
 mod reference;
 mod statics;

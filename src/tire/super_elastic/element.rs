@@ -59,22 +59,29 @@ pub(super) struct Ray<'a> {
     pub rim_height: f64,
     pub rim_velocity: [f64; 2],
     pub spin: f64,
+    /// Turning of the road about the datum below the rim \[rad/s\], positive forward: of a drum; 0 of a road that lies.
+    pub turning: f64,
     /// From the middle of the element to its tread.
     pub to_tread: f64,
     pub offsets: &'a [f64],
 }
 
 impl Ray<'_> {
-    /// A contact point from below the rim's centre at the datum, and its velocity, for a distance and speed of the element.
+    /// A contact point from below the rim's centre at the datum, and its velocity over the road, for a distance and speed of the element.
     #[inline]
     fn point(&self, offset: f64, distance: f64, speed: f64) -> ([f64; 2], [f64; 2]) {
         let [cos, sin] = self.along;
         let out = distance + self.to_tread;
         let place = [out * cos - offset * sin, self.rim_height + out * sin + offset * cos];
-        // the ray turns with - spin
+        // the ray turns with - spin, and the road under it
         let velocity = [
-            self.rim_velocity[0] + speed * cos + self.spin * (out * sin + offset * cos),
-            self.rim_velocity[1] + speed * sin - self.spin * (out * cos - offset * sin),
+            self.rim_velocity[0]
+                + speed * cos
+                + self.spin * (out * sin + offset * cos)
+                + self.turning * place[1],
+            self.rim_velocity[1] + speed * sin
+                - self.spin * (out * cos - offset * sin)
+                - self.turning * place[0],
         ];
         (place, velocity)
     }
@@ -85,7 +92,7 @@ impl Ray<'_> {
     pub fn stored(&self, track: &impl Track, contact: &Contact, distance: f64) -> f64 {
         let of = |offset: &f64| {
             let (place, _) = self.point(*offset, distance, 0.0);
-            let (height, slope, _) = track.at(place[0]);
+            let (height, slope) = track.at(place[0]);
             contact.energy((height - place[1]) / libm::sqrt(1.0 + slope * slope))
         };
         self.offsets.iter().map(of).sum()
@@ -94,18 +101,18 @@ impl Ray<'_> {
 
 /// The road in the wheel's plane.
 pub(super) trait Track {
-    /// Height over the datum \[m\], slope along the plane, and factor on the friction, at x \[m\] from the rim's centre.
-    fn at(&self, x: f64) -> (f64, f64, f64);
+    /// Height over the datum \[m\] and slope along the plane, at x \[m\] from the rim's centre.
+    fn at(&self, x: f64) -> (f64, f64);
 }
 
 /// A track from the points of a ground.
 pub(super) struct Along<F>(pub F, pub [f64; 2]);
 
 impl<F: Fn(f64, f64) -> Point> Track for Along<F> {
-    fn at(&self, x: f64) -> (f64, f64, f64) {
+    fn at(&self, x: f64) -> (f64, f64) {
         let [cos, sin] = self.1;
         let point = self.0(x * cos, x * sin);
-        (point.height, point.slope[0] * cos + point.slope[1] * sin, point.friction)
+        (point.height, point.slope[0] * cos + point.slope[1] * sin)
     }
 }
 
@@ -139,7 +146,7 @@ pub(super) fn press(
     let mut pressed = Pressed::default();
     for offset in ray.offsets {
         let (place, velocity) = ray.point(*offset, distance, speed);
-        let (height, slope, _) = track.at(place[0]);
+        let (height, slope) = track.at(place[0]);
         if place[1] >= height {
             continue;
         }

@@ -176,12 +176,14 @@ pub(super) struct Prepared {
     pub contact: Contact,
     pub stiffness: Characteristic,
     pub damping: Characteristic,
+    /// Of the drum that it rolls on \[1/m\]; 0: of none.
+    pub curvature: f64,
 }
 
-clone_in_place!(Prepared { pitch, rays, offsets, mass, free, contact, stiffness, damping });
+clone_in_place!(Prepared { pitch, rays, offsets, mass, free, contact, stiffness, damping, curvature });
 
 impl Parameters {
-    pub(super) fn prepare(&self) -> Result<Prepared> {
+    pub(super) fn prepare(&self, curvature: f64) -> Result<Prepared> {
         self.check()?;
         let pitch = TAU / f64::from(self.elements);
         let ray = |n: i32| {
@@ -222,6 +224,7 @@ impl Parameters {
                 false,
             )?,
             damping: law(self.damping_law, damping, "damping_points", &self.damping_points, true)?,
+            curvature,
         })
     }
 

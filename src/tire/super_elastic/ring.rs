@@ -172,6 +172,7 @@ fn ray<'a>(rubber: &Rubber<'a>, rim: &RimInPlane, along: [f64; 2]) -> Ray<'a> {
         rim_height: rim.height,
         rim_velocity: rim.velocity,
         spin: rim.spin,
+        turning: rim.velocity[0] * rubber.prepared.curvature,
         to_tread: 0.5 * rubber.parameters.element_thickness,
         offsets: &rubber.prepared.offsets,
     }

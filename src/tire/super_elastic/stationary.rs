@@ -1,12 +1,12 @@
 //! The state that a wheel stays in: elements where springs, weight, turning and the road balance, each as if it stood still there.
 //!
 //! As the wheel turns, elements come and go, and load or height ripple with N per turn: the state is that of the spin angle at which
-//! the rim is. An element's speed is how its place changes along the turn; its acceleration there is not looked for.
+//! the rim is. A wheel that turns under a load has the height at which it carries that load in the mean. An element's speed is how its place changes along the turn; its acceleration there is not looked for.
 
 use super::element::{Ray, Track, reach};
 use super::parameters::{Parameters, Prepared};
 use super::ring::{Coefficients, RimInPlane, Ring, Rubber, Sums, along};
-use crate::{Error, Result};
+use crate::{Error, Result, road};
 
 /// A time so long that nothing moves at its end \[s\]: squared, it makes the mass of an element nothing beside its spring.
 const LONG: f64 = 1e6;
@@ -14,17 +14,20 @@ const LONG: f64 = 1e6;
 const TURN: f64 = 1e-4;
 /// Halvings of the height at most; the secants between them need ten.
 const SEARCHES: usize = 80;
+/// Angles between two elements over which the force of a wheel that turns is a mean: elements touch and leave once between them.
+const ANGLES: u32 = 8;
 /// How low the rim's centre may be over the road, as a share of the radius: the rim's own radius is beyond that.
 const LOWEST: f64 = 0.4;
 
-/// A level road.
-pub(super) struct Level {
-    pub friction: f64,
+/// A level road, or a bare drum under the rim.
+pub(super) struct Bare {
+    /// Of the drum \[1/m\]; 0: level.
+    pub curvature: f64,
 }
 
-impl Track for Level {
-    fn at(&self, _: f64) -> (f64, f64, f64) {
-        (0.0, 0.0, self.friction)
+impl Track for Bare {
+    fn at(&self, x: f64) -> (f64, f64) {
+        road::round(self.curvature, x)
     }
 }
 
@@ -60,6 +63,7 @@ impl Parameters {
 /// The ring at rest under a rim at a height.
 fn at_height(rubber: &Rubber<'_>, rim: &RimInPlane) -> (Ring, Sums) {
     let prepared = rubber.prepared;
+    let track = Bare { curvature: prepared.curvature };
     let mut ring = Ring::free(prepared);
     let still = |n: usize, angle: f64, guess: f64| {
         let along = along(prepared, n, libm::sincos(angle));
@@ -68,12 +72,12 @@ fn at_height(rubber: &Rubber<'_>, rim: &RimInPlane) -> (Ring, Sums) {
             rim_height: rim.height,
             rim_velocity: [0.0; 2],
             spin: 0.0,
+            turning: 0.0,
             to_tread: 0.5 * rubber.parameters.element_thickness,
             offsets: &prepared.offsets,
         };
         let radial = rubber.at_rest(rim, along);
-        reach(&radial, &ray, &Level { friction: 1.0 }, &prepared.contact, (prepared.free, 0.0, LONG), guess)
-            .distance
+        reach(&radial, &ray, &track, &prepared.contact, (prepared.free, 0.0, LONG), guess).distance
     };
     for n in 0..ring.distance.len() {
         let here = still(n, rim.angle, prepared.free);
@@ -83,7 +87,7 @@ fn at_height(rubber: &Rubber<'_>, rim: &RimInPlane) -> (Ring, Sums) {
             rubber.at_rest(rim, along(prepared, n, libm::sincos(rim.angle))).friction.at(here).0;
         ring.speed[n] = rim.spin * (turned[1] - turned[0]) / (2.0 * TURN);
     }
-    let sums = ring.evaluate(rubber, rim, &Level { friction: 1.0 });
+    let sums = ring.evaluate(rubber, rim, &track);
     (ring, sums)
 }
 
@@ -104,7 +108,16 @@ pub(super) fn stationary(
     let speed = rim.velocity[0];
     if let Some(load) = load {
         let coefficients = parameters.coefficients(prepared, load, speed);
-        let carried = |height: f64| parameters.on_rim(&with(height, coefficients).1)[1] - load;
+        // of a wheel that turns the mean over the angle from one element to the next
+        let angles = if rim.spin == 0.0 { 1 } else { ANGLES };
+        let carried = |height: f64| {
+            let at = |k: u32| {
+                let angle = rim.angle + prepared.pitch * f64::from(k) / f64::from(angles);
+                let rim = RimInPlane { height, angle, ..*rim };
+                parameters.on_rim(&at_height(&Rubber { parameters, prepared, coefficients }, &rim).1)[1]
+            };
+            (0..angles).map(at).sum::<f64>() / f64::from(angles) - load
+        };
         // spinning makes it larger; nothing touches at that height
         let spring = coefficients.stiffness - prepared.mass * rim.spin * rim.spin;
         if spring <= 0.0 {

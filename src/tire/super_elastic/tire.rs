@@ -3,7 +3,7 @@
 use super::element::{Along, GAMMA};
 use super::parameters::{Parameters, Prepared};
 use super::ring::{Coefficients, RimInPlane, Ring, Rubber, Sums, along};
-use super::stationary::{Level, Stationary, stationary};
+use super::stationary::{Bare, Stationary, stationary};
 use crate::mechanics::{Link, Motion, Wrench};
 use crate::model::Table;
 use crate::road::{Road, Window};
@@ -232,12 +232,13 @@ impl Tire for SuperElastic {
         Self::table()
     }
 
-    fn mount(&mut self, _road: &Road) -> Result<()> {
-        self.tune()
+    fn mount(&mut self, road: &Road) -> Result<()> {
+        self.prepared = self.parameters.prepare(road.drum_curvature())?;
+        Ok(())
     }
 
     fn tune(&mut self) -> Result<()> {
-        self.prepared = self.parameters.prepare()?;
+        self.prepared = self.parameters.prepare(self.prepared.curvature)?;
         Ok(())
     }
 
@@ -246,7 +247,8 @@ impl Tire for SuperElastic {
         let whole = n >= 4
             && self.state.ring.fits(&self.prepared)
             && self.prepared.stiffness.is_whole()
-            && self.prepared.damping.is_whole();
+            && self.prepared.damping.is_whole()
+            && self.prepared.curvature.is_finite();
         if whole { Ok(()) } else { Err(Error::numeric("the saved super-elastic tire is damaged")) }
     }
 
@@ -414,6 +416,6 @@ impl SuperElastic {
             prepared: &self.prepared,
             coefficients: self.state.coefficients,
         };
-        self.state.ring.energy(&rubber, &in_plane(rim).0, &Level { friction: 1.0 })
+        self.state.ring.energy(&rubber, &in_plane(rim).0, &Bare { curvature: self.prepared.curvature })
     }
 }
