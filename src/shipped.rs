@@ -2,7 +2,7 @@
 
 use crate::control::{AbsController, BrakeHydraulics};
 use crate::fmi::Entry;
-use crate::rig::{Bare, Corner, Drum, FlatTrack, HydroPulse, Wheel};
+use crate::rig::{Bare, Corner, CounterbalanceTruck, Drum, FlatTrack, HydroPulse, Wheel};
 use crate::tire::classic::{FialaTire, LinearTire, SwiftTire, TmEasyTire, UaTire};
 use crate::tire::magic_formula::MagicFormula;
 use crate::tire::ring_brush::RingBrush;

@@ -1,7 +1,7 @@
 //! The table of a model's variables, put together from the rows of its parts.
 
-use super::Variable;
 use super::interface::VariableInfo;
+use super::{Start, Variable};
 use crate::{Error, Result};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -92,6 +92,31 @@ impl<M> Table<M> {
             }
             None => debug_assert!(false, "there is no row {name}"),
         }
+        self
+    }
+
+    /// The same with another start value of a row, if there is one of that name: where a whole knows what it is, but not which part it
+    /// gets.
+    #[must_use]
+    pub fn starting_where_there(self, name: &str, start: impl Into<Start>) -> Self {
+        if self.rows.iter().any(|row| row.name() == name) {
+            self.with(name, |row| row.start(start))
+        } else {
+            self
+        }
+    }
+
+    /// The parameters only.
+    #[must_use]
+    pub fn only_parameters(mut self) -> Self {
+        self.rows.retain(Variable::is_parameter);
+        self
+    }
+
+    /// The same without parameters: where several parts share theirs.
+    #[must_use]
+    pub fn without_parameters(mut self) -> Self {
+        self.rows.retain(|row| !row.is_parameter());
         self
     }
 

@@ -411,6 +411,11 @@ impl<M: 'static> Variable<M> {
         self
     }
 
+    /// True of a parameter.
+    pub(super) fn is_parameter(&self) -> bool {
+        self.causality == Causality::Parameter
+    }
+
     /// Says what a parameter is there for; without it, it is a property of the machine.
     #[must_use]
     pub fn purpose(mut self, purpose: Purpose) -> Self {

@@ -1,9 +1,9 @@
 //! A wheel's hub: mass, spin and a brake, in velocity Verlet steps that go with the tire's.
 
 use crate::mechanics::{Motion, PointMass, Spin};
-use crate::model::{Role, Table, output, parameter};
-use crate::real;
+use crate::model::{Access, Role, Table, output, parameter};
 use crate::tire::Carried;
+use crate::{lens, real};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -43,6 +43,15 @@ pub struct Hub {
     carried_inertia: f64,
 }
 
+/// What a wheel tells of its turning.
+#[rustfmt::skip] // a row is a line
+pub(super) fn turning_rows() -> Table<Spin> {
+    Table::new([
+        output("wheel_angle", "rad", Access::real(|s: &Spin| s.angle, |s, angle| s.angle = angle), "Spin angle of the wheel, unbounded").role(Role::WheelAngle),
+        output("wheel_speed", "rad/s", Access::real(|s: &Spin| s.speed, |s, speed| s.speed = speed), "Spin speed of the wheel").role(Role::WheelSpeed),
+    ])
+}
+
 impl Hub {
     /// A hub at the origin that travels and does not spin.
     pub fn moving(velocity: Vector3<f64>) -> Self {
@@ -52,9 +61,7 @@ impl Hub {
     /// The wheel's spin and its brake.
     #[rustfmt::skip] // a row is a line
     pub(super) fn rows() -> Table<Self> {
-        Table::new([
-            output("wheel_angle", "rad", real!(spin.angle), "Spin angle of the wheel, unbounded").role(Role::WheelAngle),
-            output("wheel_speed", "rad/s", real!(spin.speed), "Spin speed of the wheel").role(Role::WheelSpeed),
+        Table::new([]).part("", lens!(spin), turning_rows()).and([
             output("brake_torque_actual", "N.m", real!(spin.brake_torque), "Torque with which the brake resisted the forward spin in the last step; on a wheel that stands, what it takes to hold it").nominal(100.0),
             output("brake_energy", "J", real!(spin.brake_energy), "Energy that the brake turned into heat since the start").nominal(1e4),
         ])

@@ -11,6 +11,7 @@ mod hydropulse;
 mod load_control;
 mod on_road;
 mod rolling;
+mod truck;
 mod wheel;
 
 pub use actuator::{Actuation, Actuator, Command};
@@ -23,6 +24,7 @@ pub use hub::{Hub, HubParameters};
 pub use hydropulse::HydroPulse;
 pub use on_road::OnRoad;
 pub use rolling::Rolling;
+pub use truck::CounterbalanceTruck;
 pub use wheel::Wheel;
 
 use crate::tire::ring_brush::RingBrush;
