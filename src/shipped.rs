@@ -31,6 +31,7 @@ macro_rules! models {
                 Entry::of::<Corner<$vertical>>(),
                 Entry::of::<HydroPulse<$vertical>>(),
                 Entry::of::<Drum<$vertical>>(),
+                Entry::of::<CounterbalanceTruck<$vertical>>(),
             )+
             $(Entry::of::<$model>(),)+
         ]
@@ -42,5 +43,5 @@ pub const MODELS: &[Entry] = models! {
     tires: RingBrush, MagicFormula, SuperElastic;
     with_slip: FialaTire, UaTire, TmEasyTire, SwiftTire;
     vertical: LinearTire;
-    others: BrakeHydraulics, AbsController
+    others: CounterbalanceTruck<SuperElastic>, BrakeHydraulics, AbsController
 };

@@ -10,10 +10,7 @@ use latsch::tire::one_point::{Input, Law, Pressed, Steady};
 
 mod common;
 
-use common::Run;
-use latsch::rig::{Corner, HydroPulse, Wheel};
-use latsch::tire::Tire;
-use latsch::tire::classic::{FialaTire, LinearTire, SwiftTire, TmEasyTire, UaTire};
+use common::Shipped;
 
 /// Load [N], slip, slip angle [rad]; Fx, Fy [N], Mz [N.m].
 const FIALA: &[[f64; 6]] = &[
@@ -291,40 +288,39 @@ fn the_linear_tire_ends_at_its_friction() {
 
 /// On rigs: a wheel carries its load, a braked corner stops with friction at most and stays, a standing wheel swings with the
 /// stiffness of the tire.
-fn on_rigs<T: Tire>() {
-    let mut wheel =
-        Run::<Wheel<T>>::new(&[("axle_force_z", -6000.0 + 9.81 * 30.0), ("initial_load", 6000.0)]);
+fn on_rigs(tire: &str) {
+    let mut wheel = Shipped::new(
+        &format!("{tire}-wheel"),
+        &[("axle_force_z", -6000.0 + 9.81 * 30.0), ("initial_load", 6000.0)],
+    );
     assert_eq!(wheel.get("stationary_start"), 1.0);
     wheel.step(0.5);
-    assert!((wheel.get("force_z") - 6000.0).abs() < 30.0, "{}: {}", T::NAME, wheel.get("force_z"));
-    let mut corner = Run::<Corner<T>>::new(&[("brake_torque", 9000.0)]);
+    assert!((wheel.get("force_z") - 6000.0).abs() < 30.0, "{}: {}", tire, wheel.get("force_z"));
+    let mut corner = Shipped::new(&format!("{tire}-corner"), &[("brake_torque", 9000.0)]);
     corner.step(1.0);
     let (load, braked) = (corner.get("force_z"), -corner.get("vehicle_acceleration") * 420.0);
-    assert!(braked > 0.5 * load && braked < 1.2 * load, "{}: {braked} {load}", T::NAME);
+    assert!(braked > 0.5 * load && braked < 1.2 * load, "{}: {braked} {load}", tire);
     corner.step(20.0);
     let distance = corner.get("vehicle_distance");
     corner.step(2.0);
-    assert!((corner.get("vehicle_distance") - distance).abs() < 1e-3, "{} creeps", T::NAME);
+    assert!((corner.get("vehicle_distance") - distance).abs() < 1e-3, "{} creeps", tire);
 }
 
 #[test]
 fn classic_tires_roll_brake_and_stand() {
-    on_rigs::<LinearTire>();
-    on_rigs::<FialaTire>();
-    on_rigs::<UaTire>();
-    on_rigs::<TmEasyTire>();
-    on_rigs::<SwiftTire>();
+    for tire in ["linear", "fiala", "ua", "tmeasy", "swift"] {
+        on_rigs(tire);
+    }
 }
 
 /// m z'' + c z' + k z = 0 has the period 2 pi / sqrt(k/m - (c/2m)²).
 #[test]
 fn the_linear_tire_swings_with_its_own_period() {
     let (mass, stiffness, damping) = (600.0, 5e5, 1400.0_f64);
-    let mut rig = Run::<HydroPulse<LinearTire>>::new(&[
-        ("force", 1000.0),
-        ("wheel_mass", mass),
-        ("command_actuators", 0.0),
-    ]);
+    let mut rig = Shipped::new(
+        "linear-hydropulse",
+        &[("force", 1000.0), ("wheel_mass", mass), ("command_actuators", 0.0)],
+    );
     let start = rig.get("piston_position");
     rig.set("force", 2000.0);
     let end = start + 1000.0 / stiffness;

@@ -3,8 +3,6 @@
 
 mod common;
 
-use common::Run;
-
 use latsch::Result;
 use latsch::model::{Model, Native, Settings, Slave, Table, local, parameter};
 use latsch::real;
@@ -17,6 +15,8 @@ use latsch::tire::ring_brush::RingBrush;
 use latsch::tire::{Ground, Link, Motion, Plane, Rest, Tire, Vertical, Wrench};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+
+type Run<M> = common::Run<Native<M>>;
 
 /// A ball on a spring that slides without friction: radius 0.3 m.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]

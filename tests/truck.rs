@@ -4,21 +4,17 @@
 
 mod common;
 
-use common::Run;
-use latsch::model::{Native, Settings, Slave};
-use latsch::rig::CounterbalanceTruck;
-use latsch::tire::classic::LinearTire;
-use latsch::tire::super_elastic::SuperElastic;
+use common::Shipped;
 use nalgebra::{DMatrix, DVector};
 
-type Truck = CounterbalanceTruck<SuperElastic>;
-type Simple = CounterbalanceTruck<LinearTire>;
+const TRUCK: &str = "super-elastic-counterbalance-truck";
+const SIMPLE: &str = "linear-counterbalance-truck";
 
 const BARE: (&str, f64) = ("road_kind", 1.0);
 
 #[test]
 fn wheels_carry_the_loads_of_the_levers_and_it_tips_over_with_too_much() {
-    let mut empty = Run::<Truck>::new(&[BARE]);
+    let mut empty = Shipped::new(TRUCK, &[BARE]);
     // by hand: moments about the rear axle
     let front = (2300.0 * (1.25 - 0.624) + 350.0 * 0.5 + 250.0 * 2.0) / 1.25 * 9.81 / 2.0;
     assert!((empty.get("front_left.force_z") / front - 1.0).abs() < 0.02, "{front}");
@@ -31,8 +27,8 @@ fn wheels_carry_the_loads_of_the_levers_and_it_tips_over_with_too_much() {
     // 8 km/h is 9.81 rad/s on the radius without load and 10.0 on the dynamic one
     let spin = empty.get("front_left.wheel_speed");
     assert!(spin > 10.0 && spin < 10.8, "{spin}");
-    let mut slave = Native::<Truck>::new(&Settings::default()).unwrap();
-    common::set(&mut slave, &[("payload", 3000.0)]);
+    let mut slave = common::shipped(TRUCK);
+    common::set(&mut *slave, &[("payload", 3000.0)]);
     slave.start(0.0, None).unwrap();
     let message = slave.finish_start().unwrap_err().to_string();
     assert!(message.contains("tips over forward"), "{message}");
@@ -41,7 +37,7 @@ fn wheels_carry_the_loads_of_the_levers_and_it_tips_over_with_too_much() {
 /// It starts as it goes on: nothing but the ripple of elements moves it.
 #[test]
 fn it_keeps_its_speed_and_its_place() {
-    let mut truck = Run::<Truck>::new(&[BARE]);
+    let mut truck = Shipped::new(TRUCK, &[BARE]);
     for _ in 0..200 {
         truck.step(0.01);
         assert!((truck.get("truck_speed") - 8.0 / 3.6).abs() < 2e-3, "{}", truck.get("truck_speed"));
@@ -56,8 +52,8 @@ fn it_keeps_its_speed_and_its_place() {
 #[test]
 fn left_and_right_are_mirror_images() {
     let start = ("road_start", 0.5);
-    let mut runs = [2.0, 3.0].map(|tracks| Run::<Truck>::new(&[start, ("road_tracks", tracks)]));
-    let mut both = Run::<Truck>::new(&[start]);
+    let mut runs = [2.0, 3.0].map(|tracks| Shipped::new(TRUCK, &[start, ("road_tracks", tracks)]));
+    let mut both = Shipped::new(TRUCK, &[start]);
     let mut rolled = 0.0_f64;
     for _ in 0..100 {
         let [left, right] = runs.each_mut().map(|run| {
@@ -119,7 +115,7 @@ fn it_rocks_with_the_frequencies_of_its_matrices() {
         ("front_tire.rolling_resistance", 0.0),
         ("rear_tire.rolling_resistance", 0.0),
     ];
-    let mut truck = Run::<Simple>::new(&undamped);
+    let mut truck = Shipped::new(SIMPLE, &undamped);
     truck.step(0.8);
     let (step, count) = (2e-3, 8192);
     let course: Vec<f64> = (0..count)
@@ -152,7 +148,7 @@ fn it_rocks_with_the_frequencies_of_its_matrices() {
 /// Without a drive it slows down by what its wheels take, over all that travels.
 #[test]
 fn it_coasts_by_its_rolling_resistance() {
-    let mut truck = Run::<Simple>::new(&[BARE, ("drive", 2.0)]);
+    let mut truck = Shipped::new(SIMPLE, &[BARE, ("drive", 2.0)]);
     truck.step(1.0);
     let before = truck.get("truck_speed");
     truck.step(1.0);
@@ -170,7 +166,7 @@ fn it_coasts_by_its_rolling_resistance() {
 #[test]
 fn empty_forks_jump_and_loaded_ones_do_not() {
     let least = |payload: f64| {
-        let mut truck = Run::<Truck>::new(&[("payload", payload), ("road_start", 0.5)]);
+        let mut truck = Shipped::new(TRUCK, &[("payload", payload), ("road_start", 0.5)]);
         (0..1500)
             .map(|_| {
                 truck.step(1e-3);

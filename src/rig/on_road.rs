@@ -57,4 +57,8 @@ impl Ground for OnRoad<'_> {
         };
         Point { friction: point.friction * self.friction, ..point }
     }
+
+    fn highest(&self) -> f64 {
+        self.road.highest()
+    }
 }

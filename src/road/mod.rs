@@ -88,9 +88,11 @@ pub struct Road {
     friction: Friction,
     /// Of the drum that it is wound around \[1/m\]; 0: of none.
     curvature: f64,
+    /// A height that it nowhere exceeds \[m\].
+    highest: f64,
 }
 
-clone_in_place!(Road { along, aside, half_width, left, right, friction, curvature });
+clone_in_place!(Road { along, aside, half_width, left, right, friction, curvature, highest });
 
 /// The road at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -128,6 +130,7 @@ impl Default for Road {
             right: None,
             friction: Friction::default(),
             curvature: 0.0,
+            highest: 0.0,
         }
     }
 }
@@ -157,7 +160,9 @@ impl Road {
             3 => (Profile::default(), Some(profile)),
             _ => (profile, other),
         };
+        let of_right = right.as_ref().map_or(f64::NEG_INFINITY, Profile::highest);
         Ok(Self {
+            highest: left.highest().max(of_right),
             along: [cos, sin],
             aside: p.lateral_position,
             half_width: 0.5 * p.track_width,
@@ -173,6 +178,12 @@ impl Road {
         let (s, t) = self.place(x, y);
         let ([height, slope, _], across) = self.between_tracks(t, |profile, _| profile.at(s));
         Point { height, slope: self.slope(slope, across), friction: self.friction.mean(s, t, 0.0) }
+    }
+
+    /// A height that it nowhere exceeds \[m\]: what is above touches nothing. Infinite where none is known, as of an irregular road and
+    /// inside of a drum.
+    pub fn highest(&self) -> f64 {
+        if self.curvature < 0.0 { f64::INFINITY } else { self.highest }
     }
 
     /// What [`mean`](Self::mean) needs for a raised-cosine window of the length L \[m\]; 0: a point.
@@ -216,7 +227,8 @@ impl Road {
             && self.left.is_whole()
             && self.right.as_ref().is_none_or(Profile::is_whole)
             && self.friction.is_whole()
-            && self.curvature.is_finite();
+            && self.curvature.is_finite()
+            && !self.highest.is_nan();
         if whole { Ok(()) } else { Err(Error::numeric("the saved road is damaged")) }
     }
 

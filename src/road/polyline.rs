@@ -105,6 +105,11 @@ impl Polyline {
         [height, slope]
     }
 
+    /// The height that it nowhere exceeds \[m\].
+    pub(super) fn highest(&self) -> f64 {
+        self.kinks.iter().fold(self.rest, |most, kink| most.max(kink.height).max(kink.height - kink.jump))
+    }
+
     /// Distance of the copies \[m\].
     pub(super) fn period(&self) -> Option<f64> {
         self.period

@@ -22,6 +22,12 @@ impl Profile {
         sum([height, slope, 0.0], self.versine.at(s), self.irregular.at(s))
     }
 
+    /// A height that it nowhere exceeds \[m\]; infinite where there is an irregular road, of which none is known.
+    pub(super) fn highest(&self) -> f64 {
+        let irregular = if self.irregular.len() == 0 { 0.0 } else { f64::INFINITY };
+        self.polyline.highest() + self.versine.highest() + irregular
+    }
+
     /// Mean height over a window of `length` about `s`, its slope and curvature.
     pub(super) fn mean(&self, s: f64, length: f64, filter: &Filter) -> [f64; 3] {
         sum(

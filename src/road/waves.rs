@@ -22,6 +22,11 @@ impl Versine {
         Self { start, height, wavenumber: TAU / wavelength }
     }
 
+    /// The height that they nowhere exceed \[m\].
+    pub(super) fn highest(&self) -> f64 {
+        self.height.abs()
+    }
+
     /// What a window of `length` multiplies the waves with, where all of it lies behind `start`.
     pub(super) fn gain(&self, length: f64) -> f64 {
         gain(self.wavenumber * length)

@@ -29,6 +29,11 @@ pub trait Ground {
 
     /// The road as it is at x and y \[m\], seen from the point below the rim's centre, at a share of the step.
     fn point(&self, x: f64, y: f64, share: f64) -> Point;
+
+    /// A height that no point of the road exceeds \[m\]: infinite if none is known.
+    fn highest(&self) -> f64 {
+        f64::INFINITY
+    }
 }
 
 /// The unbounded plane z = 0.
@@ -51,6 +56,10 @@ impl Ground for Flat {
 
     fn point(&self, _x: f64, _y: f64, _share: f64) -> Point {
         Point { height: 0.0, slope: [0.0; 2], friction: self.friction }
+    }
+
+    fn highest(&self) -> f64 {
+        0.0
     }
 }
 

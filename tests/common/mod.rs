@@ -32,36 +32,56 @@ pub fn advance(slave: &mut dyn Slave, interval: f64, from: u32, to: u32) {
     }
 }
 
-pub fn set(slave: &mut dyn Slave, values: &[(&str, f64)]) {
+pub fn set<S: Slave + ?Sized>(slave: &mut S, values: &[(&str, f64)]) {
     for (name, value) in values {
         let index = slave.find(name).unwrap();
         slave.set(index, *value).unwrap();
     }
 }
 
-pub fn get(slave: &mut dyn Slave, name: &str) -> f64 {
+pub fn get<S: Slave + ?Sized>(slave: &mut S, name: &str) -> f64 {
     let index = slave.find(name).unwrap();
     slave.get(index).unwrap()
 }
 
-/// A model that runs.
-pub struct Run<M: Model> {
-    pub slave: Native<M>,
+/// A slave with its time.
+pub struct Run<S: Slave + ?Sized> {
+    pub slave: Box<S>,
     time: f64,
 }
 
-impl<M: Model> Run<M> {
+impl<M: Model> Run<Native<M>> {
     pub fn new(values: &[(&str, f64)]) -> Self {
-        let slave = started(values);
+        Self { slave: Box::new(started(values)), time: 0.0 }
+    }
+}
+
+/// A shipped model, which a test does not have to compile again.
+pub type Shipped = Run<dyn Slave + Send>;
+
+impl Shipped {
+    pub fn new(name: &str, values: &[(&str, f64)]) -> Self {
+        let mut slave = shipped(name);
+        set(&mut *slave, values);
+        slave.start(0.0, None).unwrap();
+        slave.finish_start().unwrap();
         Self { slave, time: 0.0 }
     }
+}
 
+/// A shipped model before its start.
+pub fn shipped(name: &str) -> Box<dyn Slave + Send> {
+    let entry = latsch::fmi::Entry::find(latsch::shipped::MODELS, name).unwrap();
+    entry.slave(&Settings::default()).unwrap()
+}
+
+impl<S: Slave + ?Sized> Run<S> {
     pub fn get(&mut self, name: &str) -> f64 {
-        get(&mut self.slave, name)
+        get(&mut *self.slave, name)
     }
 
     pub fn set(&mut self, name: &str, value: f64) {
-        set(&mut self.slave, &[(name, value)]);
+        set(&mut *self.slave, &[(name, value)]);
     }
 
     pub fn step(&mut self, length: f64) {

@@ -1,11 +1,8 @@
 //! The drum rig: sums over elements on a round road, the arm's two masses, the turn of the drum, and where the energy goes.
 
-use super::common::Run;
-use latsch::rig::{Drum, HydroPulse};
-use latsch::tire::ring_brush::RingBrush;
-use latsch::tire::super_elastic::SuperElastic;
+use super::common::Shipped;
 
-type Rig = Drum<SuperElastic>;
+const RIG: &str = "super-elastic-drum";
 
 /// No cleat.
 const BARE: (&str, f64) = ("road_kind", 1.0);
@@ -46,12 +43,15 @@ fn a_standing_wheel_carries_the_sum_of_its_springs() {
     let mut last = 0.0;
     for radius in [-0.8, -2.0, 50.0, 1.0, 0.5] {
         let inside = f64::from(u8::from(radius < 0.0));
-        let mut rig = Run::<Rig>::new(&with(&[
-            BARE,
-            ("drum_speed", 0.0),
-            ("drum_diameter", 2.0 * f64::abs(radius)),
-            ("drum_inside", inside),
-        ]));
+        let mut rig = Shipped::new(
+            RIG,
+            &with(&[
+                BARE,
+                ("drum_speed", 0.0),
+                ("drum_diameter", 2.0 * f64::abs(radius)),
+                ("drum_inside", inside),
+            ]),
+        );
         let lowered = rig.get("wheel_lowered");
         // less the rubber, which hangs on the springs, and what the contact gives way: a hundredth of a millimetre
         let force = static_force(radius, lowered);
@@ -66,14 +66,14 @@ fn a_standing_wheel_carries_the_sum_of_its_springs() {
 
 #[test]
 fn a_large_drum_is_a_road_and_a_rolling_wheel_stays_where_it_starts() {
-    let mut drum = Run::<Rig>::new(&[BARE, ("drum_diameter", 100.0), ("drum_speed", 0.0)]);
+    let mut drum = Shipped::new(RIG, &[BARE, ("drum_diameter", 100.0), ("drum_speed", 0.0)]);
     let (load, lowered) = (drum.get("force_z"), drum.get("wheel_lowered"));
-    let mut press = Run::<HydroPulse<SuperElastic>>::new(&[("force", load - 30.0 * 9.81)]);
+    let mut press = Shipped::new("super-elastic-hydropulse", &[("force", load - 30.0 * 9.81)]);
     let on_road = press.get("piston_position");
     // the drum falls off by x²/100 at the end of the contact, 75 mm before its middle
     assert!((lowered - on_road).abs() < 6e-5, "{lowered} {on_road}");
     for (diameter, speed) in [(1.0, 2.0), (2.0, -4.0)] {
-        let mut rig = Run::<Rig>::new(&[BARE, ("drum_diameter", diameter), ("drum_speed", speed)]);
+        let mut rig = Shipped::new(RIG, &[BARE, ("drum_diameter", diameter), ("drum_speed", speed)]);
         let lowered = rig.get("wheel_lowered");
         let mut off = 0.0_f64;
         for _ in 0..400 {
@@ -87,7 +87,7 @@ fn a_large_drum_is_a_road_and_a_rolling_wheel_stays_where_it_starts() {
 
 /// Heights of a wheel that swings behind a cleat, at zero crossings.
 fn period(values: &[(&str, f64)]) -> f64 {
-    let mut rig = Run::<Rig>::new(values);
+    let mut rig = Shipped::new(RIG, values);
     let (mut last, mut up) = (0.0, Vec::new());
     for n in 0..2000 {
         rig.step(1e-3);
@@ -114,7 +114,7 @@ fn the_arm_swings_with_its_moment_of_inertia() {
 
 #[test]
 fn a_cleat_comes_once_per_turn() {
-    let mut rig = Run::<Rig>::new(&[("drum_speed", 4.0), ("road_start", 3.0)]);
+    let mut rig = Shipped::new(RIG, &[("drum_speed", 4.0), ("road_start", 3.0)]);
     let (mut hits, mut quiet) = (Vec::new(), 0.0);
     for n in 1..6000 {
         rig.step(1e-3);
@@ -135,16 +135,19 @@ fn a_cleat_comes_once_per_turn() {
 #[test]
 fn the_drive_of_the_drum_pays_for_what_is_lost() {
     for (inside, diameter, speed) in [(0.0, 1.0, 3.0), (1.0, 1.5, -3.0)] {
-        let mut rig = Run::<Rig>::new(&[
-            ("rim_force", 2.0),
-            ("rolling_resistance", 0.0),
-            ("drum_inside", inside),
-            ("drum_diameter", diameter),
-            ("road_kind", 1.0),
-            ("drum_speed", speed),
-            ("step_size", 2.5e-4),
-            ("slip_stiffness", 6e4),
-        ]);
+        let mut rig = Shipped::new(
+            RIG,
+            &[
+                ("rim_force", 2.0),
+                ("rolling_resistance", 0.0),
+                ("drum_inside", inside),
+                ("drum_diameter", diameter),
+                ("road_kind", 1.0),
+                ("drum_speed", speed),
+                ("step_size", 2.5e-4),
+                ("slip_stiffness", 6e4),
+            ],
+        );
         rig.step(0.5);
         let (mut paid, mut lost) = (0.0, -rig.get("contact_energy_loss"));
         for _ in 0..8000 {
@@ -161,7 +164,7 @@ fn the_drive_of_the_drum_pays_for_what_is_lost() {
 #[test]
 fn the_ring_brush_tire_rolls_on_the_drum_too() {
     let mut rig =
-        Run::<Drum<RingBrush>>::new(&[("weight_mass", 250.0), ("drum_speed", 5.0), ("road_start", 2.0)]);
+        Shipped::new("ring-brush-drum", &[("weight_mass", 250.0), ("drum_speed", 5.0), ("road_start", 2.0)]);
     let load = rig.get("force_z");
     rig.step(0.2);
     let now = rig.get("force_z");

@@ -176,7 +176,8 @@ impl<T: Tire> Model for CounterbalanceTruck<T> {
         let gravity = self.tires[0].gravity();
         let loads = self.sizes.loads(gravity)?;
         // rear wheels roll freely, front ones pull what all take
-        let mut resistance = 0.0;
+        let mut means = [Vector3::zeros(); WHEELS];
+        let (mut resistance, mut moment) = (0.0, 0.0);
         for i in (0..WHEELS).rev() {
             let axle = i / 2;
             let mut wheel = Mounted { tire: self.tires[axle].clone(), ..Mounted::default() };
@@ -184,24 +185,23 @@ impl<T: Tire> Model for CounterbalanceTruck<T> {
             let place = self.places().of_wheel(i, 0.0);
             let ground = OnRoad::at(&self.road, place, self.friction);
             wheel.start_rolling(&rim, &ground, loads[axle])?;
+            let wanted = (axle == 0 && self.drive == 1 && speed != 0.0).then_some(0.5 * resistance);
+            let (along, about) = pull(&mut wheel, &ground, loads[axle], wanted)?;
             if axle == 1 {
-                resistance -= wheel.force.x;
-            } else if self.drive == 1 && speed != 0.0 {
-                pull(&mut wheel, &ground, loads[axle], 0.5 * resistance)?;
+                resistance -= along;
+            } else {
+                moment += about;
             }
+            means[i] = Vector3::new(along, 0.0, loads[axle]);
             self.level[axle] = wheel.rim.position.z;
             self.spins[i] = Spin { speed: wheel.rim.rates.y, ..Spin::default() };
             self.wheels[i] = wheel;
         }
-        self.driven = match self.drive {
-            1 => -self.wheels[0].spin_moment() - self.wheels[1].spin_moment(),
-            _ => self.torque,
-        };
+        self.driven = if self.drive == 1 { -moment } else { self.torque };
         if self.gains[1] > 0.0 && self.drive == 1 {
             self.summed = self.driven / self.gains[1];
         }
-        let forces = self.wheels.each_ref().map(|wheel| wheel.force);
-        self.frame = Frame::rolling(&self.sizes, speed, gravity, &forces, self.level, self.driven);
+        self.frame = Frame::rolling(&self.sizes, speed, gravity, &means, self.level, self.driven);
         self.accelerate();
         Ok(())
     }
@@ -270,20 +270,41 @@ const MOST_ROUNDS: usize = 20;
 /// The share of its load to which it has to pull what it is to.
 const PULL_FOUND: f64 = 1e-6;
 
-/// Lets a wheel that rolls freely turn so much faster that it pulls with a force \[N\]; if it cannot, it stays as it is.
-fn pull<T: Tire>(wheel: &mut Mounted<T>, ground: &OnRoad<'_>, load: f64, force: f64) -> Result<()> {
+/// Spin angles over which force and moment of a wheel are means: elements make them ripple.
+const ANGLES: u32 = 8;
+/// Between two of them \[rad\]: the golden section of a turn falls together with no number of elements.
+const ANGLE: f64 = 2.399_963;
+
+/// Lets a wheel that rolls freely turn so much faster that it pulls with a force \[N\] in the mean; if it cannot, or is not to, it
+/// stays as it is. Returns the mean force along and moment about its axis.
+fn pull<T: Tire>(
+    wheel: &mut Mounted<T>,
+    ground: &OnRoad<'_>,
+    load: f64,
+    force: Option<f64>,
+) -> Result<(f64, f64)> {
     let free = wheel.rim;
     let mut at = |spin: f64| {
-        let mut rim = free;
-        rim.rates.y = spin;
-        wheel.start_carrying(&rim, ground, load).map(|()| wheel.force.x - force)
+        let mut sums = (0.0, 0.0);
+        // the last one is that of the start
+        for k in (0..ANGLES).rev() {
+            let mut rim = free;
+            rim.rates.y = spin;
+            rim.angles.y = ANGLE * f64::from(k);
+            wheel.start_carrying(&rim, ground, load)?;
+            sums = (sums.0 + wheel.force.x, sums.1 + wheel.spin_moment());
+        }
+        Ok::<_, Error>((sums.0 / f64::from(ANGLES), sums.1 / f64::from(ANGLES)))
     };
-    let mut last = (free.rates.y, at(free.rates.y)?);
+    let freely = at(free.rates.y)?;
+    let Some(force) = force else { return Ok(freely) };
+    let mut last = (free.rates.y, freely.0 - force);
     let mut spin = free.rates.y * 1.001;
     for _ in 0..MOST_ROUNDS {
-        let now = (spin, at(spin)?);
+        let means = at(spin)?;
+        let now = (spin, means.0 - force);
         if now.1.abs() <= PULL_FOUND * load {
-            return Ok(());
+            return Ok(means);
         }
         let next = spin - now.1 * (now.0 - last.0) / (now.1 - last.1);
         if !next.is_finite() || (next / free.rates.y - 1.0).abs() > 1.0 {
@@ -291,7 +312,7 @@ fn pull<T: Tire>(wheel: &mut Mounted<T>, ground: &OnRoad<'_>, load: f64, force: 
         }
         (last, spin) = (now, next);
     }
-    at(free.rates.y).map(|_| ())
+    at(free.rates.y)
 }
 
 impl<T: Tire> CounterbalanceTruck<T> {

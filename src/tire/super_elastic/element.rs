@@ -5,7 +5,7 @@
 //! Alexander's singly diagonally implicit Runge-Kutta method of second order, which is L-stable and ends at its second stage.
 
 use super::contact::Contact;
-use crate::road::Point;
+use crate::tire::Ground;
 
 /// 1 - 1 / sqrt(2): both stages are this share of a step implicit; the first one is at that share of it.
 pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -103,16 +103,28 @@ impl Ray<'_> {
 pub(super) trait Track {
     /// Height over the datum \[m\] and slope along the plane, at x \[m\] from the rim's centre.
     fn at(&self, x: f64) -> (f64, f64);
+
+    /// A height that it nowhere exceeds \[m\].
+    fn highest(&self) -> f64;
 }
 
 /// A track from the points of a ground.
-pub(super) struct Along<F>(pub F, pub [f64; 2]);
+pub(super) struct Along<'a, G> {
+    pub ground: &'a G,
+    pub heading: [f64; 2],
+    /// Of the step.
+    pub share: f64,
+}
 
-impl<F: Fn(f64, f64) -> Point> Track for Along<F> {
+impl<G: Ground> Track for Along<'_, G> {
     fn at(&self, x: f64) -> (f64, f64) {
-        let [cos, sin] = self.1;
-        let point = self.0(x * cos, x * sin);
+        let [cos, sin] = self.heading;
+        let point = self.ground.point(x * cos, x * sin, self.share);
         (point.height, point.slope[0] * cos + point.slope[1] * sin)
+    }
+
+    fn highest(&self) -> f64 {
+        self.ground.highest()
     }
 }
 
@@ -144,6 +156,13 @@ pub(super) fn press(
     per_speed: f64,
 ) -> Pressed {
     let mut pressed = Pressed::default();
+    // most elements are far from the road: their lowest point is one of the outer ones
+    let [cos, sin] = ray.along;
+    let farthest = ray.offsets.last().map_or(0.0, |offset| offset.abs());
+    let lowest = ray.rim_height + (distance + ray.to_tread) * sin - farthest * cos.abs();
+    if lowest > track.highest() {
+        return pressed;
+    }
     for offset in ray.offsets {
         let (place, velocity) = ray.point(*offset, distance, speed);
         let (height, slope) = track.at(place[0]);

@@ -29,6 +29,10 @@ impl Track for Bare {
     fn at(&self, x: f64) -> (f64, f64) {
         road::round(self.curvature, x)
     }
+
+    fn highest(&self) -> f64 {
+        if self.curvature < 0.0 { f64::INFINITY } else { 0.0 }
+    }
 }
 
 /// A stationary ring.

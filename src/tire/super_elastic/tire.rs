@@ -337,7 +337,7 @@ impl Tire for SuperElastic {
     ) -> Result<()> {
         check_upright(after.angles.x, MAX_CAMBER)?;
         let ((from, _), (to, heading)) = (in_plane(before), in_plane(after));
-        let track = |share: f64| Along(move |x, y| ground.point(x, y, share), heading);
+        let track = |share: f64| Along { ground, heading, share };
         let rubber = Rubber {
             parameters: &self.parameters,
             prepared: &self.prepared,
