@@ -261,7 +261,10 @@ fn positive(file: &File, key: &str, value: f64) -> Result<()> {
 }
 
 /// A road as `poly_line`.
-pub(super) fn write(road: &RoadProfile) -> (Vec<u8>, Vec<String>) {
+///
+/// # Errors
+/// Of [`RoadProfile::rows`].
+pub(super) fn write(road: &RoadProfile) -> Result<(Vec<u8>, Vec<String>)> {
     let text_of = |x: f64| number_text(x).unwrap_or_default();
     let mut text =
         String::from("[MDI_HEADER]\n FILE_TYPE    = 'rdf'\n FILE_VERSION = 5.00\n FILE_FORMAT  = 'ASCII'\n");
@@ -283,7 +286,7 @@ pub(super) fn write(road: &RoadProfile) -> (Vec<u8>, Vec<String>) {
         text_of(if everywhere.is_finite() { everywhere } else { 1.0 })
     );
     text += "(XZ_DATA)\n{ x z_left z_right }\n";
-    for [x, left, right] in road.rows() {
+    for [x, left, right] in road.rows()? {
         let _ = writeln!(text, " {} {} {}", text_of(x), text_of(left), text_of(right));
     }
     let mut lost = beyond_points(&beyond, "poly_line");
@@ -293,5 +296,8 @@ pub(super) fn write(road: &RoadProfile) -> (Vec<u8>, Vec<String>) {
             road.track_width
         ));
     }
-    (text.into_bytes(), lost)
+    if road.tracks().any(|(_, points)| points.windows(2).any(|pair| pair[0][0] == pair[1][0])) {
+        lost.push("nothing of the vertical edges, which are two rows with the same x; but a program that asks for rising x refuses them".into());
+    }
+    Ok((text.into_bytes(), lost))
 }

@@ -77,7 +77,7 @@ pub fn write(path: &Path, road: &RoadProfile, writing: &Writing<'_>) -> Result<V
     let (bytes, lost) = match ending(path).as_str() {
         "rdf" => rdf::write(road, writing, &name)?,
         "crg" => crg_write::write(road, writing.increment)?,
-        "csv" => profile::write_csv(road),
+        "csv" => profile::write_csv(road)?,
         "toml" => settings::write(road, &name)?,
         _ => {
             return Err(Error::call(format!("{name}: a road file ends in .{}", ENDINGS.join(", ."))));

@@ -112,16 +112,34 @@ impl RoadProfile {
     }
 
     /// x, height of the left track and of the right one, wherever one of them has a point: straight lines between. Where one has a
-    /// vertical edge, two rows have the same x.
-    pub(super) fn rows(&self) -> Vec<[f64; 3]> {
+    /// vertical edge, two rows have the same x. Points of the right track that lie where the left one has some, but for rounding,
+    /// are taken to lie there.
+    ///
+    /// # Errors
+    /// Points of the two tracks that are too close to be two rows and too far apart to be one.
+    pub(super) fn rows(&self) -> Result<Vec<[f64; 3]>> {
         let Some(right) = &self.right else {
-            return self.left.iter().map(|[x, z]| [*x, *z, *z]).collect();
+            return Ok(self.left.iter().map(|[x, z]| [*x, *z, *z]).collect());
         };
-        let mut places: Vec<f64> = self.left.iter().chain(right).map(|[x, _]| *x).collect();
+        let snapped = |[x, z]: &[f64; 2]| {
+            let next = self.left.partition_point(|[at, _]| at < x);
+            let near = [next.checked_sub(1), Some(next)].into_iter().flatten();
+            let places = near.filter_map(|i| self.left.get(i)).map(|[at, _]| *at);
+            let place = places.filter(|at| (at - x).abs() < 1e-3 * LEAST_DISTANCE).next_back();
+            [place.unwrap_or(*x), *z]
+        };
+        let right: Vec<[f64; 2]> = right.iter().map(snapped).collect();
+        let mut places: Vec<f64> = self.left.iter().chain(&right).map(|[x, _]| *x).collect();
         places.sort_by(f64::total_cmp);
         places.dedup();
+        if let Some(pair) = places.windows(2).find(|pair| pair[1] - pair[0] < LEAST_DISTANCE) {
+            return Err(Error::file(format!(
+                "{}: the left and the right track have points at x = {} m and {} m, less than {LEAST_DISTANCE} m apart; a file with one column of places cannot hold both",
+                self.source, pair[0], pair[1]
+            )));
+        }
         let mut rows = Vec::with_capacity(places.len());
-        let mut sides = [Walk::new(&self.left), Walk::new(right)];
+        let mut sides = [Walk::new(&self.left), Walk::new(&right)];
         for x in places {
             let [(left, behind_left), (right, behind_right)] =
                 [sides[0].heights_at(x), sides[1].heights_at(x)];
@@ -130,7 +148,7 @@ impl RoadProfile {
                 rows.push([x, behind_left, behind_right]);
             }
         }
-        rows
+        Ok(rows)
     }
 }
 
@@ -276,10 +294,10 @@ pub(super) fn read_csv(path: &Path) -> Result<RoadProfile> {
     Ok(road)
 }
 
-pub(super) fn write_csv(road: &RoadProfile) -> (Vec<u8>, Vec<String>) {
+pub(super) fn write_csv(road: &RoadProfile) -> Result<(Vec<u8>, Vec<String>)> {
     let two = road.right.is_some();
     let mut text = String::from(if two { "x [m],z [m],z_right [m]\n" } else { "x [m],z [m]\n" });
-    for [x, left, right] in road.rows() {
+    for [x, left, right] in road.rows()? {
         let _ = match two {
             true => writeln!(text, "{x},{left},{right}"),
             false => writeln!(text, "{x},{left}"),
@@ -289,7 +307,7 @@ pub(super) fn write_csv(road: &RoadProfile) -> (Vec<u8>, Vec<String>) {
     if two {
         lost.push(format!("the distance of the tracks, {} m: CSV has no place for it", road.track_width));
     }
-    (text.into_bytes(), lost)
+    Ok((text.into_bytes(), lost))
 }
 
 /// What of a road is more than points, for a format that has points only.

@@ -296,7 +296,7 @@ pub(super) fn write(road: &RoadProfile, writing: &Writing<'_>, name: &str) -> Re
         return write_like(road, like);
     }
     if writing.adams || road.right.is_some() {
-        return Ok(adams::write(road));
+        return adams::write(road);
     }
     let level = road.left.iter().all(|[_, z]| *z == 0.0);
     let mut text = String::from(
