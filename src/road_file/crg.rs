@@ -94,6 +94,7 @@ struct Header {
     format: Option<Format>,
     channels: Vec<Channel>,
     comments: bool,
+    notes: Vec<String>,
     /// Where the data begin; the line before them.
     data: Option<(usize, usize)>,
 }
@@ -179,9 +180,13 @@ impl Header {
                 continue;
             }
             match section.as_str() {
-                "$ROAD_CRG" => assign(&mut header.road, text, &place, line)?,
-                "$ROAD_CRG_MODS" => assign(header.mods.get_or_insert_default(), text, &place, line)?,
-                "$ROAD_CRG_OPTS" => assign(header.opts.get_or_insert_default(), text, &place, line)?,
+                "$ROAD_CRG" => assign(&mut header.road, text, &place, line, &mut header.notes)?,
+                "$ROAD_CRG_MODS" => {
+                    assign(header.mods.get_or_insert_default(), text, &place, line, &mut header.notes)?;
+                }
+                "$ROAD_CRG_OPTS" => {
+                    assign(header.opts.get_or_insert_default(), text, &place, line, &mut header.notes)?;
+                }
                 "$ROAD_CRG_FILE" => file_name.push_str(text),
                 "$KD_DEFINITION" => header.define(text, &place)?,
                 _ => {}
@@ -273,7 +278,13 @@ fn is_path(text: &str) -> bool {
 }
 
 /// `KEY = number` of a block.
-fn assign(numbers: &mut Numbers, text: &str, place: &str, line: usize) -> Result<()> {
+fn assign(
+    numbers: &mut Numbers,
+    text: &str,
+    place: &str,
+    line: usize,
+    notes: &mut Vec<String>,
+) -> Result<()> {
     let Some((key, value)) = text.split_once('=') else {
         return Err(Error::file(format!(
             "{place}: '{}' is no assignment KEY = number",
@@ -281,7 +292,13 @@ fn assign(numbers: &mut Numbers, text: &str, place: &str, line: usize) -> Result
         )));
     };
     let value = value.trim().replace(['d', 'D'], "e");
-    let number = value.parse::<f64>().ok().filter(|x| x.is_finite());
+    let parsed = |text: &str| text.parse::<f64>().ok().filter(|x| x.is_finite());
+    let number = parsed(&value).or_else(|| {
+        // sign and letter of the exponent exchanged, as in a sample of the standard
+        let mended = parsed(&value.replacen("+e", "e+", 1).replacen("-e", "e-", 1))?;
+        notes.push(format!("{place}: {} is '{value}', which is taken as {mended}", key.trim()));
+        Some(mended)
+    });
     match number {
         Some(number) if numbers.len() < 1000 => {
             let key = key.trim().to_ascii_uppercase();
@@ -312,6 +329,7 @@ struct Road<'a> {
     line: usize,
     /// Positions of the long sections, rising, and the channel of each.
     across: Vec<(f64, usize)>,
+    notes: Vec<String>,
 }
 
 impl<'a> Road<'a> {
@@ -326,6 +344,7 @@ impl<'a> Road<'a> {
         let key = |key: &str| header.road.get(key).map(|(number, _)| *number);
         let mut across: Vec<(f64, usize)> = Vec::new();
         let mut numbered = 0;
+        let mut notes = header.notes.clone();
         for (i, channel) in header.channels.iter().enumerate() {
             match channel {
                 Channel::At(v) => across.push((*v, i)),
@@ -353,10 +372,25 @@ impl<'a> Road<'a> {
             if across.iter().enumerate().any(|(i, (number, _))| *number != i as f64 + 1.0) {
                 return fail(format!("the long sections are not numbered 1 to {}", across.len()));
             }
-            let Some(right) = key("LONG_SECTION_V_RIGHT") else {
-                return fail(
-                    "$ROAD_CRG has no LONG_SECTION_V_RIGHT, and the long sections have numbers only".into(),
-                );
+            // about the reference line where no border says where; others begin at 0 there
+            let right = match (
+                key("LONG_SECTION_V_RIGHT"),
+                key("LONG_SECTION_V_LEFT"),
+                key("LONG_SECTION_V_INCREMENT"),
+            ) {
+                (Some(right), ..) => right,
+                (None, Some(left), Some(step)) => left - last * step,
+                (None, None, Some(step)) => {
+                    let half = 0.5 * last * step;
+                    notes.push(format!(
+                        "{name}: no LONG_SECTION_V_RIGHT says where the long sections are across; they are taken to lie about the reference line, from v = {} m to {half} m. Other programs begin at 0",
+                        -half
+                    ));
+                    -half
+                }
+                _ => {
+                    return fail("$ROAD_CRG has neither LONG_SECTION_V_RIGHT nor LONG_SECTION_V_INCREMENT, and the long sections have numbers only".into());
+                }
             };
             let step = match (key("LONG_SECTION_V_INCREMENT"), key("LONG_SECTION_V_LEFT")) {
                 (Some(step), Some(left)) if (right + last * step - left).abs() > 1e-3 * step.abs() => {
@@ -383,7 +417,7 @@ impl<'a> Road<'a> {
                 pair[0].0, pair[1].0
             ));
         }
-        Ok(Self { header, bytes, name, format, data: start..bytes.len(), line: line + 1, across })
+        Ok(Self { header, bytes, name, format, data: start..bytes.len(), line: line + 1, across, notes })
     }
 
     fn key(&self, key: &str) -> Option<f64> {
@@ -397,6 +431,7 @@ impl<'a> Road<'a> {
     /// The heights along the lanes.
     fn profile(&self, lanes: &Lanes) -> Result<RoadProfile> {
         let mut road = RoadProfile { source: self.name.into(), track_width: 1.5, ..RoadProfile::default() };
+        road.notes.extend(self.notes.iter().cloned());
         let width = self.modifier("SCALE_WIDTH").unwrap_or(1.0);
         let places: Vec<f64> = self.across.iter().map(|(v, _)| v * width).collect();
         let wanted = self.lanes(lanes, &places, &mut road)?;
@@ -654,14 +689,27 @@ impl<'a> Road<'a> {
                 true => (count * width).div_ceil(80) * 80,
                 false => count * width,
             };
-            let mut chunks = data.chunks_exact(bytes);
+            // programs fill the last block of 80 bytes with NaN
+            let mut filled = 0;
+            while data.len() % 80 == 0 && filled + width < 80 {
+                let end = data.len().saturating_sub(filled);
+                let number = data.get(end.saturating_sub(width)..end).unwrap_or_default();
+                if !big_endian(number).is_nan() || number.is_empty() {
+                    break;
+                }
+                filled += width;
+            }
+            // of a cross section that has a height, NaN at its end belong to it
+            let end = (data.len() - filled).div_ceil(bytes) * bytes;
+            let end = if end <= data.len() { end } else { data.len() };
+            let mut chunks = data.get(..end).unwrap_or_default().chunks_exact(bytes);
             for (i, chunk) in chunks.by_ref().enumerate() {
                 record.clear();
                 record.extend(chunk.chunks_exact(width).take(count).map(big_endian));
                 each(i + 1, &record)?;
             }
             let rest = chunks.remainder();
-            // programs fill the last block with line ends, blanks or zeros
+            // or with line ends, blanks or zeros
             if rest.iter().any(|b| !matches!(b, 0 | b'\n' | b'\r' | b' ')) {
                 return Err(Error::file(format!(
                     "{}: the data end within a cross section: {} bytes are left, and one has {bytes}; the file is cut off, or has been changed by a program that took it for text",
@@ -673,6 +721,7 @@ impl<'a> Road<'a> {
         }
         let mut line = self.line;
         let mut begun = line;
+        let is_last = |text: &[u8]| text.as_ptr_range().end == data.as_ptr_range().end;
         for text in data.split(|b| *b == b'\n') {
             let text = text.strip_suffix(b"\r").unwrap_or(text);
             // comments are for the header, where a star also begins a number that is missing
@@ -689,6 +738,14 @@ impl<'a> Road<'a> {
                     if blank && rest.trim_ascii().is_empty() {
                         fields = &[];
                         break;
+                    }
+                    // without a line end behind it, nobody knows whether digits are missing
+                    if field.len() < width && is_last(text) {
+                        return Err(Error::file(format!(
+                            "{}:{line}: data: the file is cut off in '{}', a field of {width} characters; if it is whole, end its last line",
+                            self.name,
+                            shown(field)
+                        )));
                     }
                     record.push(self.field(field, line, record.len())?);
                     if record.len() == count && !self.format.long {

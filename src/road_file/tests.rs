@@ -315,6 +315,36 @@ fn all_forms_of_opencrg_give_the_same_two_tracks() {
     }
 }
 
+/// Programs fill files of bytes up to blocks of 80 with NaN; positions may be given by a step only.
+#[test]
+fn what_fills_a_binary_file_is_no_road() {
+    let folder = Folder::new();
+    for count in [7, 10, 13, 20] {
+        let mut file = format!(
+            "$ROAD_CRG\nREFERENCE_LINE_INCREMENT = 0.5\nLONG_SECTION_V_INCREMENT = 0.5\nLONG_SECTION_X = 1.0+e00\n$KD_Definition\n#:KRBI\nD:long section 1,m\nD:long section 2,m\nD:long section 3,m\n$$$$\n"
+        )
+        .into_bytes();
+        let start = file.len();
+        for i in 0..count {
+            for j in 0..3 {
+                // the last section ends with a hole of its own
+                let z = if i == count - 1 && j == 2 { f32::NAN } else { (i * 3 + j) as f32 };
+                file.extend(z.to_be_bytes());
+            }
+        }
+        while (file.len() - start) % 80 != 0 {
+            file.extend(0xffc0_0000u32.to_be_bytes());
+        }
+        let road = folder.read("r.crg", &file, &Lanes { left: Some(0.5), right: Some(-0.5) }).unwrap();
+        assert_eq!(road.left.len(), count, "{count}");
+        assert_eq!(road.left[count - 1][1], (count * 3 - 2) as f64);
+        assert_eq!(road.right.unwrap()[count - 1][1], (count * 3 - 3) as f64);
+        for word in ["taken to lie about", "is taken as 1"] {
+            assert!(road.notes.iter().any(|note| note.contains(word)), "{word} {:?}", road.notes);
+        }
+    }
+}
+
 #[test]
 fn heights_that_are_missing_are_filled_as_the_file_asks_and_said() {
     let folder = Folder::new();
