@@ -58,8 +58,8 @@ impl Given {
             for note in &road.notes {
                 eprintln!("note: {}", one_line(note));
             }
-            for lost in &road.lost {
-                warn(&format!("{}: not used: {lost}", path.display()));
+            if !road.lost.is_empty() {
+                eprintln!("note: {}: not used: {}", path.display(), one_line(&road.lost.join("; ")));
             }
             let road = road.settings()?;
             if let Some(interface) = interface

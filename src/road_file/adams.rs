@@ -7,15 +7,17 @@ use crate::{Error, Result};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-/// Straight pieces that stand for a wave: the height is off by half of (2 pi / pieces)² / 4 of the amplitude, 0.03 %.
+/// Straight pieces that stand for a wave: off by 1 - cos(pi / pieces) of the amplitude, 0.012 %.
 const PIECES: u32 = 200;
 
-/// A number of `[PARAMETERS]`, in SI units.
-fn parameter(file: &File, key: &str, unit: f64) -> Result<f64> {
-    let value = file
-        .number("PARAMETERS", key)?
-        .ok_or_else(|| missing(&file.document, "PARAMETERS", key, "a number"))?;
-    Ok(value * unit)
+/// A length of `[PARAMETERS]` in m.
+fn length_of(file: &File, key: &str) -> Result<f64> {
+    parameter(file, key).map(|value| file.metres(value))
+}
+
+/// A number of `[PARAMETERS]` as it stands there.
+fn parameter(file: &File, key: &str) -> Result<f64> {
+    file.number("PARAMETERS", key)?.ok_or_else(|| missing(&file.document, "PARAMETERS", key, "a number"))
 }
 
 fn optional(file: &File, key: &str, unit: f64) -> Result<f64> {
@@ -25,7 +27,6 @@ fn optional(file: &File, key: &str, unit: f64) -> Result<f64> {
 /// The road of a file.
 pub(super) fn read(file: &File) -> Result<RoadProfile> {
     let name = file.name();
-    let length = file.units.length;
     let refuse = |why: &str| {
         Err(Error::file(format!(
             "{}: ROAD_TYPE is '{}': {why}",
@@ -49,12 +50,9 @@ pub(super) fn read(file: &File) -> Result<RoadProfile> {
                 "EDGE_ROUNDED",
                 "MU_FACTOR_CLEAT",
             ]);
-            let (height, start, long) = (
-                parameter(file, "HEIGHT", length)?,
-                parameter(file, "START", length)?,
-                parameter(file, "LENGTH", length)?,
-            );
-            let bevel = optional(file, "BEVEL_EDGE_LENGTH", length)?;
+            let (height, start, long) =
+                (length_of(file, "HEIGHT")?, length_of(file, "START")?, length_of(file, "LENGTH")?);
+            let bevel = file.metres(optional(file, "BEVEL_EDGE_LENGTH", 1.0)?);
             if !(long > 0.0) || bevel < 0.0 || 2.0 * bevel > long || bevel > height.abs() {
                 return Err(Error::file(format!(
                     "{name}: [PARAMETERS] a plank of LENGTH {long} m and HEIGHT {height} m with bevels of {bevel} m cannot be: LENGTH has to be above 0 and hold two bevels, and these go no higher than it is"
@@ -86,7 +84,7 @@ pub(super) fn read(file: &File) -> Result<RoadProfile> {
             let column = |i: usize| -> Vec<(usize, [f64; 2])> {
                 let one = |(line, row): &(usize, Vec<f64>)| {
                     let z = row.get(i).or(row.get(1)).copied().unwrap_or(f64::NAN);
-                    (*line, [row.first().copied().unwrap_or(f64::NAN) * length, z * length])
+                    (*line, [file.metres(row.first().copied().unwrap_or(f64::NAN)), file.metres(z)])
                 };
                 rows.iter().map(one).collect()
             };
@@ -103,11 +101,8 @@ pub(super) fn read(file: &File) -> Result<RoadProfile> {
         }
         "pot_hole" | "pothole" => {
             keys.extend(["DEPTH", "START", "LENGTH", "DIRECTION"]);
-            let (depth, start, long) = (
-                parameter(file, "DEPTH", length)?,
-                parameter(file, "START", length)?,
-                parameter(file, "LENGTH", length)?,
-            );
+            let (depth, start, long) =
+                (length_of(file, "DEPTH")?, length_of(file, "START")?, length_of(file, "LENGTH")?);
             positive(file, "LENGTH", long)?;
             oblique(file, &mut road)?;
             road.notes.push(format!(
@@ -118,8 +113,8 @@ pub(super) fn read(file: &File) -> Result<RoadProfile> {
         }
         "ramp" => {
             keys.extend(["HEIGHT", "START", "SLOPE"]);
-            let (height, start) = (parameter(file, "HEIGHT", length)?, parameter(file, "START", length)?);
-            let slope = parameter(file, "SLOPE", 1.0)?;
+            let (height, start) = (length_of(file, "HEIGHT")?, length_of(file, "START")?);
+            let slope = parameter(file, "SLOPE")?;
             if slope == 0.0
                 || height == 0.0
                 || slope.signum() != height.signum() && slope < 0.0 && height > 0.0
@@ -133,21 +128,15 @@ pub(super) fn read(file: &File) -> Result<RoadProfile> {
         }
         "roof" => {
             keys.extend(["HEIGHT", "START", "LENGTH"]);
-            let (height, start, long) = (
-                parameter(file, "HEIGHT", length)?,
-                parameter(file, "START", length)?,
-                parameter(file, "LENGTH", length)?,
-            );
+            let (height, start, long) =
+                (length_of(file, "HEIGHT")?, length_of(file, "START")?, length_of(file, "LENGTH")?);
             positive(file, "LENGTH", long)?;
             vec![[start, 0.0], [start + 0.5 * long, height], [start + long, 0.0]]
         }
         "sine" => {
             keys.extend(["AMPLITUDE", "WAVE_LENGTH", "START", "LENGTH"]);
-            let (amplitude, wave, start) = (
-                parameter(file, "AMPLITUDE", length)?,
-                parameter(file, "WAVE_LENGTH", length)?,
-                parameter(file, "START", length)?,
-            );
+            let (amplitude, wave, start) =
+                (length_of(file, "AMPLITUDE")?, length_of(file, "WAVE_LENGTH")?, length_of(file, "START")?);
             positive(file, "WAVE_LENGTH", wave)?;
             if wave < 0.1 {
                 return refuse("waves shorter than 0.1 m are not made of straight pieces here");
@@ -166,7 +155,7 @@ pub(super) fn read(file: &File) -> Result<RoadProfile> {
                     1
                 }
                 Some(total) => {
-                    let count = total * length / wave;
+                    let count = file.metres(total) / wave;
                     if !(count >= 0.5 && (count - count.round()).abs() < 1e-6 && count < 90.0) {
                         return refuse(
                             "LENGTH is read where it is a whole number of waves, 1 to 90; leave it out for waves without end",
@@ -196,7 +185,7 @@ pub(super) fn read(file: &File) -> Result<RoadProfile> {
             return refuse("read are flat, plank, poly_line, pot_hole, ramp, roof and sine");
         }
     };
-    let up = optional(file, "OFFSET", length)?;
+    let up = file.metres(optional(file, "OFFSET", 1.0)?);
     let raise = |points: Vec<[f64; 2]>| -> Result<Vec<[f64; 2]>> {
         let raised: Vec<(usize, [f64; 2])> = points.into_iter().map(|[x, z]| (line, [x, z + up])).collect();
         checked(name, "[PARAMETERS]", "road", &raised)

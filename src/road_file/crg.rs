@@ -663,15 +663,15 @@ impl<'a> Road<'a> {
             line.push(z);
         }
         let scaled = scale != 1.0 || self.modifier("SCALE_LENGTH").is_some();
-        if let Some(end) = self.key("REFERENCE_LINE_END_Z").filter(|_| !scaled)
-            && (z - end).abs() > 1e-6 * step * count as f64
-        {
-            road.notes.push(format!(
-                "{}: slopes lead to z = {z} m, and REFERENCE_LINE_END_Z is {end} m; the difference is spread over the length",
-                self.name
-            ));
-            let error = end - z;
-            let last = (count - 1) as f64;
+        if let Some(end) = self.key("REFERENCE_LINE_END_Z").filter(|_| !scaled) {
+            if (z - end).abs() > 1e-6 * step * count as f64 {
+                road.notes.push(format!(
+                    "{}: slopes lead to z = {z} m, and REFERENCE_LINE_END_Z is {end} m; the difference is spread over the length",
+                    self.name
+                ));
+            }
+            // also where it is the rounding of the slopes
+            let (error, last) = (end - z, (count - 1) as f64);
             line.iter_mut().enumerate().for_each(|(i, z)| *z += error * i as f64 / last);
         }
         line.iter_mut().for_each(|z| *z += raised);

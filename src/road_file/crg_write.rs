@@ -42,13 +42,12 @@ pub(super) fn write(road: &RoadProfile, increment: Option<f64>) -> Result<(Vec<u
         None => (-HALF_WIDTH, HALF_WIDTH),
     };
     let end = first + steps * step;
-    let mut text = String::from("$CT\nRoad of one or two tracks, straight and level across beyond them\n");
+    let mut text = String::from("$CT\nRoad of one or two tracks, straight and level across beyond them\n$\n");
     let _ = write!(
         text,
-        "$ROAD_CRG\nREFERENCE_LINE_START_U = {first}\nREFERENCE_LINE_END_U = {end}\nREFERENCE_LINE_INCREMENT = {step}\nLONG_SECTION_V_RIGHT = {right}\nLONG_SECTION_V_LEFT = {left}\n$KD_Definition\n#:LDFI\nU:reference line u,m,{first},{step}\nD:long section at v = {right},m\nD:long section at v = {left},m\n"
+        "$ROAD_CRG\nREFERENCE_LINE_START_U = {first}\nREFERENCE_LINE_END_U = {end}\nREFERENCE_LINE_INCREMENT = {step}\nLONG_SECTION_V_RIGHT = {right}\nLONG_SECTION_V_LEFT = {left}\n$\n$KD_Definition\n#:LDFI\nU:reference line u,m,{first},{step}\nD:long section at v = {right},m\nD:long section at v = {left},m\n$\n"
     );
-    let mark: String = (1..=8).map(|i| format!("$$$$$$$$${}", i % 10)).collect();
-    let _ = writeln!(text, "{mark}");
+    let _ = writeln!(text, "{}", "$".repeat(72));
     let mut walks = [Walk::new(&road.left), Walk::new(road.right.as_deref().unwrap_or(&road.left))];
     let mut written: [Vec<[f64; 2]>; 2] = [Vec::new(), Vec::new()];
     for i in 0..=steps as usize {

@@ -97,6 +97,11 @@ impl File {
         Ok(rows)
     }
 
+    /// A length of the file in m.
+    pub fn metres(&self, value: f64) -> f64 {
+        metres(value, self.units.length)
+    }
+
     /// Notes of the document, with their places.
     pub fn document_notes(&self) -> impl Iterator<Item = String> {
         self.document.notes().into_iter().map(|note| match note.line {
@@ -166,7 +171,6 @@ fn of_source(file: &File) -> Result<RoadProfile> {
             )));
         }
     }
-    let length = file.units.length;
     let rows = file.table("PROFILE", "", 2, 3)?;
     if rows.is_empty() && file.road_type == "poly" {
         return Err(Error::file(format!(
@@ -187,7 +191,7 @@ fn of_source(file: &File) -> Result<RoadProfile> {
             [x, z] => [x, z],
             _ => continue,
         };
-        points.push((line, offset.moved([x * length, z * length])));
+        points.push((line, offset.moved([file.metres(x), file.metres(z)])));
     }
     if points.is_empty() {
         points = vec![(file.type_line, offset.moved([0.0, 0.0])), (file.type_line, offset.moved([1.0, 0.0]))];
@@ -328,12 +332,19 @@ fn rows_of(road: &RoadProfile, unit: f64, name: &str) -> Result<String> {
     Ok(text)
 }
 
-/// The number that, times `unit`, is `value`; if rounding leaves none, the nearest.
+/// A length in units of so many metres, in m. 700 mm are 0.7 m, and not what 700 times 0.001 rounds to.
+fn metres(value: f64, unit: f64) -> f64 {
+    let parts = (1.0 / unit).round();
+    if parts >= 1.0 && 1.0 / parts == unit { value / parts } else { value * unit }
+}
+
+/// The number of units that is so many metres; if rounding leaves none, the nearest.
 fn in_unit(value: f64, unit: f64) -> f64 {
     let quotient = value / unit;
-    [quotient, quotient.next_up(), quotient.next_down()]
+    let rounded = (quotient * 1e9).round() / 1e9;
+    [rounded, quotient, quotient.next_up(), quotient.next_down()]
         .into_iter()
-        .find(|candidate| candidate * unit == value)
+        .find(|candidate| metres(*candidate, unit) == value)
         .unwrap_or(quotient)
 }
 

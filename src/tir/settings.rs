@@ -78,7 +78,7 @@ impl TireFile {
         match lacks {
             None => Ok(()),
             Some(setting) => Err(Error::call(format!(
-                "{} is the file of a {}, and {} has no such tire (no {}); models that take it are called {}-...",
+                "{} is the file of a {}, and {} has no such tire (no parameter {}); models that take it are called {}-...",
                 match setting.place.rsplit_once(':') {
                     Some((file, _)) => file,
                     None => &setting.place,
