@@ -38,12 +38,15 @@ pub fn profile_from_csv(path: &Path) -> Result<String> {
     Ok(points.join("; "))
 }
 
+/// Places, heights, and those of the right track if there are others \[m\].
+type Columns = (Vec<f64>, Vec<f64>, Option<Vec<f64>>);
+
 /// The points of a CSV file with the columns `x [m]` and `z [m]`, or a third one `z_right [m]` for the right track: x, z and that
 /// \[m\]. Rows are as in [`profile_from_csv`], and their number is not limited.
 ///
 /// # Errors
 /// A file that cannot be read, content that is not as above.
-pub(crate) fn points_from_csv(path: &Path) -> Result<(Vec<f64>, Vec<f64>, Option<Vec<f64>>)> {
+pub(crate) fn points_from_csv(path: &Path) -> Result<Columns> {
     let recording = read_csv_over(&PLACE, path)?;
     let right = recording.has("z_right").then(|| recording.channel_in("z_right", "m")).transpose()?;
     if let Some(other) = recording.channels.iter().find(|c| c.name != "z" && c.name != "z_right") {

@@ -58,7 +58,7 @@ mod text;
 mod waves;
 mod window;
 
-pub use parameters::{KINDS, MAX_POINTS, RoadParameters, TRACKS};
+pub use parameters::{KINDS, MAX_POINTS, Outline, RoadParameters, TRACKS};
 pub use window::Window;
 
 use self::friction::Friction;

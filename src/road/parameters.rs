@@ -38,6 +38,9 @@ const LEAST_DISTANCE: f64 = 1e-5;
 /// The largest coordinate in a text \[m\].
 const LARGEST_PLACE: f64 = 1e6;
 
+/// The points of a track, or of both, and those of the right one if it has others \[m\].
+pub type Outline = (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>);
+
 /// What a road is made from. Parameters that a kind does not mention are not used by it. Their names in models begin with
 /// `road_`; the [table](RoadParameters::rows) has their defaults and ranges.
 #[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -242,7 +245,7 @@ impl RoadParameters {
     ///
     /// # Errors
     /// A kind that is no straight pieces (sine, iso_8608); parameters that [`Road::new`](super::Road::new) refuses.
-    pub fn outline(&self) -> Result<(Vec<[f64; 2]>, Option<Vec<[f64; 2]>>)> {
+    pub fn outline(&self) -> Result<Outline> {
         self.check()?;
         if matches!(self.kind, 5 | 6) {
             let name = KINDS.get(self.kind as usize - 1).map_or("", |kind| kind.0);

@@ -53,7 +53,7 @@ pub(super) fn read(file: &File) -> Result<RoadProfile> {
             let (height, start, long) =
                 (length_of(file, "HEIGHT")?, length_of(file, "START")?, length_of(file, "LENGTH")?);
             let bevel = file.metres(optional(file, "BEVEL_EDGE_LENGTH", 1.0)?);
-            if !(long > 0.0) || bevel < 0.0 || 2.0 * bevel > long || bevel > height.abs() {
+            if long <= 0.0 || bevel < 0.0 || 2.0 * bevel > long || bevel > height.abs() {
                 return Err(Error::file(format!(
                     "{name}: [PARAMETERS] a plank of LENGTH {long} m and HEIGHT {height} m with bevels of {bevel} m cannot be: LENGTH has to be above 0 and hold two bevels, and these go no higher than it is"
                 )));

@@ -612,7 +612,7 @@ impl<'a> Road<'a> {
             even(least, most, "the reference line")?;
             (start, sum / steps)
         } else if let Some(step) = self.key("REFERENCE_LINE_INCREMENT") {
-            if !(step > 1e-6) {
+            if step <= 1e-6 {
                 return fail(format!("$ROAD_CRG: REFERENCE_LINE_INCREMENT = {step} m has to be above 0"));
             }
             (start, step)
@@ -691,7 +691,7 @@ impl<'a> Road<'a> {
             };
             // programs fill the last block of 80 bytes with NaN
             let mut filled = 0;
-            while data.len() % 80 == 0 && filled + width < 80 {
+            while data.len().is_multiple_of(80) && filled + width < 80 {
                 let end = data.len().saturating_sub(filled);
                 let number = data.get(end.saturating_sub(width)..end).unwrap_or_default();
                 if !big_endian(number).is_nan() || number.is_empty() {
@@ -719,10 +719,9 @@ impl<'a> Road<'a> {
             }
             return Ok(());
         }
-        let mut line = self.line;
-        let mut begun = line;
+        let mut begun = self.line;
         let is_last = |text: &[u8]| text.as_ptr_range().end == data.as_ptr_range().end;
-        for text in data.split(|b| *b == b'\n') {
+        for (line, text) in (self.line..).zip(data.split(|b| *b == b'\n')) {
             let text = text.strip_suffix(b"\r").unwrap_or(text);
             // comments are for the header, where a star also begins a number that is missing
             if !text.trim_ascii().is_empty() {
@@ -765,7 +764,6 @@ impl<'a> Road<'a> {
                     record.clear();
                 }
             }
-            line += 1;
         }
         if !record.is_empty() {
             return Err(Error::file(format!(

@@ -20,7 +20,9 @@ pub(super) fn write(road: &RoadProfile, increment: Option<f64>) -> Result<(Vec<u
     let first = places.iter().copied().fold(f64::INFINITY, f64::min);
     let last = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let step = match increment {
-        Some(step) if !(step > 1e-6) => return fail(format!("--increment = {step} m has to be above 0")),
+        Some(step) if step.is_nan() || step <= 1e-6 => {
+            return fail(format!("--increment = {step} m has to be above 0"));
+        }
         Some(step) => step,
         None => match common_step(&places, first) {
             Some(step) => step,
@@ -48,29 +50,27 @@ pub(super) fn write(road: &RoadProfile, increment: Option<f64>) -> Result<(Vec<u
         "$ROAD_CRG\nREFERENCE_LINE_START_U = {first}\nREFERENCE_LINE_END_U = {end}\nREFERENCE_LINE_INCREMENT = {step}\nLONG_SECTION_V_RIGHT = {right}\nLONG_SECTION_V_LEFT = {left}\n$\n$KD_Definition\n#:LDFI\nU:reference line u,m,{first},{step}\nD:long section at v = {right},m\nD:long section at v = {left},m\n$\n"
     );
     let _ = writeln!(text, "{}", "$".repeat(72));
-    let mut walks = [Walk::new(&road.left), Walk::new(road.right.as_deref().unwrap_or(&road.left))];
+    // the right one first, as its position is the smaller one
+    let tracks = [road.right.as_ref().unwrap_or(&road.left), &road.left];
+    let mut walks = tracks.map(|points| Walk::new(points));
     let mut written: [Vec<[f64; 2]>; 2] = [Vec::new(), Vec::new()];
     for i in 0..=steps as usize {
         let x = first + i as f64 * step;
-        // where points lie on the step, rounding must not find the straight line beside them
-        let x = nearest(&places, x, step * 1e-7).unwrap_or(x);
-        let (mut line, mut row) = (String::new(), [0.0; 2]);
-        for (lane, row) in
-            [(1, 0), (0, 1)].into_iter().zip(row.iter_mut()).map(|((track, _), row)| (track, row))
-        {
-            let (_, height) = walks[lane].heights_at(x);
+        // where a point lies on the step, rounding must not find the straight line beside it
+        let x = tracks.iter().find_map(|points| nearest(points, x, step * 1e-7)).unwrap_or(x);
+        for (walk, written) in walks.iter_mut().zip(&mut written) {
+            let (_, height) = walk.heights_at(x);
             let field = field(height)?;
-            *row = field.trim().parse().unwrap_or(height);
-            line += &field;
-            written[lane].push([x, *row]);
+            written.push([x, field.trim().parse().unwrap_or(height)]);
+            text += &field;
         }
-        let _ = writeln!(text, "{line}");
+        text.push('\n');
     }
     let mut lost = beyond_points(road, "OpenCRG here");
-    let off = road
-        .tracks()
+    let off = tracks
+        .iter()
         .zip(&written)
-        .flat_map(|((_, points), written)| {
+        .flat_map(|(points, written)| {
             let mut walk = Walk::new(written);
             points.iter().map(move |[x, z]| (walk.heights_at(*x).0 - z).abs()).collect::<Vec<_>>()
         })
@@ -110,19 +110,10 @@ fn common_step(places: &[f64], first: f64) -> Option<f64> {
     })
 }
 
-/// The place within `reach` of x, if there is one: places of two tracks are not in order, so a search in each.
-fn nearest(places: &[f64], x: f64, reach: f64) -> Option<f64> {
-    let mut from = 0;
-    // each track is in order, and there are two at most
-    let split = places.windows(2).position(|pair| pair[1] < pair[0]).map_or(places.len(), |i| i + 1);
-    for track in [places.get(..split), places.get(split..)].into_iter().flatten() {
-        from = track.partition_point(|place| *place < x - reach);
-        if let Some(place) = track.get(from).filter(|place| (**place - x).abs() <= reach) {
-            return Some(*place);
-        }
-    }
-    let _ = from;
-    None
+/// The place of a point within `reach` of x, if there is one.
+fn nearest(points: &[[f64; 2]], x: f64, reach: f64) -> Option<f64> {
+    let next = points.partition_point(|[place, _]| *place < x - reach);
+    points.get(next).map(|[place, _]| *place).filter(|place| (place - x).abs() <= reach)
 }
 
 /// A number in 20 characters, with as many digits as fit; the first one is a blank or a sign.

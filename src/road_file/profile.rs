@@ -124,8 +124,8 @@ impl RoadProfile {
         let snapped = |[x, z]: &[f64; 2]| {
             let next = self.left.partition_point(|[at, _]| at < x);
             let near = [next.checked_sub(1), Some(next)].into_iter().flatten();
-            let places = near.filter_map(|i| self.left.get(i)).map(|[at, _]| *at);
-            let place = places.filter(|at| (at - x).abs() < 1e-3 * LEAST_DISTANCE).next_back();
+            let mut places = near.filter_map(|i| self.left.get(i)).map(|[at, _]| *at);
+            let place = places.rfind(|at| (at - x).abs() < 1e-3 * LEAST_DISTANCE);
             [place.unwrap_or(*x), *z]
         };
         let right: Vec<[f64; 2]> = right.iter().map(snapped).collect();

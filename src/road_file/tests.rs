@@ -320,10 +320,7 @@ fn all_forms_of_opencrg_give_the_same_two_tracks() {
 fn what_fills_a_binary_file_is_no_road() {
     let folder = Folder::new();
     for count in [7, 10, 13, 20] {
-        let mut file = format!(
-            "$ROAD_CRG\nREFERENCE_LINE_INCREMENT = 0.5\nLONG_SECTION_V_INCREMENT = 0.5\nLONG_SECTION_X = 1.0+e00\n$KD_Definition\n#:KRBI\nD:long section 1,m\nD:long section 2,m\nD:long section 3,m\n$$$$\n"
-        )
-        .into_bytes();
+        let mut file = "$ROAD_CRG\nREFERENCE_LINE_INCREMENT = 0.5\nLONG_SECTION_V_INCREMENT = 0.5\nLONG_SECTION_X = 1.0+e00\n$KD_Definition\n#:KRBI\nD:long section 1,m\nD:long section 2,m\nD:long section 3,m\n$$$$\n".as_bytes().to_vec();
         let start = file.len();
         for i in 0..count {
             for j in 0..3 {
@@ -332,7 +329,7 @@ fn what_fills_a_binary_file_is_no_road() {
                 file.extend(z.to_be_bytes());
             }
         }
-        while (file.len() - start) % 80 != 0 {
+        while !(file.len() - start).is_multiple_of(80) {
             file.extend(0xffc0_0000u32.to_be_bytes());
         }
         let road = folder.read("r.crg", &file, &Lanes { left: Some(0.5), right: Some(-0.5) }).unwrap();
@@ -433,7 +430,7 @@ fn faults_of_opencrg_are_named() {
 #[test]
 fn too_many_points_are_told_and_straight_ones_left_out() {
     let n = MAX_POINTS + 5;
-    let rough = |i: usize| if i % 2 == 0 { 0.0 } else { 0.001 };
+    let rough = |i: usize| if i.is_multiple_of(2) { 0.0 } else { 0.001 };
     let road = RoadProfile::of("r.csv", (0..n).map(|i| [i as f64 * 0.1, rough(i)]).collect());
     let message = road.settings().unwrap_err().to_string();
     assert!(
