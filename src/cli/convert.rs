@@ -79,6 +79,12 @@ fn road(args: &Args) -> Result<Vec<String>> {
         let gone = road.simplify(tolerance);
         lost.push(format!("{gone} points, without which no height is off by more than {tolerance} m"));
     }
+    if ending(&args.output) == "toml" {
+        let gone = road.thin();
+        if gone > 0 {
+            eprintln!("note: {gone} points on straight lines are left out, which changes no height");
+        }
+    }
     let writing = Writing { increment: args.increment, like: args.like.as_deref(), adams: args.adams };
     lost.extend(road_file::write(&args.output, &road, &writing)?);
     Ok(lost)

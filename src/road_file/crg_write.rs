@@ -101,7 +101,12 @@ fn common_step(places: &[f64], first: f64) -> Option<f64> {
         .filter(|gap| *gap > 1e-6)
         .fold(f64::INFINITY, f64::min);
     let range = sorted.last()? - first;
-    (1..=20).map(|part| least / f64::from(part)).find(|step| {
+    // the round number first: differences of places have lost their last digits
+    let candidates = (1..=20).flat_map(|part| {
+        let step = least / f64::from(part);
+        [(step * 1e9).round() / 1e9, step]
+    });
+    candidates.filter(|step| *step > 1e-6).find(|step| {
         range / step < MAX_SECTIONS
             && sorted.iter().all(|x| {
                 let count = (x - first) / step;
@@ -118,10 +123,14 @@ fn nearest(points: &[[f64; 2]], x: f64, reach: f64) -> Option<f64> {
 
 /// A number in 20 characters, with as many digits as fit; the first one is a blank or a sign.
 fn field(value: f64) -> Result<String> {
+    let shortest = format!("{value}");
+    if shortest.len() <= 19 {
+        return Ok(format!("{shortest:>20}"));
+    }
     (0..=16)
         .rev()
         .flat_map(|digits| [format!("{value:.digits$}"), format!("{value:.digits$e}")])
-        .chain([format!("{value}"), format!("{value:e}")])
+        .chain([format!("{value:e}")])
         .filter(|text| text.len() <= 19 && text.parse::<f64>().is_ok())
         .min_by(|a, b| {
             let off = |text: &String| (text.parse::<f64>().unwrap_or(f64::INFINITY) - value).abs();

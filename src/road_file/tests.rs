@@ -462,7 +462,7 @@ fn points() -> impl Strategy<Value = Vec<[f64; 2]>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(60))]
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 4, ..ProptestConfig::default() })]
 
     #[test]
     fn points_survive_every_format(left in points(), right in prop::option::of(points()), adams in any::<bool>()) {
@@ -512,6 +512,7 @@ proptest! {
         prop_assert_eq!(less.left.last(), road.left.last());
     }
 
+    /// `PROPTEST_CASES=80000` for a longer look.
     #[test]
     fn any_bytes_are_a_road_or_an_error(bytes in prop::collection::vec(any::<u8>(), 0..300), at in 0usize..2000, which in 0usize..10) {
         let folder = Folder::new();
