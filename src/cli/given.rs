@@ -4,6 +4,8 @@ use super::warn;
 use latsch::model::{Interface, Settings};
 use latsch::recording::read_settings;
 use latsch::road_file::{self, Lanes};
+use latsch::tire::Tire;
+use latsch::tire::super_elastic::SuperElastic;
 use latsch::{Error, Result, one_line};
 use std::path::{Path, PathBuf};
 
@@ -60,6 +62,13 @@ impl Given {
             }
             if !road.lost.is_empty() {
                 eprintln!("note: {}: not used: {}", path.display(), one_line(&road.lost.join("; ")));
+            }
+            let edges = road.edges();
+            if edges > 0 && interface.is_some_and(|i| i.name.starts_with(SuperElastic::NAME)) {
+                warn(&format!(
+                    "{}: {edges} vertical edges: the elements of the super-elastic tire meet one in its full height at once, with forces that mean nothing; make them short ramps",
+                    path.display()
+                ));
             }
             let road = road.settings()?;
             if let Some(interface) = interface

@@ -80,11 +80,7 @@ pub(super) fn write(road: &RoadProfile, increment: Option<f64>) -> Result<(Vec<u
             "points between steps of {step} m, and digits beyond a field: heights are off by up to {off:e} m where the road has a point"
         ));
     }
-    let edges = road
-        .tracks()
-        .flat_map(|(_, points)| points.windows(2))
-        .filter(|pair| pair[0][0] == pair[1][0])
-        .count();
+    let edges = road.edges();
     if edges > 0 {
         lost.push(format!("{edges} vertical edges: they rise over a step of {step} m"));
     }

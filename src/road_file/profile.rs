@@ -51,6 +51,12 @@ impl RoadProfile {
         std::iter::once((name, &self.left)).chain(self.right.iter().map(|right| ("right", right)))
     }
 
+    /// Vertical edges: two points at one place with different heights.
+    pub fn edges(&self) -> usize {
+        let is_edge = |pair: &&[[f64; 2]]| pair[0][0] == pair[1][0] && pair[0][1] != pair[1][1];
+        self.tracks().map(|(_, points)| points.windows(2).filter(is_edge).count()).sum()
+    }
+
     /// Leaves out points that lie exactly on the straight line between their neighbours, which changes nothing. Returns how many.
     pub fn thin(&mut self) -> usize {
         let mut gone = 0;

@@ -197,6 +197,13 @@ fn of_source(file: &File) -> Result<RoadProfile> {
         points = vec![(file.type_line, offset.moved([0.0, 0.0])), (file.type_line, offset.moved([1.0, 0.0]))];
     }
     let mut road = RoadProfile::of(name, checked(name, "[PROFILE]", "row x y z", &points)?);
+    if let Some(pair) = points.windows(2).find(|pair| pair[0].1[0] == pair[1].1[0]) {
+        return Err(Error::file(format!(
+            "{}: [PROFILE]: a second point at x = {} m is a vertical edge, on which the contact of that tire has no force that could be meant; make it a short ramp, as the source does",
+            document.place(pair[1].0),
+            pair[1].1[0]
+        )));
+    }
     road.direction = offset.yaw;
     if let Some(line) = aside {
         road.lost.push(format!(
@@ -302,6 +309,12 @@ pub(super) fn write(road: &RoadProfile, writing: &Writing<'_>, name: &str) -> Re
     if writing.adams || road.right.is_some() {
         return adams::write(road);
     }
+    if road.left.windows(2).any(|pair| pair[0][0] == pair[1][0]) {
+        return Err(Error::file(format!(
+            "{}: it has vertical edges, and a road file of METHOD = 'USER' has none: make them short ramps, or write it with --adams",
+            road.source
+        )));
+    }
     let level = road.left.iter().all(|[_, z]| *z == 0.0);
     let mut text = String::from(
         "[MDI_HEADER]\n FILE_TYPE     = 'rdf'\n FILE_VERSION  = 5.00\n FILE_FORMAT   = 'ASCII'\n",
@@ -360,6 +373,12 @@ fn write_like(road: &RoadProfile, like: &Path) -> Result<(Vec<u8>, Vec<String>)>
     }
     if road.right.is_some() {
         return Err(Error::file(format!("{name}: such a file holds one track, and the road has two")));
+    }
+    if road.edges() > 0 {
+        return Err(Error::file(format!(
+            "{}: it has vertical edges, and {name} can have none: make them short ramps",
+            road.source
+        )));
     }
     if there.left != road.left {
         let file = File::of(document.clone())?;

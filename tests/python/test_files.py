@@ -1,5 +1,6 @@
 """Files of roads and of the super-elastic tire: what models make of them, and what other programs make of ours."""
 
+import fmpy
 import numpy as np
 import pyopencrg
 import pytest
@@ -111,6 +112,7 @@ def test_a_tire_goes_on_models_of_its_kind_only(tmp_path):
         assert all(word in done.stderr for word in ("se.tir", "super-elastic tire", "magic-formula-wheel", "super-elastic-")), done.stderr
     fmu = tmp_path / "se.fmu"
     assert latsch("export", "super-elastic-wheel", "--tire", tire, "-o", fmu).returncode == 0
+    assert start_of(fmu, "element_radial_stiffness") == "130000.0" and start_of(fmu, "road_profile") == ""
     # an FMU has its tire, and takes a road
     assert latsch("simulate", fmu, "--tire", tire, "-o", tmp_path / "x.csv").returncode == 2
     road = tmp_path / "cleat.rdf"
@@ -118,6 +120,26 @@ def test_a_tire_goes_on_models_of_its_kind_only(tmp_path):
     done = latsch("simulate", fmu, "--road", road, "--set", "initial_speed=4", "--stop", "0.2", "-o", tmp_path / "x.csv")
     assert done.returncode == 0, done.stderr
     assert np.ptp(read_results(tmp_path / "x.csv")["tire_deflection"]) > 3e-3
+    # or has the road inside
+    assert latsch("export", "super-elastic-wheel", "--tire", tire, "--road", road, "-o", fmu).returncode == 0
+    assert start_of(fmu, "road_profile") == "-80 0; 0.5 0; 0.55 0.005; 0.7 0.005; 0.75 0; 80 0"
+
+
+def start_of(fmu, name):
+    return {v.name: v.start for v in fmpy.read_model_description(str(fmu)).modelVariables}[name]
+
+
+@pytest.mark.quick
+def test_a_tire_goes_to_parameters_and_back(tmp_path):
+    tire, one, back, two = (tmp_path / name for name in ("se.tir", "one.toml", "back.tir", "two.toml"))
+    tire.write_text(TIRE)
+    for source, target in ((tire, one), (one, back), (back, two)):
+        done = latsch("convert", source, target)
+        assert done.returncode == 0 and "what does not survive" in done.stdout, done.stderr
+    assert "WEIGHT_RIM" in latsch("convert", one, back).stdout
+    lines = [[line for line in file.read_text().splitlines() if "tire_name" not in line] for file in (one, two)]
+    # the default width is written, too
+    assert set(lines[0]) <= set(lines[1]) and len(lines[1]) == len(lines[0]) + 2
 
 
 @pytest.mark.quick
