@@ -80,7 +80,15 @@ impl Given {
                     interface.name
                 )));
             }
-            settings = over(road, settings);
+            // another kind of road goes over all of the file's, not over one number of it
+            match settings.values.iter().find(|setting| setting.name == "road_kind") {
+                Some(own) => warn(&format!(
+                    "{}: not used: {} has a road_kind of its own, which goes over the file",
+                    path.display(),
+                    own.place
+                )),
+                None => settings = over(road, settings),
+            }
         }
         Ok(settings)
     }

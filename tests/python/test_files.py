@@ -100,6 +100,8 @@ def test_a_tire_and_a_road_from_files_are_those_parameters(tmp_path):
     # what is said explicitly goes over the files
     level, _ = simulate(tmp_path, "--tire", tire, "--road", road, "--set", "road_kind=flat", "--set", "initial_speed=4")
     assert np.ptp(level["tire_deflection"]) < 1e-3
+    other, said = simulate(tmp_path, "--parameters", parameters, "--road", tmp_path / "cleat.rdf", "--set", "initial_speed=4")
+    assert "road_kind of its own" in said and other == values
 
 
 @pytest.mark.quick
