@@ -12,7 +12,6 @@
 
 mod adams;
 mod crg;
-mod crg_write;
 mod profile;
 mod rdf;
 mod settings;
@@ -76,7 +75,7 @@ pub fn write(path: &Path, road: &RoadProfile, writing: &Writing<'_>) -> Result<V
     let name = path.display().to_string();
     let (bytes, lost) = match ending(path).as_str() {
         "rdf" => rdf::write(road, writing, &name)?,
-        "crg" => crg_write::write(road, writing.increment)?,
+        "crg" => crg::write(road, writing.increment)?,
         "csv" => profile::write_csv(road)?,
         "toml" => settings::write(road, &name)?,
         _ => {

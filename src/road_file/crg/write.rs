@@ -1,6 +1,6 @@
 //! OpenCRG as text of double length.
 
-use super::profile::{RoadProfile, Walk, beyond_points};
+use crate::road_file::profile::{RoadProfile, Walk, beyond_points};
 use crate::{Error, Result};
 use std::fmt::Write as _;
 
@@ -14,7 +14,10 @@ const HALF_WIDTH: f64 = 1.0;
 ///
 /// # Errors
 /// Points that lie in no common step, without an increment; more cross sections than can be written.
-pub(super) fn write(road: &RoadProfile, increment: Option<f64>) -> Result<(Vec<u8>, Vec<String>)> {
+pub(in crate::road_file) fn write(
+    road: &RoadProfile,
+    increment: Option<f64>,
+) -> Result<(Vec<u8>, Vec<String>)> {
     let fail = |what: String| Err(Error::call(format!("{}: {what}", road.source)));
     let places: Vec<f64> = road.tracks().flat_map(|(_, points)| points.iter().map(|[x, _]| *x)).collect();
     let first = places.iter().copied().fold(f64::INFINITY, f64::min);
