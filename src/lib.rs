@@ -43,6 +43,9 @@ pub mod recording;
 pub mod report;
 pub mod rig;
 pub mod road;
+#[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
+pub mod road_file;
 pub mod shipped;
 mod shown;
 #[cfg(feature = "host")]

@@ -53,6 +53,7 @@ const ORDER: &[(&str, &str)] = &[
     ("fmi/check", "model fmi/c fmi/import"),
     ("shipped", "tire rig control fmi fmi/entry"),
     ("recording", "stats model road"),
+    ("road_file", "model road tir recording"),
     ("simulate", "stats model recording"),
     (
         "cosimulate",
@@ -67,7 +68,7 @@ const ORDER: &[(&str, &str)] = &[
     ("report", "page stats model tire rig recording identify diagnose"),
     (
         "cli",
-        "page stats model tire tir rig control effect fmi fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \
+        "page stats model tire tir road_file rig control effect fmi fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \
          recording simulate cosimulate identify diagnose report",
     ),
 ];

@@ -391,7 +391,7 @@ fn the_mechanics_of_wheel_and_corner_balance_with_every_tire() {
                 ("drive_torque", drive),
                 ("brake_torque", 800.0 * t),
             ];
-            common::set(&mut run.slave, &inputs);
+            common::set(&mut *run.slave, &inputs);
             run.step(step);
             let now = power(&mut run, t);
             work += 0.5 * step * (before + now);

@@ -1,14 +1,13 @@
 //! `latsch export`: an FMU of a model.
 
-use super::tire::over;
-use super::{check_outputs, print, warn};
+use super::given::Given;
+use super::{check_outputs, print};
 use latsch::effect::file::Corrections;
 use latsch::fmi::Entry;
 use latsch::fmi::archive::{Binary, ModelLibrary};
 use latsch::fmi::corrected::{CorrectedBase, export_corrections};
 use latsch::fmi::import::ImportedFmu;
 use latsch::model::{Settings, Slave};
-use latsch::recording::read_settings;
 use latsch::shipped::MODELS;
 use latsch::temporary::Folder;
 use latsch::{Error, Result, read_text, write_file};
@@ -20,12 +19,8 @@ pub struct Args {
     /// Name of the model (see `latsch models`), or with --effects an FMU file of any maker
     #[arg(value_name = "MODEL|F.fmu")]
     model: String,
-    /// Values of parameters and start values of inputs: TOML with [parameters] and [inputs], in SI units or as "170 N/mm"
-    #[arg(long, value_name = "F.toml")]
-    parameters: Option<PathBuf>,
-    /// Tire property file of the Magic Formula 5.2, for the models magic-formula-...; --parameters goes over it
-    #[arg(long, value_name = "F.tir")]
-    tire: Option<PathBuf>,
+    #[command(flatten)]
+    given: Given,
     /// What is added to the model, such as the corrected.toml of a diagnosis: TOML with [[effect]] and [parameters]
     #[arg(long, value_name = "F.toml")]
     effects: Option<PathBuf>,
@@ -44,16 +39,12 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let file = Path::new(&args.model);
     let is_fmu = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) || file.is_file();
-    let mut settings = read_settings(args.parameters.as_deref())?;
-    if let Some(path) = &args.tire {
-        let (tire, notes) = latsch::tir::settings(path)?;
-        notes.iter().for_each(|note| warn(note));
-        settings = over(tire, settings);
-    }
-    if !is_fmu && args.library.is_none() {
-        // a wrong name is the nearer mistake than a library that is missing
-        Entry::find(MODELS, &args.model)?;
-    }
+    // a wrong name is the nearer mistake than a library that is missing
+    let interface = match !is_fmu && args.library.is_none() {
+        true => Some((Entry::find(MODELS, &args.model)?.table)()),
+        false => None,
+    };
+    let settings = args.given.settings(interface.as_ref())?;
     let suffix = if args.effects.is_some() { "-corrected" } else { "" };
     let stem = if is_fmu {
         file.file_stem().unwrap_or_default().to_string_lossy()
@@ -61,10 +52,7 @@ pub fn run(args: &Args) -> Result<()> {
         args.model.as_str().into()
     };
     let output = args.output.clone().unwrap_or_else(|| format!("{stem}{suffix}.fmu").into());
-    let read = [&args.parameters, &args.tire, &args.library, &args.effects]
-        .into_iter()
-        .flatten()
-        .map(PathBuf::as_path);
+    let read = args.given.read().chain(args.library.iter().chain(&args.effects).map(PathBuf::as_path));
     check_outputs(&[&output], &read.chain(is_fmu.then_some(file)).collect::<Vec<_>>())?;
     let library = match &args.library {
         Some(path) => ModelLibrary::open(path)?,
@@ -80,7 +68,7 @@ pub fn run(args: &Args) -> Result<()> {
             fmu
         }
         Some(effects) => {
-            if is_fmu && (args.parameters.is_some() || args.tire.is_some()) {
+            if is_fmu && args.given.any() {
                 return Err(Error::call(
                     "with an FMU, its parameters go into the file of --effects, under [parameters]",
                 ));
@@ -139,6 +127,7 @@ fn try_out(args: &Args, settings: &Settings, fmu: &[u8]) -> Result<()> {
         // the model of another library runs in its FMU only
         start_fmu(fmu)
     };
-    let place = args.parameters.as_ref().map(|path| format!("{}: ", path.display())).unwrap_or_default();
+    let place =
+        args.given.parameters.as_ref().map(|path| format!("{}: ", path.display())).unwrap_or_default();
     tried.map_err(|e| Error::variable(format!("{place}the FMU would not start: {e}")))
 }

@@ -1,11 +1,13 @@
 //! The command line: one file per subcommand.
 
 mod check;
+mod convert;
 mod cosimulate;
 mod demo;
 mod describe;
 mod diagnose;
 mod export;
+mod given;
 mod identify;
 mod models;
 mod plan;
@@ -39,6 +41,7 @@ enum Command {
     Cosimulate(cosimulate::Args),
     Check(check::Args),
     Tire(tire::Args),
+    Convert(convert::Args),
     Identify(identify::Args),
     Plan(plan::Args),
     RigProgram(rig_program::Args),
@@ -73,6 +76,7 @@ pub fn run() -> ExitCode {
         Command::Cosimulate(args) => cosimulate::run(&args).map(done),
         Command::Check(args) => check::run(&args),
         Command::Tire(args) => tire::run(&args).map(done),
+        Command::Convert(args) => convert::run(&args).map(done),
         Command::Identify(args) => identify::run(&args).map(done),
         Command::Plan(args) => plan::run(&args),
         Command::RigProgram(args) => rig_program::run(&args).map(done),

@@ -1,5 +1,6 @@
 //! `latsch simulate`: a model or FMU along recorded inputs.
 
+use super::given::Given;
 use super::{check_outputs, files_in, print, warn};
 use indicatif::{ProgressBar, ProgressStyle};
 use latsch::fmi::import::ImportedFmu;
@@ -37,9 +38,8 @@ pub struct Args {
     /// Value of a parameter, or of an input for the whole run; `path_speed="90 km/h"` is converted, `road_profile=@F.csv` takes the points of a road from a file with the columns `x [m],z [m]`
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
-    /// Parameters and inputs of a shipped model: TOML with [parameters] and [inputs], in SI units or as "170 N/mm"
-    #[arg(long, value_name = "F.toml")]
-    parameters: Option<PathBuf>,
+    #[command(flatten)]
+    given: Given,
     /// Start time [s] [default: the first recorded time]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     start: Option<f64>,
@@ -79,13 +79,14 @@ pub fn run(args: &Args) -> Result<()> {
 /// Runs what `--inputs` names, or the model without any.
 fn one_file(args: &Args) -> Result<()> {
     let mut read: Vec<&Path> = vec![Path::new(&args.model)];
-    read.extend(args.inputs.iter().chain(&args.parameters).map(PathBuf::as_path));
+    read.extend(args.inputs.iter().map(PathBuf::as_path).chain(args.given.read()));
     let outputs: Vec<&Path> =
         std::iter::once(&args.output).chain(&args.report).map(PathBuf::as_path).collect();
     check_outputs(&outputs, &read)?;
     let inputs = args.inputs.as_deref().map(|file| read_inputs(args, file)).transpose()?;
+    let given = given(args)?;
     let Ran { subject, experiment, mut outcome, notes } =
-        one_run(args, inputs.as_ref(), &Settings::default())?;
+        one_run(args, &given, inputs.as_ref(), &Settings::default())?;
     notes.iter().for_each(|note| eprintln!("note: {note}"));
     let interface = subject.slave.interface();
     sense(args, interface, std::slice::from_mut(&mut outcome.recording));
@@ -107,14 +108,15 @@ fn every_file(args: &Args, folder: &Path) -> Result<()> {
         .map_err(|e| Error::file(format!("{} cannot be made: {e}", args.output.display())))?;
     let outputs: Vec<PathBuf> =
         files.iter().filter_map(|file| Some(args.output.join(file.file_name()?))).collect();
-    let read: Vec<&Path> = files.iter().chain(&args.parameters).map(PathBuf::as_path).collect();
+    let read: Vec<&Path> = files.iter().map(PathBuf::as_path).chain(args.given.read()).collect();
     check_outputs(&outputs.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &read)?;
+    let given = given(args)?;
     let (mut recordings, mut interface, mut said) = (Vec::new(), None, BTreeSet::new());
     for file in &files {
         let inputs = read_inputs(args, file)?;
         let switches = Some(file.with_extension("toml")).filter(|toml| toml.is_file());
         let switches = read_settings(switches.as_deref())?;
-        let Ran { subject, outcome, notes, .. } = one_run(args, Some(&inputs), &switches)?;
+        let Ran { subject, outcome, notes, .. } = one_run(args, &given, Some(&inputs), &switches)?;
         for note in notes {
             if said.insert(note.clone()) {
                 eprintln!("note: {note}");
@@ -169,11 +171,16 @@ struct Ran<'a> {
 }
 
 /// Runs the model along some inputs, with values of their own.
-fn one_run<'a>(args: &Args, inputs: Option<&'a Recording>, switches: &Settings) -> Result<Ran<'a>> {
+fn one_run<'a>(
+    args: &Args,
+    given: &Settings,
+    inputs: Option<&'a Recording>,
+    switches: &Settings,
+) -> Result<Ran<'a>> {
     if inputs.is_none() && !args.ignore.is_empty() {
         return Err(Error::call("--ignore goes with --inputs"));
     }
-    let mut subject = Subject::load(&args.model, args.parameters.as_deref())?;
+    let mut subject = Subject::load(&args.model, given)?;
     let mut experiment =
         Experiment { inputs, values: Vec::new(), start: args.start, stop: args.stop, step: args.step };
     let interface = subject.slave.interface();
@@ -192,11 +199,18 @@ fn one_run<'a>(args: &Args, inputs: Option<&'a Recording>, switches: &Settings) 
         let value = interface.variables[index].accept(&switch.value).map_err(|e| e.at(&switch.place))?;
         experiment.values.push((index, value));
     }
-    let settings = read_settings(args.parameters.as_deref())?;
+    if is_file(&args.model) {
+        // what files say of an FMU is set as a user would set it
+        for (index, value) in given.check(interface)? {
+            if !experiment.values.iter().any(|(set, _)| *set == index) {
+                experiment.values.push((index, value));
+            }
+        }
+    }
     let switched = {
         let is_given = |variable: usize| {
             experiment.values.iter().any(|(v, _)| *v == variable)
-                || settings.values.iter().any(|s| s.name == interface.variables[variable].name)
+                || given.values.iter().any(|s| s.name == interface.variables[variable].name)
         };
         follow_recorded_motions(interface, &recorded(interface, inputs), is_given)
     };
@@ -206,6 +220,28 @@ fn one_run<'a>(args: &Args, inputs: Option<&'a Recording>, switches: &Settings) 
     experiment.values.extend(switched);
     let outcome = subject.run(&experiment, &args.model)?;
     Ok(Ran { subject, experiment, outcome, notes })
+}
+
+/// The values that files give.
+fn given(args: &Args) -> Result<Settings> {
+    if is_file(&args.model) {
+        if args.given.parameters.is_some() || args.given.tire.is_some() {
+            return Err(Error::call("an FMU has its parameters inside; change them with --set"));
+        }
+        return args.given.settings(None);
+    }
+    args.given.settings(Some(&(model(&args.model)?.table)()))
+}
+
+/// Whether what is called so is an FMU and no model.
+fn is_file(model: &str) -> bool {
+    let path = Path::new(model);
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) || path.is_file()
+}
+
+/// A shipped model.
+fn model(name: &str) -> Result<Entry> {
+    Entry::find(MODELS, name).map_err(|e| Error::variable(format!("{e}; an FMU is named by its file, F.fmu")))
 }
 
 /// The inputs that a recording holds.
@@ -238,25 +274,18 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// A shipped model by name, or an FMU by its file.
+    /// A shipped model by name, with settings, or an FMU by its file, which has its own.
     ///
     /// # Errors
     /// Neither; or an FMU or settings that cannot be used.
-    pub fn load(model: &str, parameters: Option<&Path>) -> Result<Self> {
-        let path = Path::new(model);
-        let is_file = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) || path.is_file();
-        if !is_file {
-            let entry = Entry::find(MODELS, model)
-                .map_err(|e| Error::variable(format!("{e}; an FMU is named by its file, F.fmu")))?;
-            let settings = read_settings(parameters)?;
-            let slave = entry.slave(&settings)?;
-            let flat_track = (model == RingBrushFlatTrack::NAME).then_some(settings);
-            let description = format!("{model}, in this program (latsch {VERSION})");
+    pub fn load(name: &str, settings: &Settings) -> Result<Self> {
+        if !is_file(name) {
+            let slave = model(name)?.slave(settings)?;
+            let flat_track = (name == RingBrushFlatTrack::NAME).then(|| settings.clone());
+            let description = format!("{name}, in this program (latsch {VERSION})");
             return Ok(Self { slave, flat_track, even_steps_only: false, description, texts: Vec::new() });
         }
-        if parameters.is_some() {
-            return Err(Error::call("an FMU has its parameters inside; change them with --set"));
-        }
+        let path = Path::new(name);
         let fmu = ImportedFmu::load(path)?;
         let about = fmu.description();
         let maker = about.generation_tool.as_deref().unwrap_or("an unnamed tool");

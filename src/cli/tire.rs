@@ -1,19 +1,21 @@
 //! `latsch tire`: tire property files.
 
+use super::given::over;
 use super::{check_outputs, print, warn};
+use latsch::fmi::Entry;
 use latsch::model::{Settings, Value};
 use latsch::recording::read_settings;
-use latsch::tir::{Document, read, settings, write};
-use latsch::tire::magic_formula::{Field, field};
+use latsch::shipped::MODELS;
+use latsch::tir::{Document, Kind, TireFile, change, settings};
 use latsch::{Error, Result, write_file};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Check, convert and change a tire property file (.tir) of the Magic Formula 5.2
+/// Check, convert and change a tire property file (.tir) of the Magic Formula 5.2 or of the super-elastic tire (TYR501)
 ///
 /// Without --output it says what the models make of the file. With an output that ends in .toml it writes the
-/// parameters of the models with this tire (magic-formula-wheel and others), for --parameters; with one that ends in .tir, the
-/// file with the values of --parameters in place of its own and nothing else changed.
+/// parameters of the models with this tire (magic-formula-wheel, super-elastic-wheel and others), for --parameters; with one that
+/// ends in .tir, the file with the values of --parameters in place of its own and nothing else changed.
 #[derive(clap::Args)]
 pub struct Args {
     /// The tire property file
@@ -28,27 +30,29 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<()> {
-    let (tire, notes) = settings(&args.file)?;
+    let TireFile { kind, settings: tire, notes } = settings(&args.file)?;
     for note in &notes {
         warn(note);
     }
     let own = read_settings(args.parameters.as_deref())?;
     let Some(output) = &args.output else {
         let used = tire.values.len() - 1;
-        return print(&format!(
-            "{}: a Magic Formula tire, {used} coefficients are used",
-            args.file.display()
-        ));
+        let what = match kind {
+            Kind::MagicFormula => "coefficients",
+            Kind::SuperElastic => "parameters",
+        };
+        return print(&format!("{}: a {}, {used} {what} are used", args.file.display(), kind.title()));
     };
     let read_files: Vec<&Path> =
         std::iter::once(&args.file).chain(&args.parameters).map(PathBuf::as_path).collect();
     check_outputs(&[output], &read_files)?;
     let ending = output.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     match ending.as_str() {
-        "toml" => write_file(output, as_toml(&over(tire, own)).as_bytes())?,
+        "toml" => write_file(output, as_toml(&over(tire, own), kind).as_bytes())?,
         "tir" => {
             let mut document = Document::open(&args.file)?;
-            let changed = change(&mut document, &own)?;
+            let (changed, lost) = change(&mut document, &own)?;
+            lost.iter().for_each(|lost| warn(&format!("{} does not have {lost}", output.display())));
             write_file(output, document.bytes())?;
             print(&format!("{changed} values differ from {}", args.file.display()))?;
         }
@@ -62,51 +66,21 @@ pub fn run(args: &Args) -> Result<()> {
     print(&format!("{}: written", output.display()))
 }
 
-/// The parameters of a tire, with those of a file of the user's in place of them.
-pub(super) fn over(tire: Settings, mut own: Settings) -> Settings {
-    let kept = tire.values.into_iter().filter(|t| !own.values.iter().any(|o| o.name == t.name));
-    let mut values: Vec<_> = kept.collect();
-    values.append(&mut own.values);
-    Settings { values, ..own }
-}
-
-/// The coefficient that a setting is for.
-fn coefficient(name: &str) -> Option<&'static Field> {
-    field(name).filter(|field| field.name == name)
-}
-
-/// Writes coefficients into a document; returns how many differ from what was there. Other parameters of a model are none of
-/// its business.
-fn change(document: &mut Document, own: &Settings) -> Result<usize> {
-    let mut coefficients = read(document)?.coefficients;
-    for setting in &own.values {
-        let Some(field) = coefficient(&setting.name) else { continue };
-        let value = match &setting.value {
-            Value::Real(value) => *value,
-            Value::Integer(value) => f64::from(*value),
-            Value::Text(text) => {
-                latsch::model::unit::quantity(text, field.unit).map_err(|e| e.at(&setting.place))?
-            }
-            Value::Boolean(_) => {
-                return Err(Error::file(format!("{}: {} is a number", setting.place, setting.name)));
-            }
-        };
-        (field.set)(&mut coefficients, value);
-    }
-    write(&coefficients, document)
-}
-
-fn as_toml(settings: &Settings) -> String {
+/// Parameters as a file, each with its meaning and unit.
+pub(super) fn as_toml(settings: &Settings, kind: Kind) -> String {
+    let table = Entry::find(MODELS, &format!("{}-tire", kind.name())).map(|entry| (entry.table)());
     let mut text = String::from("[parameters]\n");
     for setting in &settings.values {
         let value = match &setting.value {
             Value::Text(text) => toml::Value::String(text.clone()).to_string(),
             other => other.to_string(),
         };
-        let about = coefficient(&setting.name)
-            .map(|field| format!(" # {} [{}]", field.description, field.unit))
-            .unwrap_or_default();
-        let _ = writeln!(text, "{} = {value}{about}", setting.name);
+        let variable = table.iter().flat_map(|table| &table.variables).find(|v| v.name == setting.name);
+        let about = variable.map(|v| match &v.unit {
+            Some(unit) => format!(" # {} [{unit}]", v.description),
+            None => format!(" # {}", v.description),
+        });
+        let _ = writeln!(text, "{} = {value}{}", setting.name, about.unwrap_or_default());
     }
     text
 }

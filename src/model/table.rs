@@ -156,7 +156,7 @@ impl<M> Table<M> {
 
     /// The rows without their types. Where one of them says what it is, all of them are taken to: nothing is
     /// guessed of a model whose author has said it.
-    pub(super) fn infos(&self) -> Vec<VariableInfo> {
+    pub(crate) fn infos(&self) -> Vec<VariableInfo> {
         let meaning = self.rows.iter().any(Variable::has_meaning);
         self.rows.iter().map(|row| row.info(meaning)).collect()
     }

@@ -10,6 +10,7 @@ mod tydex;
 pub(crate) use csv::{Column, Defect, read_csv_with_defects};
 pub use csv::{parse_csv, read_csv, to_csv, write_csv};
 pub use noise::add_noise;
+pub(crate) use profile::points_from_csv;
 pub use profile::{profile_from_csv, profile_value, read_settings};
 pub use smooth::Smooth;
 pub use tydex::{TYDEX_ENDINGS, parse_tydex, read_tydex, to_tydex, write_tydex};

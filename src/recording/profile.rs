@@ -38,6 +38,27 @@ pub fn profile_from_csv(path: &Path) -> Result<String> {
     Ok(points.join("; "))
 }
 
+/// Places, heights, and those of the right track if there are others \[m\].
+type Columns = (Vec<f64>, Vec<f64>, Option<Vec<f64>>);
+
+/// The points of a CSV file with the columns `x [m]` and `z [m]`, or a third one `z_right [m]` for the right track: x, z and that
+/// \[m\]. Rows are as in [`profile_from_csv`], and their number is not limited.
+///
+/// # Errors
+/// A file that cannot be read, content that is not as above.
+pub(crate) fn points_from_csv(path: &Path) -> Result<Columns> {
+    let recording = read_csv_over(&PLACE, path)?;
+    let right = recording.has("z_right").then(|| recording.channel_in("z_right", "m")).transpose()?;
+    if let Some(other) = recording.channels.iter().find(|c| c.name != "z" && c.name != "z_right") {
+        return Err(Error::file(format!(
+            "{}: a road has the columns `x [m]`, `z [m]` and, if the right track is another, `z_right [m]`; there is also {:?}",
+            recording.source, other.name
+        )));
+    }
+    let left = recording.channel_in("z", "m")?;
+    Ok((recording.time, left, right))
+}
+
 /// The value that a user gave to the variable `name`: of `@FILE` for a `road_profile`, the points in that
 /// CSV file, looked for in `folder`; otherwise the value as it is.
 ///

@@ -60,7 +60,7 @@ mod waves;
 mod window;
 
 pub use drum::round;
-pub use parameters::{KINDS, MAX_POINTS, RoadParameters, TRACKS};
+pub use parameters::{KINDS, MAX_POINTS, Outline, RoadParameters, TRACKS};
 pub use window::Window;
 
 use self::friction::Friction;

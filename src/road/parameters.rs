@@ -38,6 +38,9 @@ const LEAST_DISTANCE: f64 = 1e-5;
 /// The largest coordinate in a text \[m\].
 const LARGEST_PLACE: f64 = 1e6;
 
+/// The points of a track, or of both, and those of the right one if it has others \[m\].
+pub type Outline = (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>);
+
 /// What a road is made from. Parameters that a kind does not mention are not used by it. Their names in models begin with
 /// `road_`; the [table](RoadParameters::rows) has their defaults and ranges.
 #[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -235,6 +238,36 @@ impl RoadParameters {
             return Ok(None);
         }
         profile_points("road_profile_right", &self.profile_right).map(Some)
+    }
+
+    /// The profile as points "x z" \[m\] with straight lines between them, x counted from where the wheel starts, and that of
+    /// the right track if it is another one. Level before the first and behind the last. Repeated obstacles are there once.
+    ///
+    /// # Errors
+    /// A kind that is no straight pieces (sine, iso_8608); parameters that [`Road::new`](super::Road::new) refuses.
+    pub fn outline(&self) -> Result<Outline> {
+        self.check()?;
+        if matches!(self.kind, 5 | 6) {
+            let name = KINDS.get(self.kind as usize - 1).map_or("", |kind| kind.0);
+            return Err(Error::variable(format!(
+                "road_kind = {name} has no straight pieces with points; a road of points can be flat, step, ramp, cleat, slabs or profile"
+            )));
+        }
+        let shifted = |points: Vec<[f64; 2]>| -> Vec<[f64; 2]> {
+            match points.is_empty() {
+                true => vec![[self.start, 0.0], [self.start + 1.0, 0.0]],
+                false => points.into_iter().map(|[x, z]| [x + self.start, z]).collect(),
+            }
+        };
+        let (points, right) = (self.points()?, self.points_right()?);
+        self.period(&points)?;
+        let level = |points: &[[f64; 2]]| vec![[points[0][0], 0.0], [points[points.len() - 1][0], 0.0]];
+        let left = shifted(points);
+        Ok(match self.tracks {
+            2 => (left.clone(), Some(level(&left))),
+            3 => (level(&left), Some(left)),
+            _ => (left, right.map(shifted)),
+        })
     }
 
     /// Distance of repeated obstacles with these points, if they are repeated.

@@ -66,6 +66,19 @@ pub enum Value {
     Word(String),
 }
 
+/// A line of a table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Row<'a> {
+    /// Line in the file, from 1.
+    pub line: usize,
+    /// The subsection that it stands in, in capitals without brackets; empty in none.
+    pub table: String,
+    /// The line without comment and blanks at its ends.
+    pub text: &'a [u8],
+    /// Where the line begins, and where the next one does.
+    range: Range<usize>,
+}
+
 #[derive(Debug, Clone, PartialEq)]
 struct Item {
     line: usize,
@@ -154,6 +167,56 @@ impl Document {
     pub fn get(&self, section: &str, key: &str) -> Option<Entry<'_>> {
         let item = self.items.get(*self.found(section, key).first()?)?;
         Some(self.entry(item))
+    }
+
+    /// The lines of a section that are neither assignments nor headers, comments or quoted texts: the rows of its tables, and
+    /// whatever else stands there. Capitals of the name do not matter.
+    pub fn rows<'a>(&'a self, section: &str) -> impl Iterator<Item = Row<'a>> {
+        let wanted = section.to_ascii_uppercase();
+        let (mut inside, mut table) = (false, String::new());
+        lines(&self.bytes).filter_map(move |(line, range, next)| {
+            let start = range.start;
+            let text = self.bytes.get(trimmed(&self.bytes, range)).unwrap_or_default();
+            match text.first() {
+                Some(b'[') => {
+                    let name = text.get(1..text.iter().position(|b| *b == b']')?).unwrap_or_default();
+                    inside = upper(name.trim_ascii()) == wanted;
+                    table.clear();
+                    return None;
+                }
+                Some(b'(') => {
+                    let end = text.iter().position(|b| *b == b')').unwrap_or(text.len());
+                    table = upper(text.get(1..end).unwrap_or_default().trim_ascii());
+                    return None;
+                }
+                None | Some(b'$' | b'!' | b'{' | b'\'') => return None,
+                Some(_) => {}
+            }
+            let text = text.get(..comment_start(text)).unwrap_or_default().trim_ascii();
+            let is_row = inside && !text.is_empty() && !text.contains(&b'=');
+            is_row.then(|| Row { line, table: table.clone(), text, range: start..next })
+        })
+    }
+
+    /// Puts other lines in the place of the rows of a table, from its first row to its last; what stands between them goes, too.
+    ///
+    /// # Errors
+    /// The table has no rows; the document would become too long.
+    pub fn set_rows(&mut self, section: &str, table: &str, rows: &str) -> Result<()> {
+        let found: Vec<Range<usize>> =
+            self.rows(section).filter(|row| row.table == table).map(|row| row.range).collect();
+        let (Some(first), Some(last)) = (found.first(), found.last()) else {
+            return Err(Error::file(format!("{}: [{section}] has no rows to replace", self.name)));
+        };
+        let end_of_line = self.end_of_line();
+        let mut bytes = self.bytes.get(..first.start).unwrap_or_default().to_vec();
+        for row in rows.lines() {
+            bytes.extend_from_slice(row.as_bytes());
+            bytes.extend_from_slice(end_of_line.as_bytes());
+        }
+        bytes.extend_from_slice(self.bytes.get(last.end..).unwrap_or_default());
+        *self = Self::parse(bytes, &self.name)?;
+        Ok(())
     }
 
     /// Where a line is: `file.tir:12`.
@@ -285,20 +348,8 @@ impl Document {
     /// Goes through the bytes once.
     fn scan(&mut self) -> Result<()> {
         let bytes = std::mem::take(&mut self.bytes);
-        let mut start = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
-        let mut line = 0;
-        while start < bytes.len() {
-            line += 1;
-            let rest = bytes.get(start..).unwrap_or_default();
-            let length = rest.iter().position(|b| *b == b'\n' || *b == b'\r').unwrap_or(rest.len());
-            let end = start + length;
-            let next = match (bytes.get(end), bytes.get(end + 1)) {
-                (Some(b'\r'), Some(b'\n')) => end + 2,
-                (Some(_), _) => end + 1,
-                (None, _) => end,
-            };
-            self.scan_line(&bytes, start..end, next, line)?;
-            start = next;
+        for (line, range, next) in lines(&bytes) {
+            self.scan_line(&bytes, range, next, line)?;
         }
         self.bytes = bytes;
         let doubles: Vec<(usize, String)> = self
@@ -413,6 +464,24 @@ impl Document {
     }
 }
 
+/// The lines of a file: number from 1, where they are, and where the next one begins.
+fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, Range<usize>, usize)> {
+    let mut start = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
+    let mut line = 0;
+    std::iter::from_fn(move || {
+        let rest = bytes.get(start..).filter(|rest| !rest.is_empty())?;
+        line += 1;
+        let begin = start;
+        let end = begin + rest.iter().position(|b| *b == b'\n' || *b == b'\r').unwrap_or(rest.len());
+        start = match (bytes.get(end), bytes.get(end + 1)) {
+            (Some(b'\r'), Some(b'\n')) => end + 2,
+            (Some(_), _) => end + 1,
+            (None, _) => end,
+        };
+        Some((line, begin..end, start))
+    })
+}
+
 /// `range` without the blanks at its ends.
 fn trimmed(bytes: &[u8], range: Range<usize>) -> Range<usize> {
     let text = bytes.get(range.clone()).unwrap_or_default();
@@ -452,7 +521,7 @@ fn upper(name: &[u8]) -> String {
 }
 
 /// The beginning of some text of a file, for a message.
-pub(super) fn shown(text: &[u8]) -> String {
+pub(crate) fn shown(text: &[u8]) -> String {
     let text = String::from_utf8_lossy(text.get(..text.len().min(160)).unwrap_or_default()).into_owned();
     let mut shown: String = text.chars().filter(|c| !c.is_control()).take(40).collect();
     if shown.len() < text.len() {
@@ -476,7 +545,7 @@ fn value_of(text: &[u8]) -> Value {
 
 /// A number with a decimal point or without, with an exponent after E or, as Fortran writes, D; `None` for anything
 /// else, also for the words that other languages have for what is no number.
-fn number(text: &[u8]) -> Option<f64> {
+pub(crate) fn number(text: &[u8]) -> Option<f64> {
     let allowed = |b: &u8| b.is_ascii_digit() || matches!(b, b'+' | b'-' | b'.' | b'e' | b'E' | b'd' | b'D');
     if text.len() > 400 || !text.iter().all(allowed) || !text.iter().any(u8::is_ascii_digit) {
         return None;
@@ -487,7 +556,7 @@ fn number(text: &[u8]) -> Option<f64> {
 }
 
 /// The shortest text that is read as this number; `None` if it is not finite.
-pub(super) fn number_text(value: f64) -> Option<String> {
+pub(crate) fn number_text(value: f64) -> Option<String> {
     if !value.is_finite() {
         return None;
     }

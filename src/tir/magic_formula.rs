@@ -273,7 +273,8 @@ fn model(document: &Document, notes: &mut Vec<String>) -> Result<()> {
             return Err(Error::file(format!("{}: FITTYP is no number", document.place(entry.line))));
         }
     };
-    let modelled = "modelled is version 5.2: FITTYP 5, 6 or 21, or PROPERTY_FILE_FORMAT 'PAC2002'";
+    let modelled = "modelled is version 5.2: FITTYP 5, 6 or 21, or PROPERTY_FILE_FORMAT 'PAC2002', and the super-elastic \
+                    tire: PROPERTY_FILE_FORMAT 'USER' with FUNCTION_NAME 'TYR501'";
     if let Some((number, line)) = fittyp
         && !FITTYPS.contains(&number)
     {
@@ -425,7 +426,7 @@ fn value(
 }
 
 /// The number that, times `factor`, is `value`; if rounding leaves none, the nearest.
-fn in_units(value: f64, factor: f64) -> f64 {
+pub(super) fn in_units(value: f64, factor: f64) -> f64 {
     let quotient = value / factor;
     for candidate in [quotient, quotient.next_up(), quotient.next_down()] {
         if candidate * factor == value {

@@ -1,9 +1,11 @@
 //! A tire property file as parameters of a model.
 
-use super::{Document, MAX_BYTES, Side, read};
+use super::{Document, MAX_BYTES, Side, magic_formula, read, super_elastic};
 use crate::bounded;
-use crate::model::{Causality, Setting, Settings, Value};
-use crate::tire::magic_formula::FIELDS;
+use crate::model::{Causality, Interface, Setting, Settings, Value};
+use crate::tire::Tire;
+use crate::tire::magic_formula::{FIELDS, MagicFormula};
+use crate::tire::super_elastic::SuperElastic;
 use crate::{Error, Result};
 use std::path::Path;
 
@@ -19,36 +21,117 @@ impl Document {
     }
 }
 
-/// The parameters of a model with a Magic Formula tire (`magic-formula-wheel` and others) that the file at `path` gives, and
-/// what the user should know about them.
+/// The tire that a file is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// The Magic Formula 5.2.
+    MagicFormula,
+    /// The super-elastic tire.
+    SuperElastic,
+}
+
+impl Kind {
+    /// What a document is of: the super-elastic tire if it calls `TYR501`, otherwise the Magic Formula, of which
+    /// [`read`] says whether it is one that is modelled.
+    pub fn of(document: &Document) -> Self {
+        match super_elastic::is_one(document) {
+            true => Self::SuperElastic,
+            false => Self::MagicFormula,
+        }
+    }
+
+    /// The name that models with this tire begin with: `super-elastic`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MagicFormula => MagicFormula::NAME,
+            Self::SuperElastic => SuperElastic::NAME,
+        }
+    }
+
+    /// What messages call it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::MagicFormula => "Magic Formula tire",
+            Self::SuperElastic => "super-elastic tire",
+        }
+    }
+}
+
+/// What a tire property file gives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TireFile {
+    /// The tire that it is of.
+    pub kind: Kind,
+    /// The parameters of models with that tire.
+    pub settings: Settings,
+    /// What the user should know: sentences with file and line.
+    pub notes: Vec<String>,
+}
+
+impl TireFile {
+    /// Checks that a model has this tire: all of the file's parameters.
+    ///
+    /// # Errors
+    /// It has not; the message says which models have.
+    pub fn check_fits(&self, interface: &Interface) -> Result<()> {
+        let lacks = self.settings.values.iter().find(|setting| interface.index(&setting.name).is_none());
+        match lacks {
+            None => Ok(()),
+            Some(setting) => Err(Error::call(format!(
+                "{} is the file of a {}, and {} has no such tire (no parameter {}); models that take it are called {}-...",
+                match setting.place.rsplit_once(':') {
+                    Some((file, _)) => file,
+                    None => &setting.place,
+                },
+                self.kind.title(),
+                interface.name,
+                setting.name,
+                self.kind.name()
+            ))),
+        }
+    }
+}
+
+/// The parameters of a model that the file at `path` gives, and what the user should know about them: of a Magic Formula tire
+/// (`magic-formula-wheel` and others) or of a super-elastic one (`super-elastic-wheel` and others).
 ///
-/// Every coefficient that an equation uses gets a value: a key that the file does not have, that of its absence.
+/// Every coefficient of the Magic Formula that an equation uses gets a value: a key that the file does not have, that of its absence.
 ///
 /// # Errors
-/// The file cannot be read, or is no tire of the Magic Formula 5.2.
-pub fn settings(path: &Path) -> Result<(Settings, Vec<String>)> {
+/// The file cannot be read, is of neither tire, or has values that are none.
+pub fn settings(path: &Path) -> Result<TireFile> {
     let document = Document::open(path)?;
-    let reading = read(&document)?;
+    let kind = Kind::of(&document);
+    let (mut settings, notes) = match kind {
+        Kind::MagicFormula => magic_formula_settings(&document)?,
+        Kind::SuperElastic => super_elastic::read(&document)?,
+    };
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    settings.values.push(Setting {
+        name: "tire_name".into(),
+        value: Value::Text(name),
+        causality: Causality::Parameter,
+        place: document.name().into(),
+    });
+    Ok(TireFile { kind, settings, notes })
+}
+
+fn magic_formula_settings(document: &Document) -> Result<(Settings, Vec<String>)> {
+    let reading = read(document)?;
     let place_of = |section: &str, key: &str| match document.get(section, key) {
         Some(entry) => document.place(entry.line),
         None => document.name().into(),
     };
-    let setting = |name: &str, value: Value, place: String| Setting {
-        name: name.into(),
-        value,
-        causality: Causality::Parameter,
-        place,
-    };
-    let mut values: Vec<Setting> = FIELDS
+    let values: Vec<Setting> = FIELDS
         .iter()
         .filter(|field| field.is_used())
-        .map(|field| {
-            let value = Value::Real((field.get)(&reading.coefficients));
-            setting(field.name, value, place_of(field.section, field.name))
+        .map(|field| Setting {
+            name: field.name.into(),
+            value: Value::Real((field.get)(&reading.coefficients)),
+            causality: Causality::Parameter,
+            place: place_of(field.section, field.name),
         })
         .collect();
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    values.push(setting("tire_name", Value::Text(name), document.name().into()));
     let mut notes = reading.notes;
     if !reading.missing.is_empty() {
         notes.push(format!(
@@ -77,4 +160,47 @@ pub fn settings(path: &Path) -> Result<(Settings, Vec<String>)> {
         ));
     }
     Ok((Settings { values, ..Settings::default() }, notes))
+}
+
+/// Writes parameters of a model into a document of its tire, in the document's units, and changes nothing else. Parameters that
+/// are not the tire's are left aside. Returns how many values differ from what was there, and what the format has no place for.
+///
+/// # Errors
+/// A value that the tire does not take, with its place; a document that cannot be read.
+pub fn change(document: &mut Document, own: &Settings) -> Result<(usize, Vec<String>)> {
+    match Kind::of(document) {
+        Kind::SuperElastic => super_elastic::write(own, document),
+        Kind::MagicFormula => {
+            let mut coefficients = read(document)?.coefficients;
+            for setting in &own.values {
+                let Some(field) = FIELDS.iter().find(|field| field.name == setting.name) else { continue };
+                let value = match &setting.value {
+                    Value::Real(value) => *value,
+                    Value::Integer(value) => f64::from(*value),
+                    Value::Text(text) => {
+                        crate::model::unit::quantity(text, field.unit).map_err(|e| e.at(&setting.place))?
+                    }
+                    Value::Boolean(_) => {
+                        return Err(Error::file(format!("{}: {} is a number", setting.place, setting.name)));
+                    }
+                };
+                (field.set)(&mut coefficients, value);
+            }
+            Ok((magic_formula::write(&coefficients, document)?, Vec::new()))
+        }
+    }
+}
+
+/// A property file of the super-elastic tire from parameters of a model, those that are not given with their defaults. Returns
+/// also what the format has no place for. `name` is what messages call it, `title` becomes a comment.
+///
+/// # Errors
+/// As [`change`].
+pub fn create_super_elastic(own: &Settings, name: &str, title: &str) -> Result<(Document, Vec<String>)> {
+    let mut document = super_elastic::create(name, title)?;
+    let (_, mut lost) = super_elastic::write(own, &mut document)?;
+    lost.push(
+        "the mass of the rim: it is in the hub's, so WEIGHT_RIM is 0 and WEIGHT is the rubber's".into(),
+    );
+    Ok((document, lost))
 }

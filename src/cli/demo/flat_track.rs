@@ -22,7 +22,7 @@ pub fn run(folder: &Path, library: &ModelLibrary) -> Result<()> {
 
     let inputs = parse_csv(PROGRAMME, "rig-programme.csv")?;
     let experiment = Experiment { inputs: Some(&inputs), ..Experiment::default() };
-    let mut subject = Subject::load(&fmu.display().to_string(), None)?;
+    let mut subject = Subject::load(&fmu.display().to_string(), &Settings::default())?;
     let outcome = subject.run(&experiment, "flat track")?;
     if let Some(error) = outcome.stopped {
         return Err(error);
