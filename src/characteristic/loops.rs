@@ -120,8 +120,8 @@ fn slope_of(points: &[(f64, f64)]) -> Option<(f64, f64)> {
 pub struct Below {
     /// Its mass \[kg\].
     pub mass: f64,
-    /// Whether the cell shows its weight, as one does that was set to zero without it.
-    pub weight_shown: bool,
+    /// Whether the cell was set to zero with the wheel hanging from it: then it shows what the road carries, and else its weight less.
+    pub tared: bool,
     /// Gravity \[m/s²\].
     pub gravity: f64,
 }
@@ -153,7 +153,7 @@ pub fn analyse(even: &Even, skip: usize, below: Option<Below>) -> Result<Loop> {
     let used: Vec<f64> = cycles.iter().map(|c| (c[2] - c[0]) as f64 * even.step).collect();
     let period = mean_of(&used).value;
     if let Some(below) = below {
-        let constant = if below.weight_shown { below.mass * below.gravity } else { 0.0 };
+        let constant = if below.tared { 0.0 } else { below.mass * below.gravity };
         let acceleration = harmonic_acceleration(&e, first[0], last[2], period / even.step, even.step);
         f.iter_mut().zip(&acceleration).for_each(|(f, a)| *f += constant - below.mass * a);
     }
@@ -564,7 +564,7 @@ mod tests {
             let acceleration = 0.012 * w * w * (w * 1e-3 * k as f64 + 1.0).cos();
             even.values[1][k] += 400.0 * (acceleration - 9.81);
         }
-        let below = Below { mass: 400.0, weight_shown: true, gravity: 9.81 };
+        let below = Below { mass: 400.0, tared: false, gravity: 9.81 };
         let found = analyse(&even, 0, Some(below)).unwrap();
         let e = found.deflection_at(6.5e3).unwrap().value;
         assert!((e / (6.5e3 / 4.0e6_f64).powf(1.0 / 1.45) - 1.0).abs() < 0.003);

@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand.
 
+mod characterize;
 mod check;
 mod cosimulate;
 mod demo;
@@ -40,6 +41,7 @@ enum Command {
     Check(check::Args),
     Tire(tire::Args),
     Identify(identify::Args),
+    Characterize(characterize::Args),
     Plan(plan::Args),
     RigProgram(rig_program::Args),
     Diagnose(diagnose::Args),
@@ -74,6 +76,7 @@ pub fn run() -> ExitCode {
         Command::Check(args) => check::run(&args),
         Command::Tire(args) => tire::run(&args).map(done),
         Command::Identify(args) => identify::run(&args).map(done),
+        Command::Characterize(args) => characterize::run(&args).map(done),
         Command::Plan(args) => plan::run(&args),
         Command::RigProgram(args) => rig_program::run(&args).map(done),
         Command::Diagnose(args) => diagnose::run(&args).map(done),
