@@ -8,7 +8,7 @@ mod common;
 
 use common::{get, started};
 use latsch::characteristic::{Answer, Law, Plan, characterize_with, parameters, property_file};
-use latsch::model::{Model, Settings, Slave};
+use latsch::model::{Settings, Slave};
 use latsch::recording::{Channel, Recording, parse_csv, to_csv};
 use latsch::rig::HydroPulse;
 use latsch::stats::SplitMix64;
@@ -16,7 +16,6 @@ use latsch::tire::super_elastic::SuperElastic;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-const NN: f64 = 0.0;
 const R0: f64 = 0.2265;
 const N: usize = 45;
 
@@ -220,7 +219,7 @@ fn parameters_come_back_within_a_percent_from_loops_and_decays_with_noise() {
 /// Force and way of the shipped rig as its channels have them, with noise.
 fn hydropulse(start: &[(&str, f64)], seconds: f64) -> Recording {
     let step = 2e-3;
-    let base = [("control", 2.0), ("excitation", 2.0), ("excitation_frequency", 1.0), ("step_size", 1e-4)];
+    let base = [("control", 2.0), ("excitation", 2.0), ("excitation_frequency", 2.0), ("step_size", 5e-4)];
     let mut rig = started::<HydroPulse<SuperElastic>>(&[&base, start].concat());
     let (mut way, mut force) = (Vec::new(), Vec::new());
     for k in 0..(seconds / step) as usize {
@@ -229,11 +228,8 @@ fn hydropulse(start: &[(&str, f64)], seconds: f64) -> Recording {
         rig.step(k as f64 * step, step).unwrap();
     }
     let mut random = SplitMix64::new(5);
-    way.iter_mut().for_each(|w| *w += NN * 5e-4 * random.normal());
-    if std::env::var("NONOISE").is_ok() {
-        way.iter_mut().for_each(|w| *w = *w);
-    }
-    force.iter_mut().for_each(|f| *f += NN * random.normal());
+    way.iter_mut().for_each(|w| *w += 0.01 * random.normal());
+    force.iter_mut().for_each(|f| *f += 20.0 * random.normal());
     recording("loop.csv", step, &[("cylinder", "mm", way), ("cell", "N", force)])
 }
 
@@ -248,7 +244,7 @@ fn the_shipped_rig_gives_back_the_parameters_of_its_tire() {
     };
     for (rim_force, name) in [(1.0, "radial"), (2.0, "exact")] {
         let start = [("position", 0.013), ("excitation_amplitude", 0.0125), ("rim_force", rim_force)];
-        let all = files([("loop.csv".to_owned(), hydropulse(&start, 7.0))]);
+        let all = files([("loop.csv".to_owned(), hydropulse(&start, 20.0))]);
         let plan = format!(
             "title = \"t\"\n[tire]\nname = \"SE\"\nradius = 0.2265\nelements = 45\nrim_force = \"{name}\"\n{LOOP}mass_below_cell = 30\ntared_with_wheel = true\nforce_off_road = {:?}\n",
             off_road(rim_force)

@@ -1,7 +1,7 @@
 //! From a plan and its recordings to the coefficients of an element.
 
 use super::decay::{self, Decay};
-use super::geometry::{Phase, Wheel, printed};
+use super::geometry::{Part, Phase, Wheel, printed};
 use super::laws::{Known, linear, mean_of};
 use super::loops::{self, Loop};
 use super::plan::{DecayPlan, Law, LoopPlan, MassFrom, Plan, cut};
@@ -419,7 +419,7 @@ fn stiffness(
         let given =
             plan.tire.element_stiffness.as_ref().ok_or_else(|| Error::file("there is no stiffness"))?;
         let value = given.in_unit("element_stiffness", "N/m")?;
-        if !(value > 0.0) {
+        if value <= 0.0 {
             return Err(Error::file(format!("element_stiffness = {value} N/m: it has to be positive")));
         }
         return Ok(Coefficient {
@@ -476,7 +476,7 @@ fn stiffness(
     let narrow = (high < SPAN * low).then(|| {
         format!("{span_text} span a factor of {:.2}: at least {SPAN} is needed to tell how the stiffness depends on the load", high / low)
     });
-    let vague = exponent.filter(|e| !(e.half_width < TOLD_STIFFNESS)).map(|e| {
+    let vague = exponent.filter(|e| e.half_width.is_nan() || e.half_width >= TOLD_STIFFNESS).map(|e| {
         format!(
             "the exponent of the load would be {:.2} ± {:.2}: it is not told to {TOLD_STIFFNESS}",
             e.value, e.half_width
@@ -594,21 +594,34 @@ pub fn value_at(coefficient: &Coefficient, load: f64, speed: f64) -> f64 {
     }
 }
 
-/// Damping of an element that loses what the loop loses, with the sums at each deflection.
+/// Damping of an element with which a cycle loses what the loop loses. An element pushes and never pulls: while the tire rises, it leaves
+/// the road when its damper takes what its spring gives, k z = - c dz/dt, and loses nothing behind that.
 fn loop_damping(wheel: &Wheel, stiffness: &Coefficient, analysis: &Loop) -> Known {
     const PLACES: usize = 160;
     let [low, high] = analysis.deflections;
     let place = |i: usize| low + (high - low) * i as f64 / (PLACES - 1) as f64;
     let k = value_at(stiffness, 0.5 * (analysis.loads[0] + analysis.loads[1]), 0.0);
-    let sums: Vec<f64> = (0..PLACES)
-        .map(|i| if place(i) > 0.0 { wheel.sums(k, place(i), Phase::Below).damping } else { 0.0 })
-        .collect();
-    let at = |e: f64| {
+    let pressed: Vec<_> =
+        (0..PLACES).map(|i| if place(i) > 0.0 { wheel.pressed(k, place(i)) } else { Vec::new() }).collect();
+    let beyond_spring = |c: f64, e: f64, speed: f64| -> f64 {
         let x = ((e - low) / (high - low) * (PLACES - 1) as f64).clamp(0.0, (PLACES - 1) as f64);
-        let i = (x as usize).min(PLACES - 2);
-        sums[i] + (x - i as f64) * (sums[i + 1] - sums[i])
+        let of = |(_, part): &(i64, Part)| {
+            // the compression at e itself, from the place beside it
+            let z = part.compression + part.rate * (e - place(x.round() as usize));
+            (c * part.rate * speed).max(-k * z.max(0.0)) * part.counts
+        };
+        pressed[x.round() as usize].iter().map(of).sum()
     };
-    analysis.damping_by(at)
+    // a loss in proportion to c but for what early leaving takes of it: few rounds
+    let mut c = 1e-3 * k;
+    for _ in 0..20 {
+        let lost = analysis.lost_by(|e, speed| beyond_spring(c, e, speed));
+        if lost.is_nan() || lost <= 0.0 {
+            return Known { value: f64::NAN, half_width: f64::INFINITY };
+        }
+        c *= (analysis.area.value / lost).clamp(0.1, 10.0);
+    }
+    analysis.area.times(c / analysis.area.value)
 }
 
 fn one_decay(
@@ -764,7 +777,7 @@ fn damping(
     let vague = |c: &Coefficient| {
         let named = [("load", c.load_exponent), ("speed", c.speed_exponent)];
         named.into_iter().find_map(|(of, e)| {
-            let e = e.filter(|e| !(e.half_width < TOLD_DAMPING))?;
+            let e = e.filter(|e| e.half_width.is_nan() || e.half_width >= TOLD_DAMPING)?;
             Some(format!(
                 "the exponent of the {of} would be {:.2} ± {:.2}: it is not told to {TOLD_DAMPING}",
                 e.value, e.half_width

@@ -116,6 +116,19 @@ pub struct Sums {
     pub touching: f64,
 }
 
+/// An element in contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Part {
+    /// Angle of its ray from the vertical \[rad\].
+    pub angle: f64,
+    /// Compression z \[m\].
+    pub compression: f64,
+    /// dz/de.
+    pub rate: f64,
+    /// Share of a force along its ray that the force on the rim has.
+    pub counts: f64,
+}
+
 /// Positions over half a pitch that a mean for a rolling tire takes: the sums change by less than 1e-3 between neighbours, and a
 /// mean over 16 of them is better than that by the same factor.
 const POSITIONS: usize = 16;
@@ -145,29 +158,55 @@ impl Wheel {
     }
 
     fn sums_at(&self, k: f64, e: f64, first: f64) -> Sums {
-        let pitch = TAU / self.elements as f64;
         let mut sums = Sums::default();
+        for (part, force, slope) in self.parts(k, e, first) {
+            sums.touching += 1.0;
+            sums.force += force;
+            sums.slope += slope;
+            sums.damping += part.rate * part.counts;
+        }
+        sums
+    }
+
+    /// The elements in contact at a deflection with one of them straight below, and their places around: from the lowest, by number.
+    pub fn pressed(&self, k: f64, e: f64) -> Vec<(i64, Part)> {
+        let pitch = TAU / self.elements as f64;
+        let all = self.parts(k, e, 0.0);
+        all.into_iter().map(|(part, ..)| ((part.angle / pitch).round() as i64, part)).collect()
+    }
+
+    /// Elements in contact, with what they add to force and slope.
+    fn parts(&self, k: f64, e: f64, first: f64) -> Vec<(Part, f64, f64)> {
+        let pitch = TAU / self.elements as f64;
         let half = self.elements as i64 / 2;
+        let mut parts = Vec::new();
         for n in -half..=half {
             let angle = first + n as f64 * pitch;
             // an even number of elements has one at both ends, far from the road
             if angle.abs() > 0.25 * TAU {
                 continue;
             }
-            let [(z, force), before, after] = [e, e - STEP, e + STEP].map(|e| self.element(k, angle, e));
+            let (z, force) = self.element(k, angle, e);
             if z <= 0.0 {
                 continue;
             }
+            let [before, after] = [e - STEP, e + STEP].map(|e| self.element(k, angle, e));
             let rate = (after.0 - before.0) / (2.0 * STEP);
-            sums.touching += 1.0;
-            sums.force += force;
-            sums.slope += (after.1 - before.1) / (2.0 * STEP);
-            sums.damping += match self.rim_force {
-                RimForce::Radial => rate * angle.cos(),
-                RimForce::Exact => rate * rate,
+            let rigid = self.points.iter().map(|s| {
+                let [below, above] =
+                    [e - STEP, e + STEP].map(|e| self.rigid(angle.sin(), angle.cos(), *s, e));
+                (below - above) / (2.0 * STEP)
+            });
+            // of a force in the element, the contact that gives way takes its part of the way, as it does of the compression
+            let passed = (rate / rigid.sum::<f64>() * self.points.len() as f64).min(1.0);
+            let counts = match self.rim_force {
+                RimForce::Radial => angle.cos() * passed,
+                RimForce::Exact => rate,
             };
+            let slope = (after.1 - before.1) / (2.0 * STEP);
+            parts.push((Part { angle, compression: z, rate, counts }, force, slope));
         }
-        sums
+        parts
     }
 
     /// Compression \[m\] of the element at an angle, and its part of the force on the rim \[N\].

@@ -242,7 +242,7 @@ pub fn linear(columns: &[Vec<f64>], y: &[Known]) -> Option<Vec<Known>> {
     let right = DVector::from_fn(n, |i, _| y[i].value / width(&y[i]));
     let normal = rows.tr_mul(&rows);
     let scale: Vec<f64> = (0..m).map(|j| normal[(j, j)].sqrt()).collect();
-    if scale.iter().any(|s| !(*s > 0.0)) {
+    if scale.iter().any(|s| s.is_nan() || *s <= 0.0) {
         return None;
     }
     let scaled = DMatrix::from_fn(m, m, |i, j| normal[(i, j)] / scale[i] / scale[j]);

@@ -142,7 +142,9 @@ pub fn analyse(even: &Even, skip: usize, below: Option<Below>) -> Result<Loop> {
         None => return Err(half_a_loop(even, deflection, &turns)),
     };
     let side = ((WINDOW * rough).round() as usize).max(2);
-    let (e, rate) = smoothed(deflection, side);
+    let (e, _) = smoothed(deflection, side);
+    // of a slope, half the window is off by as little as the whole one is of a level
+    let (_, rate) = smoothed(deflection, (side / 2).max(2));
     let (mut f, _) = smoothed(force, side);
     // a turn among samples with noise is the highest of them, which may be far from the middle
     let turns: Vec<usize> = turns.iter().map(|k| vertex(&e, *k, 3 * side)).collect();
@@ -228,13 +230,12 @@ impl Loop {
         Some(Known { value, ..mean_of(&single) })
     }
 
-    /// The damping of a unit under the deflection's course, for a loss at every moment of `share(e)` times the square of the speed: loss
-    /// of a cycle over that of a coefficient of 1 \[N.s/m\].
-    pub fn damping_by(&self, share: impl Fn(f64) -> f64) -> Known {
+    /// The work that a force loses over a cycle of the deflection that was measured \[J\]; the force \[N\] is that beyond a spring, at a
+    /// deflection \[m\] and its speed \[m/s\].
+    pub fn lost_by(&self, force: impl Fn(f64, f64) -> f64) -> f64 {
         let (rates, step) = &self.rates;
-        let all: f64 = self.samples.iter().zip(rates).map(|([e, _], r)| share(*e) * r * r * step).sum();
-        let cycles = rates.len() as f64 * step / self.period;
-        self.area.times(cycles / all)
+        let all: f64 = self.samples.iter().zip(rates).map(|([e, _], r)| force(*e, *r) * r * step).sum();
+        all * self.period / (rates.len() as f64 * step)
     }
 }
 
@@ -535,8 +536,8 @@ mod tests {
         }
         assert!(found.notes.is_empty(), "{:?}", found.notes);
         // a damper that is the same at every deflection
-        let c = found.damping_by(|_| 1.0);
-        assert!((c.value / 3000.0 - 1.0).abs() < 0.01, "{c:?}");
+        let lost = found.lost_by(|_, rate| 3000.0 * rate);
+        assert!((lost / found.area.value - 1.0).abs() < 0.01, "{lost}");
     }
 
     #[test]

@@ -460,7 +460,7 @@ pub enum MassFrom {
 
 fn between(part: Option<[f64; 2]>) -> Result<()> {
     match part {
-        Some([from, to]) if !(from < to) => {
+        Some([from, to]) if from.is_nan() || to.is_nan() || from >= to => {
             Err(Error::file(format!("between = [{from}, {to}]: a time and a later one are needed")))
         }
         _ => Ok(()),

@@ -31,7 +31,7 @@ pub enum Ends {
 /// The channel, the value, and how often it is there.
 pub fn refuse_clipped(recording: &Recording, channel: &str, values: &[f64], free: Ends) -> Result<()> {
     let (low, high) = extent(values.iter().copied());
-    if !(high > low) {
+    if high.is_nan() || low.is_nan() || high <= low {
         return Err(Error::numeric(format!(
             "{}: channel {channel:?} has the same value all the time, {low}: nothing was measured, or another channel is meant",
             recording.source
