@@ -9,7 +9,7 @@ mod common;
 use common::{get, started};
 use latsch::characteristic::{Answer, Law, Plan, characterize_with, parameters, property_file};
 use latsch::model::{Settings, Slave};
-use latsch::recording::{Channel, Recording, parse_csv, to_csv};
+use latsch::recording::{Channel, Recording, parse_csv, to_csv, write_csv};
 use latsch::rig::HydroPulse;
 use latsch::stats::SplitMix64;
 use latsch::tire::super_elastic::SuperElastic;
@@ -369,4 +369,42 @@ fn what_recordings_cannot_tell_is_refused_with_file_and_reason() {
         let message = Plan::read(&plan).unwrap_err().to_string();
         assert!(message.contains(word), "{word:?} is not in: {message}");
     }
+}
+
+// ---- the command
+
+#[test]
+fn the_command_writes_parameters_property_file_page_and_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    let write = |name: &str, recording: &Recording| write_csv(&place(name), recording).unwrap();
+    write("loop.csv", &made_loop(TRUTH, [0.5e-3, 27e-3], 6.0, 1));
+    write("decay.csv", &made_decays(TRUTH, 9260.0, 2.0, 9260.0 / 9.81, 3.0, 2));
+    let decay = decay_of(9260.0, 2.0, "").replace("9260 2", "decay.csv");
+    std::fs::write(place("plan.toml"), format!("{TIRE}{LOOP}{decay}")).unwrap();
+    let run = |plan: &str| {
+        std::process::Command::new(env!("CARGO_BIN_EXE_latsch"))
+            .current_dir(folder.path())
+            .args(["characterize", plan, "--output", "tire.toml", "--tir", "tire.tir"])
+            .args(["--report", "tire.html", "--json", "tire.json"])
+            .output()
+            .unwrap()
+    };
+    let done = run("plan.toml");
+    let told = String::from_utf8(done.stdout).unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    assert!(
+        told.contains("element_radial_stiffness = 1") && told.contains("note: the mass of decays"),
+        "{told}"
+    );
+    let text = |name: &str| std::fs::read_to_string(place(name)).unwrap();
+    assert!(text("tire.toml").contains("stiffness_law = 2") && text("tire.tir").contains("[CONTACTELEMENT]"));
+    assert!(text("tire.html").contains("Loop loop.csv") && text("tire.html").contains("Decay decay.csv"));
+    assert!(text("tire.json").contains("\"by_cosines\""));
+    // a recording is not overwritten, and an error has the plan's place
+    std::fs::write(place("wrong.toml"), format!("{TIRE}{LOOP}").replace("\"cell\"", "\"sell\"")).unwrap();
+    let failed = run("wrong.toml");
+    let message = String::from_utf8(failed.stderr).unwrap();
+    assert_eq!(failed.status.code(), Some(2), "{message}");
+    assert!(message.contains("wrong.toml") && message.contains("no channel \"sell\""), "{message}");
 }

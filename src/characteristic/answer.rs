@@ -21,6 +21,8 @@ const TOLD_DAMPING: f64 = 0.27;
 const NO_EXPONENT: f64 = 0.02;
 /// A power law that misses its points by more than this (root mean square) is no law; then there is a table.
 const LAW_MISSES: f64 = 0.03;
+/// Share of the contact's length over which elements that go out do not touch any more, from which on it is told.
+const EARLY: f64 = 0.01;
 /// Points of the stiffness, from this share of the largest load on: below, the zero of the deflection decides.
 const LOADS: (usize, f64) = (8, 0.2);
 
@@ -636,17 +638,7 @@ fn one_decay(
     let (values, unit) = (channel.values.clone(), channel.unit.clone());
     refuse_clipped(&recording, &part.channel, &values, Ends::Neither)?;
     let even = Even::of(&recording, vec![values])?;
-    let impacts = part.impacts()?;
-    let place = format!("{}: channel {:?}", recording.source, part.channel);
-    let analysis = decay::analyse(&even, impacts).map_err(|e| e.at(place))?;
     let (load, speed) = (part.load()?, part.speed()?);
-    let (mass, mass_from) = part.mass(plan.tire.gravity)?;
-    let (delta, omega) = (analysis.decay_rate, analysis.frequency);
-    let damping = delta.times(2.0 * mass);
-    let whole = Known {
-        value: mass * (omega.value.powi(2) + delta.value.powi(2)),
-        half_width: 2.0 * mass * (omega.value * omega.half_width + delta.value * delta.half_width),
-    };
     let k = value_at(stiffness, load, speed);
     let phase = if speed > 0.0 { Phase::Rolling } else { Phase::Below };
     let deflection = wheel.deflection(k, load, phase).ok_or_else(|| {
@@ -654,6 +646,29 @@ fn one_decay(
     })?;
     let sums = wheel.sums(k, deflection, phase);
     let source = printed(wheel.radius, wheel.elements, deflection, 0.0);
+    let mut impacts = part.impacts()?;
+    if impacts.passage > 0.0 {
+        // the tire has left a cleat when its contact has
+        impacts.passage += source.contact_length / speed;
+    }
+    let place = format!("{}: channel {:?}", recording.source, part.channel);
+    let mut analysis = decay::analyse(&even, impacts).map_err(|e| e.at(place))?;
+    let (mass, mass_from) = part.mass(plan.tire.gravity)?;
+    let (delta, omega) = (analysis.decay_rate, analysis.frequency);
+    let damping = delta.times(2.0 * mass);
+    let whole = Known {
+        value: mass * (omega.value.powi(2) + delta.value.powi(2)),
+        half_width: 2.0 * mass * (omega.value * omega.half_width + delta.value * delta.half_width),
+    };
+    let element = damping.times(1.0 / sums.damping);
+    let early = element.value / k * speed / wheel.radius / source.contact_angle;
+    if early > EARLY {
+        analysis.notes.push(format!(
+            "at {speed:.2} m/s a damper of {:.0} N.s/m lets elements leave the road before the contact's end, over {:.1} % of its length: the sums do not know that, and the damping of an element is open by about as much",
+            element.value,
+            100.0 * early
+        ));
+    }
     Ok(DecayAnswer {
         file: part.file.clone(),
         channel: part.channel.clone(),
@@ -669,7 +684,7 @@ fn one_decay(
         tangent: sums.slope,
         by_cosines: damping.value * source.damping_share,
         by_elements: damping.value / source.elements as f64,
-        element: damping.times(1.0 / sums.damping),
+        element,
     })
 }
 

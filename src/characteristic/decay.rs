@@ -4,7 +4,7 @@
 //! is fitted as a whole, x = zero + A exp(-delta t) cos(w t + phi). Beside it stands the classic envelope: the line through the logarithms of
 //! the turns. c_ges = 2 m delta (6-1), k = m (w^2 + delta^2).
 
-use super::laws::{Known, mean_of, student_factor};
+use super::laws::{Known, linear, mean_of};
 use super::series::Even;
 use crate::fit::{Options, Problem, Unknown, least_squares};
 use crate::stats::{Line, deviation, mean, quantile, redundancy};
@@ -18,6 +18,8 @@ use std::f64::consts::TAU;
 pub const MOST_LEFT: f64 = 0.1;
 /// Periods that are needed: two give one difference, three the first that can disagree.
 const LEAST_PERIODS: usize = 3;
+/// Turns that have to stand out, for a line through their logarithms to have an error.
+const LEAST_TURNS: usize = 3;
 /// Oscillations that have to be in the free part for an envelope to be one.
 const LEAST_SWINGS: f64 = 1.5;
 /// Samples of an oscillation, at least: a parabola through a turn is then right to a percent.
@@ -220,7 +222,14 @@ pub fn analyse(even: &Even, impacts: Impacts) -> Result<Decay> {
         Known { value: found[i], half_width: scatter.max(covariance_half[i]) }
     };
     let turns = turns(free, zero, even.step, omega, 3.0 * spread.max(1e-3 * amplitude));
-    let (envelope_rate, envelope_amplitude) = envelope(&turns);
+    if turns.len() < LEAST_TURNS {
+        return Err(Error::numeric(format!(
+            "{} turns stand out of what the fit leaves ({:.2} Hz, decay rate about {delta:.2} 1/s): at least {LEAST_TURNS} are needed to tell a decay. The impacts are too weak for the noise, or the tire is damped so much that it does not swing",
+            turns.len(),
+            omega / TAU
+        )));
+    }
+    let (envelope_rate, envelope_amplitude) = envelope(&turns, 2.0 * spread);
     let decay_rate = known(0);
     let apart = (envelope_rate.value - delta).abs();
     if apart > 0.05 * delta + decay_rate.half_width + envelope_rate.half_width {
@@ -497,15 +506,15 @@ fn turns(free: &[f64], zero: f64, step: f64, omega: f64, least: f64) -> Vec<[f64
     turns
 }
 
-/// Rate and amplitude at the beginning of the envelope through turns.
-fn envelope(turns: &[[f64; 2]]) -> (Known, f64) {
-    let time: Vec<f64> = turns.iter().map(|t| t[0]).collect();
-    let log: Vec<f64> = turns.iter().map(|t| t[1].abs().ln()).collect();
-    let nothing = (Known { value: f64::NAN, half_width: f64::INFINITY }, f64::NAN);
-    let Some(line) = Line::through(&time, &log) else { return nothing };
-    let level = mean(&log) - line.slope * mean(&time);
-    let half_width = student_factor(turns.len() as f64 - 2.0) * line.error;
-    (Known { value: -line.slope, half_width }, level.exp())
+/// Rate and amplitude at the beginning of the envelope through turns, whose logarithms are known to the noise over their size.
+fn envelope(turns: &[[f64; 2]], noise: f64) -> (Known, f64) {
+    let time = turns.iter().map(|t| t[0]).collect();
+    let log = |t: &[f64; 2]| Known { value: t[1].abs().ln(), half_width: noise / t[1].abs() };
+    let logs: Vec<Known> = turns.iter().map(log).collect();
+    match linear(&[vec![1.0; turns.len()], time], &logs).as_deref() {
+        Some([level, slope]) => (slope.times(-1.0), level.value.exp()),
+        _ => (Known { value: f64::NAN, half_width: f64::INFINITY }, f64::NAN),
+    }
 }
 
 #[cfg(test)]
