@@ -399,7 +399,7 @@ fn the_command_writes_parameters_property_file_page_and_numbers() {
     );
     let text = |name: &str| std::fs::read_to_string(place(name)).unwrap();
     assert!(text("tire.toml").contains("stiffness_law = 2") && text("tire.tir").contains("[CONTACTELEMENT]"));
-    assert!(text("tire.html").contains("Loop loop.csv") && text("tire.html").contains("Decay decay.csv"));
+    assert!(text("tire.html").contains("Loop loop.csv") && text("tire.html").contains("<h3>decay.csv"));
     assert!(text("tire.json").contains("\"by_cosines\""));
     // a recording is not overwritten, and an error has the plan's place
     std::fs::write(place("wrong.toml"), format!("{TIRE}{LOOP}").replace("\"cell\"", "\"sell\"")).unwrap();

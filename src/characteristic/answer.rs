@@ -236,6 +236,9 @@ pub fn characterize_with(plan: &Plan, read: &dyn Fn(&str) -> Result<Recording>) 
         })
         .collect::<Result<_>>()?;
     notes.extend(mass_notes(&decays));
+    if flat.contact.is_none() {
+        notes.push("the plan has a rigid contact (contact_stiffness = 0), which the tire cannot have: with its own one it is softer by about 1 to 2 %. For parameters leave contact_stiffness as it is".to_owned());
+    }
     let damping = damping(plan, &answers, &decays, references)?;
     let elements = for_elements(plan, &answers)?;
     let over_speed = over_speed(&decays);

@@ -165,6 +165,7 @@ pub fn property_file(plan: &Plan, answer: &Answer) -> Result<String> {
         "CONTACTELEMENT",
         &[
             ("NUM_CE", wheel.elements.to_string()),
+            ("LEN_CE", number(5.0)),
             ("ANG_INSIDE_CE", number(plan.gap_angle()?.to_degrees())),
             ("NUM_CP", wheel.points.len().to_string()),
         ],
@@ -176,6 +177,11 @@ pub fn property_file(plan: &Plan, answer: &Answer) -> Result<String> {
             ("RADIAL_STIFFNESS", number(1e-3 * answer.stiffness.value.value)),
             ("RADIAL_DAMPING", number(1e-3 * answer.damping.value.value)),
             ("COR_FACTOR_RSTIFF", number(1.0)),
+            ("ROLLING_RESISTANCE", number(0.015)),
+            ("CSLIP", number(5.0)),
+            ("UMIN", number(0.85)),
+            ("UMAX", number(0.94)),
+            ("REL_LEN_LON", number(10.0)),
         ],
     );
     if let Some((force, exponent)) = wheel.contact {
@@ -184,10 +190,13 @@ pub fn property_file(plan: &Plan, answer: &Answer) -> Result<String> {
             &[
                 ("CONTACT_MODEL", quoted("fml_imp")),
                 ("STIFFNESS", number(force)),
+                ("DAMPING", number(0.7)),
+                ("PENETRATION", number(0.1)),
                 ("EXPONENT", number(exponent)),
             ],
         );
     }
+    text.push_str("$ identified: RADIAL_STIFFNESS, RADIAL_DAMPING. LEN_CE, rolling resistance, slip, friction and the damping of the contact are defaults of the super-elastic model\n");
     for (what, c) in [("stiffness", &answer.stiffness), ("damping", &answer.damping)] {
         if matches!(c.law, Law::Power | Law::Table) {
             let _ = writeln!(

@@ -3,7 +3,7 @@
 use super::plot::{Axis, Plot, Size, Tone};
 use crate::characteristic::laws::{Form, Known};
 use crate::characteristic::{Answer, Coefficient, DecayAnswer, LoopAnswer, MassFrom, value_at};
-use crate::page::{Html, Page, Section, Table, number};
+use crate::page::{Html, Page, Section, Table, escape, number};
 
 /// The page of what loops and decays told of a tire.
 pub fn characteristic_report(answer: &Answer) -> String {
@@ -18,10 +18,8 @@ pub fn characteristic_report(answer: &Answer) -> String {
         page = page.section(loop_section(one));
     }
     page = page.section(stiffness_over_load(answer)).section(elements(answer));
-    for one in &answer.decays {
-        page = page.section(decay_section(one));
-    }
-    page.section(damping_table(answer)).section(notes(answer)).html()
+    let decays = answer.decays.iter().fold(Section::new("Decays"), decay_part);
+    page.section(damping_table(answer)).section(decays).section(notes(answer)).html()
 }
 
 fn count(n: usize, what: &str) -> String {
@@ -80,17 +78,18 @@ fn loop_section(one: &LoopAnswer) -> Section {
     let mut left = Plot::new("", deflection, Axis::new("law less mean", "N")).size(Size::Half);
     let mut fits = Table::new(&["law", "a", "±", "b", "±", "RMSE N", "R²"]);
     for fit in &analysis.forms {
-        let name = match fit.form {
-            Form::Power => "F = a e^b (N/m^b, 1)",
-            Form::Hyperbola => "F = a e / (b − e) (N, m)",
-            Form::Polynomial => "F = a e + b e² (N/m, N/m²)",
+        let (name, units) = match fit.form {
+            Form::Power => ("F = a e^b", "N/m^b, 1"),
+            Form::Hyperbola => ("F = a e / (b − e)", "N, m"),
+            Form::Polynomial => ("F = a e + b e²", "N/m, N/m²"),
         };
         let law: Vec<f64> = curve.deflection.iter().map(|e| fit.at(*e)).collect();
-        plot = plot.line(name.split(" (").next().unwrap_or(name), &mm(&curve.deflection), &kilo(&law));
+        plot = plot.line(name, &mm(&curve.deflection), &kilo(&law));
         let off: Vec<f64> = law.iter().zip(&curve.mean).map(|(a, b)| a - b).collect();
-        left = left.line(name.split(" (").next().unwrap_or(name), &mm(&curve.deflection), &off);
+        left = left.line(name, &mm(&curve.deflection), &off);
         let ([a, da], [b, db]) = (known(fit.coefficients[0]), known(fit.coefficients[1]));
-        fits = fits.row([name.to_owned(), a, da, b, db, number(fit.rmse), format!("{:.6}", fit.r2)]);
+        fits =
+            fits.row([format!("{name} ({units})"), a, da, b, db, number(fit.rmse), format!("{:.6}", fit.r2)]);
     }
     let mut at = Table::new(&[
         "load N",
@@ -101,7 +100,7 @@ fn loop_section(one: &LoopAnswer) -> Section {
         "tangent N/mm",
         "element N/mm",
         "±",
-        "element by (6-6) N/mm",
+        "by (6-6)",
     ]);
     for row in &one.at {
         let ([e, de], [secant, ds], [k, dk]) =
@@ -211,7 +210,7 @@ fn elements(answer: &Answer) -> Section {
     section.with(plot.html()).with(table.html())
 }
 
-fn decay_section(one: &DecayAnswer) -> Section {
+fn decay_part(section: Section, one: &DecayAnswer) -> Section {
     let analysis = &one.analysis;
     let axis = Axis::new(&one.channel, &one.unit);
     let mut plot = Plot::new("", Axis::new("time since the impact", "s"), axis.clone()).columns(600);
@@ -268,7 +267,8 @@ fn decay_section(one: &DecayAnswer) -> Section {
         number(100.0 * analysis.left),
         number(100.0 * analysis.residual)
     );
-    let section = Section::new(&format!("Decay {}", one.file)).with(Html::text(&words)).with(plot.html());
+    let head = Html::raw(format!("<h3>{}</h3>\n", escape(&one.file)));
+    let section = section.with(head).with(Html::text(&words)).with(plot.html());
     let section = section.with(aligned.html()).with(table.html());
     analysis.notes.iter().fold(section, |section, note| section.with(Html::note(note)))
 }
