@@ -6,11 +6,11 @@
 
 mod common;
 
-use common::{get, started};
+use common::{get, set, started};
 use latsch::characteristic::{Answer, Law, Plan, characterize_with, parameters, property_file};
 use latsch::model::{Settings, Slave};
 use latsch::recording::{Channel, Recording, parse_csv, to_csv, write_csv};
-use latsch::rig::HydroPulse;
+use latsch::rig::{HydroPulse, Wheel};
 use latsch::stats::SplitMix64;
 use latsch::tire::super_elastic::SuperElastic;
 use std::collections::BTreeMap;
@@ -262,6 +262,70 @@ fn the_shipped_rig_gives_back_the_parameters_of_its_tire() {
         assert_eq!(k.law, Law::Constant, "{}", k.why);
         assert!(off(k.value.value, 122e3).abs() < 0.01, "{:?}", k.value);
         assert!(off(c.value.value, 280.0).abs() < 0.01, "{:?}", c.value);
+    }
+}
+
+/// Deflection \[mm\] of a wheel under a mass that rolls over a cleat every `spacing` metres, with noise.
+fn rolling(damping: f64, speed: f64, spacing: f64, seconds: f64) -> Recording {
+    let step = 2e-3;
+    let cleats = [
+        ("road_kind", 4.0),
+        ("road_start", 0.5 * speed),
+        ("road_height", 0.005),
+        ("road_length", 0.15),
+        ("road_spacing", spacing),
+    ];
+    let wheel = [
+        ("rim_force", 2.0),
+        ("rolling_resistance", 0.0),
+        ("element_radial_damping", damping),
+        ("hub_mass", MASS - 19.8),
+        ("axle_force_z", 0.0),
+        ("initial_load", (MASS - 19.8) * 9.81),
+        ("initial_speed", speed),
+        ("step_size", 2e-4),
+    ];
+    let mut wheel = started::<Wheel<SuperElastic>>(&[&cleats[..], &wheel].concat());
+    let mut random = SplitMix64::new(8);
+    let mut deflection = Vec::new();
+    for k in 0..(seconds / step) as usize {
+        deflection.push(1e3 * (R0 - get(&mut wheel, "position_z")) + 0.02 * random.normal());
+        // a drum's drive: dampers and cleats take speed
+        let lost = speed - get(&mut wheel, "velocity_x");
+        set(&mut wheel, &[("drive_torque", 3000.0 * lost)]);
+        wheel.step(k as f64 * step, step).unwrap();
+    }
+    recording("decay.csv", step, &[("arm", "mm", deflection)])
+}
+
+const MASS: f64 = 944.0;
+
+#[test]
+fn the_shipped_tire_rolling_over_cleats_gives_back_its_damping_or_the_note_why_not() {
+    for (damping, speed, within) in [(280.0, 2.0, 0.025), (280.0, 3.0, 0.03), (600.0, 4.0, 0.09)] {
+        // until a twentieth is left
+        let period = if damping < 500.0 { 3.2 } else { 1.8 };
+        let all = files([("d".to_owned(), rolling(damping, speed, period * speed, 9.5 * period))]);
+        let plan = format!(
+            "title = \"t\"\n[tire]\nname = \"SE\"\nradius = 0.2265\nelements = 45\nrim_force = \"exact\"\nelement_stiffness = \"122 N/mm\"\n[[decay]]\nfile = \"d\"\nchannel = \"arm\"\nload = {}\nspeed = {speed}\nmass = {MASS}\ncleat_length = \"150 mm\"\n",
+            MASS * 9.81
+        );
+        let answer = solve(&plan, &all).unwrap();
+        let decay = &answer.decays[0];
+        println!(
+            "{damping} at {speed} m/s: {:+.2} % ± {:.2} %, k {:+.2} %, {:?}",
+            100.0 * off(decay.element.value, damping),
+            100.0 * decay.element.share(),
+            100.0 * off(decay.stiffness.value, decay.tangent),
+            decay.analysis.notes
+        );
+        assert!(off(decay.element.value, damping).abs() < within, "{:?}", decay.element);
+        assert!(off(decay.stiffness.value, decay.tangent).abs() < 0.01);
+        assert!(
+            decay.analysis.notes.iter().any(|n| n.contains("leave the road")),
+            "{:?}",
+            decay.analysis.notes
+        );
     }
 }
 

@@ -462,7 +462,10 @@ fn stiffness(
     // what cycles scatter, each with all its loads: points of one cycle are not independent
     let single: Vec<f64> = loops
         .iter()
-        .flat_map(|l| l.analysis.single.iter().map(|curve| exponent_of(wheel, curve, &l.at)))
+        .flat_map(|l| {
+            let powers = powers(wheel, &l.at);
+            l.analysis.single.iter().map(|curve| exponent_of(&powers, curve, &l.at)).collect::<Vec<_>>()
+        })
         .flatten()
         .collect();
     let fitted = power(
@@ -559,21 +562,21 @@ fn stiffness(
     })
 }
 
+/// By which power of the deflection an element's stiffness goes at each load.
+fn powers(wheel: &Wheel, at: &[AtLoad]) -> Vec<f64> {
+    let other = |a: &AtLoad| wheel.stiffness(a.load, a.deflection.value * 1.001, Phase::Below);
+    at.iter().map(|a| other(a).map_or(f64::NAN, |k| (k / a.element.value).ln() / 1.001_f64.ln())).collect()
+}
+
 /// Exponent of the load that one cycle's curve has.
-fn exponent_of(wheel: &Wheel, curve: &loops::Curve, at: &[AtLoad]) -> Option<f64> {
-    let points: Vec<Point> = at
-        .iter()
-        .filter_map(|a| {
-            // near the known deflection the element's stiffness is in proportion to a power of it
-            let e = curve.deflection_at(a.load)?;
-            let other = wheel.stiffness(a.load, a.deflection.value * 1.001, Phase::Below)?;
-            let by = (other / a.element.value).ln() / 1.001_f64.ln();
-            let value = a.element.value * (e / a.deflection.value).powf(by);
-            Some(Point { load: a.load, speed: 0.0, value: Known::exactly(value) })
-        })
-        .collect();
-    let reference = at.first()?.load;
-    power(&points, [reference, 1.0], [true, false])?.1[0].map(|e| e.value)
+fn exponent_of(powers: &[f64], curve: &loops::Curve, at: &[AtLoad]) -> Option<f64> {
+    let point = |(a, by): (&AtLoad, &f64)| {
+        let e = curve.deflection_at(a.load)?;
+        let value = a.element.value * (e / a.deflection.value).powf(*by);
+        value.is_finite().then_some(Point { load: a.load, speed: 0.0, value: Known::exactly(value) })
+    };
+    let points: Vec<Point> = at.iter().zip(powers).filter_map(point).collect();
+    power(&points, [at.first()?.load, 1.0], [true, false])?.1[0].map(|e| e.value)
 }
 
 /// The stiffness of an element at a load \[N/m\], as the tire has it.

@@ -18,6 +18,9 @@ use std::f64::consts::TAU;
 pub const MOST_LEFT: f64 = 0.1;
 /// Periods that are needed: two give one difference, three the first that can disagree.
 const LEAST_PERIODS: usize = 3;
+/// Longer series are thinned out by means to about this many samples: an arm that swings with a few hertz is sampled more than
+/// finely enough, and alignment takes seconds.
+const MOST_SAMPLES: usize = 200_000;
 /// Turns that have to stand out, for a line through their logarithms to have an error.
 const LEAST_TURNS: usize = 3;
 /// Oscillations that have to be in the free part for an envelope to be one.
@@ -99,7 +102,11 @@ impl Decay {
 /// No period, too few of them, an oscillation that is too short or sampled too coarsely, or one that does not die out before the
 /// next impact, with how much is left.
 pub fn analyse(even: &Even, impacts: Impacts) -> Result<Decay> {
-    let values = even.values.first().map(Vec::as_slice).unwrap_or_default();
+    let all = even.values.first().map(Vec::as_slice).unwrap_or_default();
+    let stride = all.len().div_ceil(MOST_SAMPLES).max(1);
+    let thin: Vec<f64> = all.chunks_exact(stride).map(mean).collect();
+    let values = &thin[..];
+    let even = &Even { start: even.start, step: even.step * stride as f64, values: Vec::new() };
     let mut notes = Vec::new();
     let rough = period(values, even.step, impacts.period)?;
     let length = rough.floor() as usize;

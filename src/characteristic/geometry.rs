@@ -134,6 +134,8 @@ pub struct Part {
 const POSITIONS: usize = 32;
 /// Step of differences by the deflection \[m\]: a thousandth of the penetration of the contact.
 const STEP: f64 = 2e-7;
+/// Compressions that are nearer than this are the same \[m\]: differences over [`STEP`] are then right to 1e-6.
+const CLOSE: f64 = 1e-14;
 /// Halvings of the range in which an element's compression is: to 1e-13 of the deflection.
 const HALVINGS: usize = 44;
 
@@ -243,10 +245,25 @@ impl Wheel {
             }
             sum
         };
+        // what is missing to balance rises with z: false position, in which an end that stays counts half (Illinois)
+        let missing = |z: f64| k * z + self.weight * cos - pressed(z).0;
         let (mut low, mut high) = (0.0, most);
+        let (mut at_low, mut at_high) = (missing(low), missing(high));
+        if at_low >= 0.0 {
+            return (0.0, 0.0);
+        }
         for _ in 0..HALVINGS {
-            let z = 0.5 * (low + high);
-            if k * z + self.weight * cos < pressed(z).0 { low = z } else { high = z }
+            let z = (low * at_high - high * at_low) / (at_high - at_low);
+            let at = missing(z);
+            if at < 0.0 {
+                (low, at_low, at_high) = (z, at, 0.5 * at_high);
+            } else {
+                (high, at_high, at_low) = (z, at, 0.5 * at_low);
+            }
+            if high - low < CLOSE || at.abs() < CLOSE * k {
+                (low, high) = (z, z);
+                break;
+            }
         }
         let z = 0.5 * (low + high);
         let force = match self.rim_force {

@@ -23,6 +23,8 @@ const SAME: f64 = 0.1;
 /// Samples over which both channels are smoothed alike, each side, as a share of a cycle: a parabola over a tenth of a radian each side
 /// is off by 1e-5 of the amplitude.
 const WINDOW: f64 = 1.0 / 60.0;
+/// That window in samples, at most: a thousand take 97 % of the noise already, and a recording of a million does not take minutes.
+const WIDEST: usize = 500;
 /// Places along the deflection at which branches are told, at most.
 const PLACES: usize = 60;
 /// Below this share of the largest force a line through the mean curve tells where the force begins.
@@ -141,7 +143,7 @@ pub fn analyse(even: &Even, skip: usize, below: Option<Below>) -> Result<Loop> {
         Some(samples) => samples,
         None => return Err(half_a_loop(even, deflection, &turns)),
     };
-    let side = ((WINDOW * rough).round() as usize).max(2);
+    let side = ((WINDOW * rough).round() as usize).clamp(2, WIDEST);
     let (e, _) = smoothed(deflection, side);
     // of a slope, half the window is off by as little as the whole one is of a level
     let (_, rate) = smoothed(deflection, (side / 2).max(2));
