@@ -417,7 +417,8 @@ fn what_recordings_cannot_tell_is_refused_with_file_and_reason() {
         &all,
         &["no table of the damping", "each of the same speeds"],
     );
-    // plans that say too little or too much
+    // plans that say too little or too much, and one that says enough
+    Plan::read(include_str!("../examples/plans/solid-tire.toml")).unwrap();
     for (plan, word) in [
         (TIRE.to_owned(), "[[loop]]"),
         (format!("{TIRE}{}", decay_of(9000.0, 2.0, "")), "element_stiffness"),

@@ -766,6 +766,9 @@ fn damping(
                 "no damping over load and speed without decays: loops are of a wheel that stands. Give [[decay]]s at several speeds, or ask for a constant",
             ));
         }
+        if !value.value.is_finite() {
+            return Err(Error::numeric("no damping of an element makes the loops' area: give [[decay]]s"));
+        }
         return Ok(Coefficient { why: "from the area of the loops: of the standing wheel at the loop's frequency, hysteresis counted as a damper".into(), ..base });
     }
     let constant = |why: &str| Coefficient { why: why.into(), ..base.clone() };
