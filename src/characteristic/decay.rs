@@ -510,6 +510,13 @@ fn turns(free: &[f64], zero: f64, step: f64, omega: f64, least: f64) -> Vec<[f64
         }
         k += 1;
     }
+    // behind the first that is not half an oscillation after the one before, on the other side, there is noise
+    let follows = |w: &[[f64; 2]]| {
+        let halves = (w[1][0] - w[0][0]) / (half as f64 * step);
+        (0.75..1.25).contains(&halves) && w[0][1] * w[1][1] < 0.0
+    };
+    let kept = turns.windows(2).take_while(|w| follows(w)).count() + 1;
+    turns.truncate(kept);
     turns
 }
 

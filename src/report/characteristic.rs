@@ -35,6 +35,11 @@ fn known(known: Known) -> [String; 2] {
     [number(known.value), number(known.half_width)]
 }
 
+/// A number that is for comparison, without an interval of its own.
+fn unqualified(value: f64) -> Known {
+    Known { value, half_width: f64::NAN }
+}
+
 fn coefficients(answer: &Answer) -> Section {
     let mut table = Table::new(&["", "value", "±", "unit", "written as", "why"]);
     for (name, unit, c) in [
@@ -247,10 +252,10 @@ fn decay_part(section: Section, one: &DecayAnswer) -> Section {
         ("frequency", analysis.frequency.times(1.0 / std::f64::consts::TAU), "Hz"),
         ("damping of the whole tire 2 m δ (6-1)", one.damping.times(1e-3), "N.s/mm"),
         ("stiffness by the frequency", one.stiffness.times(1e-3), "N/mm"),
-        ("tangent by the loops", Known::exactly(1e-3 * one.tangent), "N/mm"),
+        ("tangent by the loops", unqualified(1e-3 * one.tangent), "N/mm"),
         ("damping of an element, as the tire has it", one.element.times(1e-3), "N.s/mm"),
-        ("damping of an element by Σ cos² (6-10)", Known::exactly(1e-3 * one.by_cosines), "N.s/mm"),
-        ("damping of an element by M", Known::exactly(1e-3 * one.by_elements), "N.s/mm"),
+        ("damping of an element by Σ cos² (6-10)", unqualified(1e-3 * one.by_cosines), "N.s/mm"),
+        ("damping of an element by M", unqualified(1e-3 * one.by_elements), "N.s/mm"),
     ];
     for (name, value, unit) in rows {
         let [value, half] = known(value);
