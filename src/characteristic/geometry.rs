@@ -345,10 +345,12 @@ mod tests {
         Wheel { radius: R0, elements, points: vec![0.0], contact: None, drum: None, rim_force, weight: 0.0 }
     }
 
+    type Row = (f64, f64, f64, usize, f64, usize, f64, f64, f64, f64);
+
     /// e \[mm\], theta \[deg\], contact length \[mm\], N, theta / gamma_0 + 1, M, sum z cos \[mm\], k_ce / k_ges, sum cos^2, c_ce / c_ges: computed for
     /// the specification by another program.
     #[rustfmt::skip]
-    const TABLE: [(f64, f64, f64, usize, f64, usize, f64, f64, f64, f64); 13] = [
+    const TABLE: [Row; 13] = [
         (5.0, 24.122, 94.66, 45, 4.015, 3, 10.5914, 0.47208, 2.96126, 0.33769),
         (5.0, 24.122, 94.66, 75, 6.026, 5, 17.0675, 0.29295, 4.93037, 0.20282),
         (5.0, 24.122, 94.66, 105, 8.036, 7, 23.6690, 0.21125, 6.90057, 0.14492),
