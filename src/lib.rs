@@ -10,6 +10,9 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 mod bounded;
+#[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
+pub mod characteristic;
 pub mod control;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only

@@ -60,16 +60,17 @@ const ORDER: &[(&str, &str)] = &[
         "stats model effect fmi fmi/entry fmi/import fmi/archive fmi/corrected shipped recording simulate",
     ),
     ("fit", "stats model effect"),
+    ("characteristic", "stats model recording fit"),
     ("identify", "stats model fmi fmi/entry shipped recording"),
     (
         "diagnose",
         "page stats model effect fmi fmi/entry fmi/import shipped recording simulate cosimulate fit",
     ),
-    ("report", "page stats model tire rig recording identify diagnose"),
+    ("report", "page stats model tire rig recording characteristic identify diagnose"),
     (
         "cli",
         "page stats model tire tir road_file rig control effect fmi fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \
-         recording simulate cosimulate identify diagnose report",
+         recording simulate cosimulate characteristic identify diagnose report",
     ),
 ];
 

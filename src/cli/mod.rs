@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand.
 
+mod characterize;
 mod check;
 mod convert;
 mod cosimulate;
@@ -43,6 +44,7 @@ enum Command {
     Tire(tire::Args),
     Convert(convert::Args),
     Identify(identify::Args),
+    Characterize(characterize::Args),
     Plan(plan::Args),
     RigProgram(rig_program::Args),
     Diagnose(diagnose::Args),
@@ -78,6 +80,7 @@ pub fn run() -> ExitCode {
         Command::Tire(args) => tire::run(&args).map(done),
         Command::Convert(args) => convert::run(&args).map(done),
         Command::Identify(args) => identify::run(&args).map(done),
+        Command::Characterize(args) => characterize::run(&args).map(done),
         Command::Plan(args) => plan::run(&args),
         Command::RigProgram(args) => rig_program::run(&args).map(done),
         Command::Diagnose(args) => diagnose::run(&args).map(done),

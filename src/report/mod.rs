@@ -2,9 +2,10 @@
 //!
 //! A [`Page`] has sections, a section has parts: text, [`Table`], [`Plot`], [`patch_frames`].
 //! [`simulation_report`] makes the page of a run, [`diagnosis_report`] that of a
-//! diagnosis, [`identification_report`] that of an identification, [`plan_report`] that of a plan's check. Whoever makes a page of
+//! diagnosis, [`identification_report`] that of an identification, [`characteristic_report`] that of a characterization, [`plan_report`] that of a plan's check. Whoever makes a page of
 //! their own with drawings of patches has their scales in [`Picture`].
 
+mod characteristic;
 mod diagnosis;
 mod heat;
 mod identification;
@@ -16,6 +17,7 @@ mod scale;
 mod simulation;
 
 pub use crate::page::{Html, Page, Section, Table, escape};
+pub use characteristic::characteristic_report;
 pub use diagnosis::{CheckRun, diagnosis_report};
 pub use heat::{HeatCell, HeatMap};
 pub use identification::identification_report;
