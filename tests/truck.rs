@@ -24,9 +24,9 @@ fn wheels_carry_the_loads_of_the_levers_and_it_tips_over_with_too_much() {
         .map(|wheel| empty.get(&format!("{wheel}.force_z")))
         .sum();
     assert!((all / (2900.0 * 9.81) - 1.0).abs() < 0.02);
-    // 8 km/h is 9.81 rad/s on the radius without load and 10.0 on the dynamic one
-    let spin = empty.get("front_left.wheel_speed");
-    assert!(spin > 10.0 && spin < 10.8, "{spin}");
+    // 8 km/h is 12.9 rad/s on the rear radius without load; the dynamic one is a little smaller
+    let spin = empty.get("rear_left.wheel_speed");
+    assert!(spin > 12.88 && spin < 13.3, "{spin}");
     let mut slave = common::shipped(TRUCK);
     common::set(&mut *slave, &[("payload", 3000.0)]);
     slave.start(0.0, None).unwrap();
@@ -34,13 +34,35 @@ fn wheels_carry_the_loads_of_the_levers_and_it_tips_over_with_too_much() {
     assert!(message.contains("tips over forward"), "{message}");
 }
 
-/// It starts as it goes on: nothing but the ripple of elements moves it.
+/// The source has a slip of about 5 % of the front wheels at 8 km/h: what the rolling resistance alone takes. Radial dampers that roll
+/// take as much again, and more.
+#[test]
+fn the_front_wheels_slip_by_what_all_wheels_take() {
+    let slip = |damping: f64| {
+        let damped = ["front_tire.", "rear_tire."].map(|tire| format!("{tire}element_radial_damping"));
+        let mut truck = Shipped::new(
+            TRUCK,
+            &[BARE, (&*damped[0], damping), (&*damped[1], damping), ("speed_gain_integral", 3e3)],
+        );
+        truck.step(8.0);
+        let all = (0..100).map(|_| {
+            truck.step(0.013);
+            truck.get("front_left.slip")
+        });
+        all.sum::<f64>() / 100.0
+    };
+    let (without, with) = (slip(0.0), slip(280.0));
+    assert!((without - 0.05).abs() < 0.01, "{without}");
+    assert!(with > 2.0 * without && with < 0.2, "{with}");
+}
+
+/// It starts as it goes on, but for the ripple of elements, and what they take at the start is a mean over eight angles.
 #[test]
 fn it_keeps_its_speed_and_its_place() {
     let mut truck = Shipped::new(TRUCK, &[BARE]);
     for _ in 0..200 {
         truck.step(0.01);
-        assert!((truck.get("truck_speed") - 8.0 / 3.6).abs() < 2e-3, "{}", truck.get("truck_speed"));
+        assert!((truck.get("truck_speed") - 8.0 / 3.6).abs() < 0.01, "{}", truck.get("truck_speed"));
         assert!(truck.get("chassis_height").abs() < 3e-4 && truck.get("chassis_pitch").abs() < 5e-4);
         assert!(truck.get("chassis_roll").abs() < 1e-9, "no side has more than the other");
     }
