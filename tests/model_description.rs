@@ -58,9 +58,11 @@ fn tables_are_well_formed() {
         let mut names = BTreeSet::new();
         for v in &table.variables {
             assert!(names.insert(&v.name), "{} twice", v.name);
-            // coefficients of tire property files keep the names that they have there
-            let fits =
-                |case: fn(&char) -> bool| v.name.chars().all(|c| case(&c) || c.is_ascii_digit() || c == '_');
+            // coefficients of tire property files keep the names that they have there; a dot stands behind a part of which there are
+            // several
+            let fits = |case: fn(&char) -> bool| {
+                v.name.chars().all(|c| case(&c) || c.is_ascii_digit() || c == '_' || c == '.')
+            };
             assert!(fits(char::is_ascii_lowercase) || fits(char::is_ascii_uppercase), "{}", v.name);
             assert!(
                 v.description.len() > 3 && !v.description.ends_with('.'),

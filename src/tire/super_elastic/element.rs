@@ -4,7 +4,7 @@
 //! for each element by itself, by a scheme that takes the stiff contact at any step: two stages of
 //! Alexander's singly diagonally implicit Runge-Kutta method of second order, which is L-stable and ends at its second stage.
 
-use super::contact::Contact;
+use super::contact::{Contact, Touch};
 use crate::tire::Ground;
 
 /// 1 - 1 / sqrt(2): both stages are this share of a step implicit; the first one is at that share of it.
@@ -13,8 +13,9 @@ pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Iterations for the place of an element in contact: Newton's method takes three to five, and where it would leave the range that the
 /// place is known to be in, that is halved.
 const ITERATIONS: usize = 60;
-/// A change of the place that is none \[m\]: two ten-thousandths of a newton on the contact's stiffness at the load of a truck.
-const CLOSE: f64 = 1e-11;
+/// A change of the place \[m\] behind which Newton's method has no error that counts: it is the share of it that the change has of the
+/// penetration, a few tenths of a millimetre, so a ten-thousandth of a newton on the contact's stiffness at the load of a truck.
+const CLOSE: f64 = 3e-8;
 
 /// What acts on an element besides the road, as a function of its distance and speed: force = base + stiffness r + damping v, pulling
 /// it to the rim, all else included.
@@ -146,6 +147,51 @@ pub(super) struct Pressed {
     pub loss: f64,
 }
 
+/// How a contact point lies to the road.
+#[derive(Debug, Clone, Copy, Default)]
+struct Spot {
+    /// From the rim's centre \[m\].
+    arm: [f64; 2],
+    velocity: [f64; 2],
+    normal: [f64; 2],
+    /// Not positive: it does not touch.
+    penetration: f64,
+}
+
+impl Ray<'_> {
+    fn spot(&self, track: &impl Track, offset: f64, distance: f64, speed: f64) -> Spot {
+        let (place, velocity) = self.point(offset, distance, speed);
+        let (height, slope) = track.at(place[0]);
+        if place[1] >= height {
+            return Spot::default();
+        }
+        let cos = if slope == 0.0 { 1.0 } else { 1.0 / libm::sqrt(1.0 + slope * slope) };
+        Spot {
+            arm: [place[0], place[1] - self.rim_height],
+            velocity,
+            normal: [-slope * cos, cos],
+            penetration: (height - place[1]) * cos,
+        }
+    }
+
+    /// True if it is far above the road, as most elements are: its lowest point is one of the outer ones.
+    fn is_above(&self, track: &impl Track, distance: f64) -> bool {
+        let [cos, sin] = self.along;
+        let farthest = self.offsets.last().map_or(0.0, |offset| offset.abs());
+        self.rim_height + (distance + self.to_tread) * sin - farthest * cos.abs() > track.highest()
+    }
+
+    /// Largest penetration at a distance \[m\]; 0 if it touches nothing.
+    fn penetration(&self, track: &impl Track, distance: f64) -> f64 {
+        if self.is_above(track, distance) {
+            return 0.0;
+        }
+        self.offsets
+            .iter()
+            .fold(0.0, |most: f64, offset| most.max(self.spot(track, *offset, distance, 0.0).penetration))
+    }
+}
+
 /// What the road does to an element at a distance and speed; `per_speed` is the derivative of the speed by the distance.
 #[inline]
 pub(super) fn press(
@@ -156,37 +202,66 @@ pub(super) fn press(
     per_speed: f64,
 ) -> Pressed {
     let mut pressed = Pressed::default();
-    // most elements are far from the road: their lowest point is one of the outer ones
-    let [cos, sin] = ray.along;
-    let farthest = ray.offsets.last().map_or(0.0, |offset| offset.abs());
-    let lowest = ray.rim_height + (distance + ray.to_tread) * sin - farthest * cos.abs();
-    if lowest > track.highest() {
+    if ray.is_above(track, distance) {
         return pressed;
     }
-    for offset in ray.offsets {
-        let (place, velocity) = ray.point(*offset, distance, speed);
-        let (height, slope) = track.at(place[0]);
-        if place[1] >= height {
+    for offsets in ray.offsets.chunks(4) {
+        let mut spots = [Spot::default(); 4];
+        for (spot, offset) in spots.iter_mut().zip(offsets) {
+            *spot = ray.spot(track, *offset, distance, speed);
+        }
+        if spots.iter().all(|spot| spot.penetration <= 0.0) {
             continue;
         }
-        let cos = 1.0 / libm::sqrt(1.0 + slope * slope);
-        let normal = [-slope * cos, cos];
-        let penetration = (height - place[1]) * cos;
-        let leaving = normal[0] * velocity[0] + normal[1] * velocity[1];
-        let touch = contact.touch(penetration, leaving);
-        let on_ray = normal[0] * ray.along[0] + normal[1] * ray.along[1];
-        pressed.points += 1;
-        pressed.penetration = pressed.penetration.max(penetration);
-        pressed.force[0] += touch.force * normal[0];
-        pressed.force[1] += touch.force * normal[1];
-        let arm = [place[0], place[1] - ray.rim_height];
-        pressed.moment += touch.force * (arm[1] * normal[0] - arm[0] * normal[1]);
-        pressed.along += touch.force * on_ray;
-        // the penetration grows by - on_ray with the distance, the leaving speed by on_ray with the speed
-        pressed.slope += on_ray * on_ray * (touch.by_leaving * per_speed - touch.by_penetration);
-        pressed.loss += leaving * (touch.elastic - touch.force);
+        // where nothing touches any number will do
+        let penetrations = spots.map(|spot| if spot.penetration > 0.0 { spot.penetration } else { 1.0 });
+        for (spot, elastic) in spots.iter().zip(contact.elastic(penetrations)) {
+            if spot.penetration > 0.0 {
+                pressed.add(ray, spot, &contact.touch_at(elastic, spot.penetration, spot.leaving()), per_speed);
+            }
+        }
     }
     pressed
+}
+
+impl Spot {
+    /// Speed at which it leaves the road \[m/s\].
+    fn leaving(&self) -> f64 {
+        self.normal[0] * self.velocity[0] + self.normal[1] * self.velocity[1]
+    }
+}
+
+impl Pressed {
+    /// What one point feels.
+    fn add(&mut self, ray: &Ray<'_>, spot: &Spot, touch: &Touch, per_speed: f64) {
+        let Spot { arm, normal, .. } = *spot;
+        let on_ray = normal[0] * ray.along[0] + normal[1] * ray.along[1];
+        self.points += 1;
+        self.penetration = self.penetration.max(spot.penetration);
+        self.force[0] += touch.force * normal[0];
+        self.force[1] += touch.force * normal[1];
+        self.moment += touch.force * (arm[1] * normal[0] - arm[0] * normal[1]);
+        self.along += touch.force * on_ray;
+        // the penetration grows by - on_ray with the distance, the leaving speed by on_ray with the speed
+        self.slope += on_ray * on_ray * (touch.by_leaving * per_speed - touch.by_penetration);
+        self.loss += spot.leaving() * (touch.elastic - touch.force);
+    }
+
+    /// The same where the element is a little farther out \[m\]: forces go with that along the ray.
+    fn moved(self, by: f64) -> Self {
+        if self.along == 0.0 {
+            return self;
+        }
+        let along = self.along + self.slope * by;
+        let share = along / self.along;
+        Self {
+            along,
+            force: self.force.map(|force| share * force),
+            moment: share * self.moment,
+            loss: share * self.loss,
+            ..self
+        }
+    }
 }
 
 /// Where an element is at a stage, and what the road does to it there.
@@ -237,13 +312,13 @@ pub(super) fn reach(
     if ray.along[1] >= 0.0 {
         return reached(free, Pressed::default());
     }
-    let pressed = press(ray, track, contact, (free, speed_at(free)), per);
-    if pressed.points == 0 {
-        return reached(free, pressed);
+    let penetration = ray.penetration(track, free);
+    if penetration <= 0.0 {
+        return reached(free, Pressed::default());
     }
     // the road pushes it in: the place is between there and where it touches no more
     let (mut low, mut high) = (f64::NEG_INFINITY, free);
-    let mut r = if guess < free { guess } else { free - pressed.penetration };
+    let mut r = if guess < free { guess } else { free - penetration };
     for _ in 0..ITERATIONS {
         let pressed = press(ray, track, contact, (r, speed_at(r)), per);
         let (value, slope) = without_road(r);
@@ -257,11 +332,11 @@ pub(super) fn reach(
         if !(next > low && next < high) || slope <= 0.0 {
             next = match low.is_finite() {
                 true => 0.5 * (low + high),
-                false => high - 2.0 * (free - high).max(pressed.penetration).max(1e-6),
+                false => high - 2.0 * (free - high).max(penetration).max(1e-6),
             };
         }
         if (next - r).abs() < CLOSE {
-            return reached(r, pressed);
+            return reached(next, pressed.moved(next - r));
         }
         r = next;
     }
