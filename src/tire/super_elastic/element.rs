@@ -13,9 +13,11 @@ pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Iterations for the place of an element in contact: Newton's method takes three to five, and where it would leave the range that the
 /// place is known to be in, that is halved.
 const ITERATIONS: usize = 60;
-/// A change of the place \[m\] behind which Newton's method has no error that counts: it is the share of it that the change has of the
-/// penetration, a few tenths of a millimetre, so a ten-thousandth of a newton on the contact's stiffness at the load of a truck.
-const CLOSE: f64 = 3e-8;
+/// A change of the place over the penetration behind which Newton's method has no error that counts: it leaves the square of that, a
+/// hundred-millionth of the contact's force.
+const CLOSE: f64 = 1e-4;
+/// A change that is rounding \[m\].
+const ROUNDING: f64 = 1e-15;
 
 /// What acts on an element besides the road, as a function of its distance and speed: force = base + stiffness r + damping v, pulling
 /// it to the rim, all else included.
@@ -335,7 +337,7 @@ pub(super) fn reach(
                 false => high - 2.0 * (free - high).max(penetration).max(1e-6),
             };
         }
-        if (next - r).abs() < CLOSE {
+        if (next - r).abs() <= CLOSE * pressed.penetration + ROUNDING {
             return reached(next, pressed.moved(next - r));
         }
         r = next;
