@@ -69,6 +69,12 @@ const CASES: &[Case] = &[
         inputs: |t| vec![("brake_torque", 1000.0 * ramp(t, 0.1, 0.2) * (1.0 - ramp(t, 1.0, 0.1)))],
     },
     Case { model: "-hydropulse", start: &[], inputs: |t| vec![("force", 4000.0 + 1500.0 * (9.0 * t).sin())] },
+    Case { model: "-drum", start: &[], inputs: |t| vec![("drum_speed", 3.0 + 0.5 * (4.0 * t).sin())] },
+    Case {
+        model: "-counterbalance-truck",
+        start: &[("road_start", 1.0)],
+        inputs: |t| vec![("speed", 2.0 + 0.2 * (2.0 * t).sin())],
+    },
     Case {
         model: "brake-hydraulics",
         start: &[],
