@@ -219,7 +219,12 @@ pub(super) fn press(
         let penetrations = spots.map(|spot| if spot.penetration > 0.0 { spot.penetration } else { 1.0 });
         for (spot, elastic) in spots.iter().zip(contact.elastic(penetrations)) {
             if spot.penetration > 0.0 {
-                pressed.add(ray, spot, &contact.touch_at(elastic, spot.penetration, spot.leaving()), per_speed);
+                pressed.add(
+                    ray,
+                    spot,
+                    &contact.touch_at(elastic, spot.penetration, spot.leaving()),
+                    per_speed,
+                );
             }
         }
     }
