@@ -5,6 +5,9 @@
 //! the UA tire by quadrature of the stresses of a brush, those of SWIFT's vertical law with two public implementations of the
 //! Magic Formula 6.1 (TyreDyn, MFeval). They are given to twelve digits.
 
+#![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::approx_constant)] // a width of 0.318 m is not 1 / pi
+
 use latsch::tire::classic::{AtTwoLoads, Basics, Curve, Fiala, Linear, Ring, Swift, TmEasy, Trail, Ua};
 use latsch::tire::one_point::{Input, Law, Pressed, Steady};
 
