@@ -106,13 +106,13 @@ pub(crate) struct Drawn {
 }
 
 /// Share of a channel's spread over all runs that its noise has.
-const NOISE: (f64, f64) = (0.007, 0.012);
+const NOISE: (f64, f64) = (0.01, 0.017);
 /// Offsets of channels are at most so many times the noise.
 const OFFSET: f64 = 1.5;
 /// Sample times are off the even grid by as much \[s\], or not at all.
 const JITTER: f64 = 1e-4;
 /// Every how manieth sample counts where effects are sized.
-const EVERY: usize = 3;
+const EVERY: usize = 2;
 /// Effects larger or smaller than so many times their natural size are no longer believable.
 const MOST: f64 = 10.0;
 /// How often another shape of an effect is drawn that cannot be as large as it is wanted.

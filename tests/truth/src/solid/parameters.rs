@@ -168,5 +168,5 @@ impl Parameters {
 
 /// Step that the user of the model takes \[s\]: cleats ask for a shorter one, as its page says.
 fn step(rig: Rig) -> f64 {
-    if rig == Rig::Drum { 2.5e-4 } else { 1e-3 }
+    if rig == Rig::Drum { 5e-4 } else { 1e-3 }
 }

@@ -14,8 +14,6 @@ pub(crate) enum Wave {
     Sweep(f64, f64),
     /// Lines: share, frequency \[Hz\], phase.
     Band(Vec<[f64; 3]>),
-    /// Levels that are held for so many seconds each, with a rise time \[s\].
-    Steps(Vec<f64>, f64, f64),
 }
 
 /// The course of a command.
@@ -37,19 +35,11 @@ fn smooth(x: f64) -> f64 {
 const FADE: f64 = 0.8;
 
 impl Wave {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a few levels
     fn at(&self, t: f64, duration: f64) -> f64 {
         match self {
             Self::Sine(f) => libm::sin(TAU * f * t),
             Self::Sweep(from, to) => libm::sin(TAU * t * (from + 0.5 * (to - from) * t / duration)),
             Self::Band(lines) => lines.iter().map(|[a, f, phase]| a * libm::sin(TAU * f * t + phase)).sum(),
-            Self::Steps(levels, hold, rise) => {
-                let number = (t / hold).floor().max(0.0);
-                let level =
-                    |n: f64| if n < 0.0 { 0.0 } else { levels.get(n as usize).copied().unwrap_or(0.0) };
-                let (from, to) = (level(number - 1.0), level(number));
-                from + (to - from) * smooth((t - number * hold) / rise)
-            }
         }
     }
 }
@@ -100,7 +90,7 @@ pub(crate) const RATE: f64 = 200.0;
 impl Rig {
     /// Runs, and how many of them are for checking.
     pub(crate) fn runs(self) -> (usize, usize) {
-        if self == Self::Drum { (8, 2) } else { (11, 3) }
+        if self == Self::Drum { (6, 2) } else { (8, 2) }
     }
 }
 
@@ -112,7 +102,7 @@ const STAMP: f64 = 1e-5;
 pub(crate) fn draw(random: &mut Random, rig: Rig, jitter: f64) -> Vec<Run> {
     (0..rig.runs().0)
         .map(|number| {
-            let duration = if rig == Rig::Drum { random.within(9.0, 11.0) } else { random.within(6.5, 8.5) };
+            let duration = if rig == Rig::Drum { random.within(5.5, 6.5) } else { random.within(4.0, 5.0) };
             let course = course(random, rig, number, duration);
             let mut stamp = |k: usize| {
                 let off = jitter * random.normal().clamp(-3.0, 3.0);
@@ -136,12 +126,12 @@ pub(crate) fn cleat(random: &mut Random, start: f64) -> Cleat {
 }
 
 fn course(random: &mut Random, rig: Rig, number: usize, duration: f64) -> Course {
-    if rig == Rig::Drum { drum(random, number, duration) } else { cylinder(random, rig, number, duration) }
+    if rig == Rig::Drum { drum(random, number, duration) } else { cylinder(random, rig, number) }
 }
 
-/// Sines of small and large amplitude, slow and fast, under low and high load; a sweep, a band, steps. With position
-/// control the wheel is lifted off the road in three of them.
-fn cylinder(random: &mut Random, rig: Rig, number: usize, duration: f64) -> Course {
+/// Sines of small and large amplitude, slow and fast, under low and high load; a sweep, a band. With position
+/// control the wheel is lifted off the road in two of them.
+fn cylinder(random: &mut Random, rig: Rig, number: usize) -> Course {
     let mut between = |low: f64, high: f64| random.within(low, high);
     // load and amplitude \[N\], \[m\]: the tire carries 10 kN at 16 mm
     let force = rig == Rig::Force;
@@ -156,7 +146,7 @@ fn cylinder(random: &mut Random, rig: Rig, number: usize, duration: f64) -> Cour
         pick(between(1500.0, 2500.0), between(2e-3, 3e-3)),
         pick(between(4500.0, 6000.0), between(6e-3, 7.5e-3)),
     );
-    let (slow, fast) = (between(0.3, 0.6), between(3.0, 5.0));
+    let (slow, fast) = (between(0.5, 0.8), between(3.0, 5.0));
     let one = between(0.9, 1.4);
     match number {
         0 => Course::Wave(high, 0.85 * large, Wave::Sine(one)),
@@ -165,19 +155,7 @@ fn cylinder(random: &mut Random, rig: Rig, number: usize, duration: f64) -> Cour
         3 => Course::Wave(middle, small, Wave::Sine(2.0 * one)),
         4 => Course::Wave(high, small, Wave::Sweep(0.4, 9.0)),
         5 => Course::Wave(middle, 0.8 * large, Wave::Sine(slow)),
-        6 => lift(rig, low, Wave::Sine(between(0.5, 0.9)), medium),
-        7 => {
-            let hold = between(0.5, 0.8);
-            let count = (duration / hold).ceil().max(1.0);
-            let levels = levels(random, count);
-            let rise = random.within(0.05, 0.09);
-            Course::Wave(middle, 0.6 * large, Wave::Steps(levels, hold, rise))
-        }
-        8 => {
-            let lines = lines(random);
-            Course::Wave(middle, large, Wave::Band(lines))
-        }
-        9 => Course::Wave(between(0.85, 1.1) * high, medium, Wave::Sweep(0.3, 6.0)),
+        6 => Course::Wave(middle, large, Wave::Band(lines(random))),
         _ => lift(rig, low, Wave::Sine(between(0.8, 1.2)), 0.7 * medium),
     }
 }
@@ -191,28 +169,21 @@ fn lift(rig: Rig, middle: f64, wave: Wave, amplitude: f64) -> Course {
     }
 }
 
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a few levels
-fn levels(random: &mut Random, count: f64) -> Vec<f64> {
-    (0..count as usize).map(|k| if k == 0 { 0.0 } else { random.within(-1.0, 1.0) }).collect()
-}
-
 /// Lines between 0.3 and 6 Hz whose sum hardly leaves -1 to 1.
 fn lines(random: &mut Random) -> Vec<[f64; 3]> {
     (0..8).map(|_| [random.within(0.1, 0.2), random.log_within(0.3, 6.0), random.within(0.0, TAU)]).collect()
 }
 
-/// Speeds that are held for some turns, slow and fast; ever faster; up and down.
+/// Speeds that are held for a turn or some, slow and fast; down, up, and ever faster.
 fn drum(random: &mut Random, number: usize, duration: f64) -> Course {
     let mut to = |start: f64, low: f64, high: f64, within: f64| [start, random.within(low, high), within];
     let half = 0.5 * duration;
     Course::Speeds(match number {
-        0 => vec![to(0.2, 0.9, 1.2, 1.0), to(half, 1.4, 1.8, 0.8)],
-        1 => vec![to(0.2, 1.9, 2.2, 1.5)],
-        2 => vec![to(0.2, 2.6, 3.0, 2.0), to(half + 1.0, 0.9, 1.4, 2.0)],
-        3 => vec![to(0.2, 3.6, 4.2, 2.5)],
-        4 => vec![to(0.2, 4.6, 5.4, 3.0)],
-        5 => vec![to(0.2, 5.0, 6.0, duration)],
-        6 => vec![to(0.2, 2.3, 2.7, 1.5), to(half, 3.3, 3.9, 1.5)],
-        _ => vec![to(0.2, 1.2, 1.5, 1.0), to(half, 4.2, 4.8, 2.5)],
+        0 => vec![to(0.2, 1.9, 2.2, 1.0)],
+        1 => vec![to(0.2, 2.6, 3.0, 1.2), to(half, 1.3, 1.7, 1.5)],
+        2 => vec![to(0.2, 3.6, 4.2, 1.5)],
+        3 => vec![to(0.2, 4.6, 5.4, 1.8)],
+        4 => vec![to(0.2, 2.3, 2.7, 1.2), to(half, 3.3, 3.9, 1.2)],
+        _ => vec![to(0.2, 5.0, 6.0, duration)],
     })
 }
