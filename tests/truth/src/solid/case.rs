@@ -1,6 +1,6 @@
 //! A case: a tire on a rig, what is believed of it, what is concealed, and what is recorded.
 
-use super::concealed::{Concealed, OFFERS, Offer};
+use super::concealed::{Concealed, Law, OFFERS, Offer};
 use super::parameters::{Parameters, Rig};
 use super::programme::{self, Run};
 use super::world::{COARSE, FINE, World, input, noisy, outputs};
@@ -159,10 +159,10 @@ impl Drawn {
     /// Conceals an effect, as large as the kind wants it; none if it cannot be.
     pub(crate) fn conceal(&mut self, offer: Offer, random: &mut Random) -> Option<()> {
         let few: Vec<Run> = self.runs.iter().map(|run| run.thinned(EVERY)).collect();
-        let refit = self.refit(&few);
+        let refit = self.refit(&few, offer);
         let (low, high) = self.kind.target();
         let target = random.log_within(low, high);
-        let (concealed, left) = (0..SHAPES).find_map(|_| {
+        let (mut concealed, left) = (0..SHAPES).find_map(|_| {
             let law = offer.draw(random);
             let left = |size: f64| {
                 let concealed = Some(Concealed { law, size });
@@ -172,6 +172,9 @@ impl Drawn {
             let (size, left) = size(target, (low, MOST), &left)?;
             Some((Concealed { law, size }, left))
         })?;
+        if let Law::CellLag(beyond) = &mut concealed.law {
+            *beyond = self.world.p.element_radial_damping / self.world.p.element_radial_stiffness;
+        }
         self.world.concealed = Some(concealed);
         self.mark = Some((offer, left));
         Some(())
@@ -188,11 +191,13 @@ impl Drawn {
         all
     }
 
-    /// What free parameters and offsets can explain.
-    pub(crate) fn refit(&self, runs: &[Run]) -> Refit {
+    /// What free parameters and offsets can explain. A lag of the force is less damping, until there is none: what it takes
+    /// for that comes on top of its size.
+    fn refit(&self, runs: &[Run], offer: Offer) -> Refit {
         let nominal = self.flat(&self.world.session(runs, COARSE));
         let channels = self.noise.len();
-        let columns = self.world.p.free().map(|(name, _)| {
+        let free = |(name, _): &(&str, f64)| offer != Offer::CellLag || *name != "element_radial_damping";
+        let columns = self.world.p.free().filter(free).map(|(name, _)| {
             let moved = World { p: self.world.p.moved(name, 5e-3), ..self.world.clone() };
             let mut column = self.flat(&moved.session(runs, COARSE));
             column.iter_mut().zip(&nominal).for_each(|(a, b)| *a -= b);

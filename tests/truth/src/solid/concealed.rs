@@ -73,7 +73,7 @@ impl Offer {
             Self::Friction => Law::Friction(r.log_within(3e-4, 1e-3)),
             Self::Payne => Law::Payne(r.log_within(1e-3, 4e-3), r.within(1.0, 3.0)),
             Self::Play => Law::Play,
-            Self::CellLag => Law::CellLag,
+            Self::CellLag => Law::CellLag(0.0),
             Self::PivotFriction => Law::PivotFriction,
             Self::NonUniformity => {
                 let mut phase = || r.within(0.0, TAU);
@@ -108,8 +108,9 @@ pub(crate) enum Law {
     Payne(f64, f64),
     /// Play between cylinder and wheel; size 1 is 0.4 mm.
     Play,
-    /// The amplifier of the load cell is a first-order filter; size 1 is 8 ms.
-    CellLag,
+    /// The amplifier of the load cell is a first-order filter; size 1 is 2 ms, beyond this time \[s\], which less damping of
+    /// the rubber would make up for.
+    CellLag(f64),
     /// Dry friction in the arm's pivot; size 1 is 100 N at the wheel.
     PivotFriction,
     /// Elements of uneven stiffness, once and twice around, and a tread that is not centred, with their phases; size 1 is 2 %,
@@ -159,7 +160,8 @@ impl Concealed {
 
     /// Time constant of the load cell \[s\].
     pub(crate) fn cell(&self) -> Option<f64> {
-        (self.law == Law::CellLag).then_some(8e-3 * self.size)
+        let Law::CellLag(beyond) = self.law else { return None };
+        Some(beyond + 2e-3 * self.size)
     }
 
     /// Friction of the pivot, at the wheel \[N\].
