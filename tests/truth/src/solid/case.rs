@@ -126,7 +126,8 @@ impl Drawn {
             None if kind == Kind::Null => random.pick(&[Rig::Force, Rig::Position]),
             None => Rig::Drum,
         };
-        let mut drawn = Self::bare(kind, rig, random, |_| true);
+        let hung = offer == Some(Offer::Play);
+        let mut drawn = Self::with(kind, (rig, hung), random, |_| true);
         if let Some(offer) = offer {
             drawn.conceal(offer, random)?;
         }
@@ -134,12 +135,22 @@ impl Drawn {
     }
 
     /// A case without what is concealed, of those runs that are `wanted`.
+    #[cfg(test)]
     pub(crate) fn bare(kind: Kind, rig: Rig, random: &mut Random, wanted: impl Fn(usize) -> bool) -> Self {
+        Self::with(kind, (rig, false), random, wanted)
+    }
+
+    fn with(
+        kind: Kind,
+        (rig, hung): (Rig, bool),
+        random: &mut Random,
+        wanted: impl Fn(usize) -> bool,
+    ) -> Self {
         let p = Parameters::draw(random, rig);
         let belief = p.believed(random, kind == Kind::Null);
         let cleat = programme::cleat(random, p.road_start);
         let jitter = if random.chance(0.7) { JITTER } else { 0.0 };
-        let mut runs = programme::draw(random, rig, jitter);
+        let mut runs = programme::draw(random, rig, jitter, hung);
         let mut number = 0..;
         runs.retain(|_| number.next().is_some_and(&wanted));
         let world = World { rig, p, cleat, concealed: None };

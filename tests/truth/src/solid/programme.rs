@@ -97,13 +97,16 @@ impl Rig {
 /// Stamps have this resolution \[s\].
 const STAMP: f64 = 1e-5;
 
-/// Draws the runs of a case; `jitter` is by how much sample times are off the even grid \[s\].
+/// Draws the runs of a case, half of them in the air for half of the time if the wheel is `hung`; `jitter` is by how much sample times are off the even grid \[s\].
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // some thousand samples
-pub(crate) fn draw(random: &mut Random, rig: Rig, jitter: f64) -> Vec<Run> {
+pub(crate) fn draw(random: &mut Random, rig: Rig, jitter: f64, hung: bool) -> Vec<Run> {
     (0..rig.runs().0)
         .map(|number| {
             let duration = if rig == Rig::Drum { random.within(5.5, 6.5) } else { random.within(4.0, 5.0) };
-            let course = course(random, rig, number, duration);
+            let mut course = course(random, rig, number, duration);
+            if let (true, Course::Wave(middle, amplitude, _)) = (hung && number % 2 == 1, &mut course) {
+                (*middle, *amplitude) = (0.0, amplitude.max(6e-3));
+            }
             let mut stamp = |k: usize| {
                 let off = jitter * random.normal().clamp(-3.0, 3.0);
                 (((k as f64 / RATE + off).max(0.0)) / STAMP).round() * STAMP
