@@ -3,7 +3,7 @@
 //! Nothing here depends on latsch, but for the tire that [`flat_track`] rolls. A [`study`] is a list of kinds, shuffled by its seed; [`draw`] makes
 //! a case of one of them: a base machine with parameters of its own, what is [hidden] in it, a
 //! [`programme`], [sensors](sensor) and perhaps a [`fault`] of the recording; [`recording`] simulates it.
-//! The same seed gives the same bytes on every machine. [`machines`] and [`sessions`] are studies of their own.
+//! The same seed gives the same bytes on every machine. [`machines`], [`sessions`] and [`solid`] are studies of their own.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 // the same bits on every processor, as clippy.toml says
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
@@ -25,4 +25,5 @@ pub mod sensor;
 pub mod sessions;
 pub mod simulate;
 pub mod sizing;
+pub mod solid;
 pub mod study;

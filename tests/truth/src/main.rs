@@ -3,7 +3,7 @@
 use clap::Parser;
 use latsch_truth::machines::{self, View};
 use latsch_truth::study::{name, study};
-use latsch_truth::{files, score, sessions};
+use latsch_truth::{files, score, sessions, solid};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -18,7 +18,7 @@ enum Command {
         #[arg(long)]
         output: PathBuf,
         /// How a machine is told: larger, smaller, slower, faster, turned, renamed, reordered, beside, doubled, spoilt
-        #[arg(long, default_value = "same", requires = "machines", conflicts_with = "sessions")]
+        #[arg(long, default_value = "same", requires = "machines", conflicts_with_all = ["sessions", "solid"])]
         view: View,
         #[command(flatten)]
         seed: Seed,
@@ -86,6 +86,9 @@ struct Of {
     /// The study of sessions on a flat track, with a tire of its own
     #[arg(long)]
     sessions: bool,
+    /// The study of a solid rubber tire under a cylinder and on a drum, with a tire of its own
+    #[arg(long, conflicts_with_all = ["machines", "sessions"])]
+    solid: bool,
 }
 
 impl Of {
@@ -93,6 +96,7 @@ impl Of {
         match self {
             Self { machines: true, .. } => machines::count(),
             Self { sessions: true, .. } => sessions::count(),
+            Self { solid: true, .. } => solid::count(),
             _ => study(seed).len(),
         }
     }
@@ -119,6 +123,7 @@ fn run(command: &Command) -> Result<(), String> {
             match of {
                 Of { machines: true, .. } => machines::write_case(seed.seed, number, *view, output),
                 Of { sessions: true, .. } => sessions::write_case(seed.seed, number, output),
+                Of { solid: true, .. } => solid::write_case(seed.seed, number, output),
                 _ => files::write_case(seed.seed, number, output),
             }
         }
@@ -126,6 +131,7 @@ fn run(command: &Command) -> Result<(), String> {
             let write = match of {
                 Of { machines: true, .. } => machines::write_answer,
                 Of { sessions: true, .. } => sessions::write_answer,
+                Of { solid: true, .. } => solid::write_answer,
                 _ => files::write_answer,
             };
             let all: Vec<usize> = (1..=of.count(seed.seed)).collect();

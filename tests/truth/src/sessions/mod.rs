@@ -4,7 +4,7 @@
 //! is made of; equation numbers are those of the thesis (Kaden, TU München 2015), as the specification has them.
 //! `rig` drives it through a `programme`, `session` with what is `concealed` in it; `case` draws, sizes and records.
 
-mod bessel;
+pub(crate) mod bessel;
 mod bristle;
 mod case;
 mod concealed;
