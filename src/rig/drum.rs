@@ -26,6 +26,8 @@ pub struct Drum<T> {
     actuation: Actuation,
     drive_torque: f64,
     brake_torque: f64,
+    /// On the arm about its pivot \[N.m\].
+    pivot_torque: f64,
     /// The wheel's centre moves with the mass of the arm at the wheel.
     hub: Hub,
     hub_parameters: HubParameters,
@@ -47,6 +49,7 @@ clone_in_place!(Drum<T> {
     actuation,
     drive_torque,
     brake_torque,
+    pivot_torque,
     hub,
     hub_parameters,
     diameter,
@@ -153,6 +156,7 @@ impl<T: Tire> Model for Drum<T> {
             input("drum_speed", "m/s", rated!(speed), 2.0, "Speed of the drum's surface, positive where it turns the wheel forward").range(-50.0, 50.0).role(Role::TravelSpeed),
             input("drive_torque", "N.m", real!(drive_torque), 0.0, "Torque on the wheel about its axis, positive forward").range(-1e5, 1e5).nominal(100.0),
             input("brake_torque", "N.m", real!(brake_torque), 0.0, "Torque with which a brake can resist the spin, in either direction; a wheel that stands is held").range(0.0, 1e5).nominal(100.0),
+            input("pivot_torque", "N.m", real!(pivot_torque), 0.0, "Further torque on the arm about its pivot, positive where it lifts the wheel: friction of the pivot, another actuator").range(-1e6, 1e6).nominal(100.0),
         ])
         .part("", lens!(tire), Rolling::rows()
             .with("road_kind", |row| row.start(8))
@@ -168,6 +172,7 @@ impl<T: Tire> Model for Drum<T> {
             output("arm_acceleration_6_x", "m/s2", Access::computed(|m: &Self| m.acceleration_along(1)), "Accelerometer 6, away from the pivot"),
             output("arm_acceleration_6_z", "m/s2", Access::computed(|m: &Self| m.acceleration_at(5)), "Accelerometer 6, vertical, without gravity; its y never moves"),
             output("wheel_lowered", "m", Access::computed(|m: &Self| m.tire.tire().radius() - m.hub.centre.position.z), "How much lower than without load on the bare drum the wheel's centre is"),
+            output("arm_rate", "rad/s", Access::computed(|m: &Self| m.hub.centre.velocity.z / m.arm.length), "Rate at which the arm turns, upward"),
             output("wheel_velocity", "m/s", real!(hub.centre.velocity.z), "Velocity of the wheel's centre, upward"),
             output("pivot_force_x", "N", Access::computed(|m: &Self| -m.tire.mounted.force.x), "Force that the pivot holds the arm with along x, without inertia"),
             output("slip", "1", Access::computed(|m: &Self| m.slip()), "Longitudinal slip, (rolling radius times spin speed - v) / |v| with the speed v of the drum's surface (below 0.1 m/s, over 0.1 m/s)").role(Role::Slip),
@@ -311,7 +316,8 @@ impl<T: Tire> Drum<T> {
         let tire = self.tire.tire();
         let weight = self.arm.resting_mass() * tire.gravity();
         let rate = self.hub.centre.velocity.z / self.arm.length;
-        let held = tire.on_rim().force.z - weight - self.arm.damping * rate / self.arm.length;
+        let about_pivot = self.pivot_torque - self.arm.damping * rate;
+        let held = tire.on_rim().force.z - weight + about_pivot / self.arm.length;
         let torque = self.tire.mounted.spin_moment() + self.drive_torque;
         self.hub.load(&self.hub_parameters, &Vector3::new(0.0, 0.0, held), torque, &tire.carried());
         // the pivot holds it along and across

@@ -112,6 +112,19 @@ fn the_arm_swings_with_its_moment_of_inertia() {
     assert!((slow / fast / expected - 1.0).abs() < 5e-3, "{slow} {fast} {expected}");
 }
 
+/// What turns the arm at its pivot unloads the wheel by itself over the arm's length.
+#[test]
+fn a_torque_at_the_pivot_unloads_the_wheel() {
+    let mut rig =
+        Shipped::new(RIG, &[BARE, ("drum_speed", 0.0), ("arm_damping", 3000.0), ("arm_length", 0.8)]);
+    let load = rig.get("force_z");
+    rig.set("pivot_torque", 800.0);
+    rig.step(8.0);
+    let lifted = load - rig.get("force_z");
+    assert!((lifted - 1000.0).abs() < 1.0, "{lifted}");
+    assert!(rig.get("arm_rate").abs() < 1e-4);
+}
+
 #[test]
 fn a_cleat_comes_once_per_turn() {
     let mut rig = Shipped::new(RIG, &[("drum_speed", 4.0), ("road_start", 3.0)]);
