@@ -162,3 +162,31 @@ fn long_steps_agree_with_short_ones_of_another_program() {
         );
     }
 }
+
+/// A wheel that starts on an obstacle stands on it: the forces are those of its springs, and no blow.
+#[test]
+fn a_start_on_an_obstacle_is_no_blow() {
+    for start in [-0.02, -0.1, -0.22] {
+        let mut wheel = super::common::shipped("super-elastic-wheel");
+        let profile = wheel.find("road_profile").unwrap();
+        wheel.set_text(profile, "0 0; 0.05 0.01; 0.2 0.01; 0.25 0").unwrap();
+        let values = [
+            ("road_kind", 8.0),
+            ("road_start", start),
+            ("initial_speed", 2.0),
+            ("initial_load", 6504.0),
+            ("hub_mass", 663.0),
+            ("axle_force_z", 0.0),
+        ];
+        super::common::set(&mut *wheel, &values);
+        wheel.start(0.0, None).unwrap();
+        wheel.finish_start().unwrap();
+        let mut most = super::common::get(&mut *wheel, "contact_force");
+        for k in 0..100 {
+            wheel.step(1e-3 * f64::from(k), 1e-3).unwrap();
+            most = most.max(super::common::get(&mut *wheel, "contact_force"));
+        }
+        // 10 mm deeper than 13 mm under that load, on springs of which more and more touch
+        assert!(most > 5000.0 && most < 20_000.0, "{start}: {most}");
+    }
+}

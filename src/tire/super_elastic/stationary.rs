@@ -64,10 +64,9 @@ impl Parameters {
     }
 }
 
-/// The ring at rest under a rim at a height.
-fn at_height(rubber: &Rubber<'_>, rim: &RimInPlane) -> (Ring, Sums) {
+/// The ring at rest on a track under a rim at a height.
+pub(super) fn at_rest(rubber: &Rubber<'_>, rim: &RimInPlane, track: &impl Track) -> (Ring, Sums) {
     let prepared = rubber.prepared;
-    let track = Bare { curvature: prepared.curvature };
     let mut ring = Ring::free(prepared);
     let still = |n: usize, angle: f64, guess: f64| {
         let along = along(prepared, n, libm::sincos(angle));
@@ -81,7 +80,7 @@ fn at_height(rubber: &Rubber<'_>, rim: &RimInPlane) -> (Ring, Sums) {
             offsets: &prepared.offsets,
         };
         let radial = rubber.at_rest(rim, along);
-        reach(&radial, &ray, &track, &prepared.contact, (prepared.free, 0.0, LONG), guess).distance
+        reach(&radial, &ray, track, &prepared.contact, (prepared.free, 0.0, LONG), guess).distance
     };
     for n in 0..ring.distance.len() {
         let here = still(n, rim.angle, prepared.free);
@@ -91,7 +90,7 @@ fn at_height(rubber: &Rubber<'_>, rim: &RimInPlane) -> (Ring, Sums) {
             rubber.at_rest(rim, along(prepared, n, libm::sincos(rim.angle))).friction.at(here).0;
         ring.speed[n] = rim.spin * (turned[1] - turned[0]) / (2.0 * TURN);
     }
-    let sums = ring.evaluate(rubber, rim, &track);
+    let sums = ring.evaluate(rubber, rim, track);
     (ring, sums)
 }
 
@@ -105,9 +104,10 @@ pub(super) fn stationary(
     rim: &RimInPlane,
     load: Option<f64>,
 ) -> Result<Stationary> {
+    let track = Bare { curvature: prepared.curvature };
     let with = |height: f64, coefficients: Coefficients| {
         let rim = RimInPlane { height, ..*rim };
-        at_height(&Rubber { parameters, prepared, coefficients }, &rim)
+        at_rest(&Rubber { parameters, prepared, coefficients }, &rim, &track)
     };
     let speed = rim.velocity[0];
     if let Some(load) = load {
@@ -118,7 +118,7 @@ pub(super) fn stationary(
             let at = |k: u32| {
                 let angle = rim.angle + prepared.pitch * f64::from(k) / f64::from(angles);
                 let rim = RimInPlane { height, angle, ..*rim };
-                parameters.on_rim(&at_height(&Rubber { parameters, prepared, coefficients }, &rim).1)[1]
+                parameters.on_rim(&at_rest(&Rubber { parameters, prepared, coefficients }, &rim, &track).1)[1]
             };
             (0..angles).map(at).sum::<f64>() / f64::from(angles) - load
         };

@@ -3,7 +3,7 @@
 use super::element::{Along, GAMMA};
 use super::parameters::{Parameters, Prepared};
 use super::ring::{Coefficients, RimInPlane, Ring, Rubber, Sums, along};
-use super::stationary::{Bare, Stationary, stationary};
+use super::stationary::{Bare, Stationary, at_rest, stationary};
 use crate::mechanics::{Link, Motion, Wrench};
 use crate::model::Table;
 use crate::road::{Road, Window};
@@ -316,6 +316,7 @@ impl Tire for SuperElastic {
         Ok(Rest { rim_height: inside.height, on_rim: tire.state.on_rim, inside })
     }
 
+    /// The elements stand on the road as it is, which may be an obstacle, at the height that was found for a plane one.
     fn begin(
         &mut self,
         rest: &Rest<Stationary>,
@@ -323,8 +324,14 @@ impl Tire for SuperElastic {
         _plane: &Plane,
         ground: &impl Ground,
     ) -> Result<()> {
-        let (plane, _) = in_plane(rim);
+        let (plane, heading) = in_plane(rim);
         self.settle(&rest.inside, &plane);
+        let rubber = Rubber {
+            parameters: &self.parameters,
+            prepared: &self.prepared,
+            coefficients: self.state.coefficients,
+        };
+        self.state.ring = at_rest(&rubber, &plane, &Along { ground, heading, share: 0.0 }).0;
         self.step(rim, rim, ground, 0.0)
     }
 
