@@ -425,7 +425,7 @@ mod tests {
         ];
         assert_eq!((free, left), (all.map(String::from).to_vec(), vec![("step_size".into(), NUMERICS)]));
         // of a tire that a file gives, its scales are fitted
-        for rig in ["flat-track", "tire", "wheel", "corner", "hydropulse"] {
+        for rig in ["flat-track", "tire", "wheel", "corner", "hydropulse", "drum"] {
             let (free, left) = shares(&format!("magic-formula-{rig}"));
             let is_coefficient = |name: &&String| name.chars().all(|c| !c.is_ascii_lowercase());
             let fitted: Vec<_> = free.iter().filter(is_coefficient).collect();
@@ -438,7 +438,7 @@ mod tests {
             assert!(given.count() > 80, "{left:?}");
         }
         // what the source of a tire leaves out is off, and its contact is numerics
-        for rig in ["flat-track", "tire", "wheel", "corner", "hydropulse"] {
+        for rig in ["flat-track", "tire", "wheel", "corner", "hydropulse", "drum"] {
             let (free, left) = shares(&format!("super-elastic-{rig}"));
             let fitted = [
                 "element_radial_stiffness",
@@ -458,6 +458,45 @@ mod tests {
             free.iter().any(|f| f == "wheel_mass") && !free.iter().any(|f| f.starts_with("excitation")),
             "{left:?}"
         );
+
+        // of rigs and trucks what a ruler measures is given
+        for (model, given, fitted) in [
+            ("ring-brush-drum", ["drum_diameter", "weight_distance"], ["arm_inertia", "wheel_mass"]),
+            ("linear-drum", ["arm_length", "weight_mass"], ["vertical_stiffness", "vertical_damping"]),
+            (
+                "linear-counterbalance-truck",
+                ["wheelbase", "chassis_x"],
+                ["mount_stiffness", "chassis_pitch_inertia"],
+            ),
+            (
+                "super-elastic-counterbalance-truck",
+                ["front_track", "mount_z"],
+                ["chain_stiffness", "cabin_mass"],
+            ),
+        ] {
+            let (free, left) = shares(model);
+            assert!(
+                given.iter().all(|n| left.iter().any(|(l, why)| l == n && *why == DATA)),
+                "{model}: {left:?}"
+            );
+            assert!(fitted.iter().all(|n| free.iter().any(|f| f == n)), "{model}: {free:?}");
+        }
+        // of classic tires their stiffnesses and friction are fitted, and how they stand still is not
+        let on = ["flat-track", "tire", "wheel", "corner"];
+        let simple = ["slip_stiffness", "cornering_stiffness", "friction_max"];
+        for (tire, rigs, fitted, given) in [
+            ("fiala", &on[..], &simple[..], ("low_speed", NUMERICS)),
+            ("ua", &on, &[&simple[..], &["camber_stiffness"]].concat(), ("low_speed", NUMERICS)),
+            ("linear", &["wheel", "corner", "hydropulse"], &simple, ("low_speed", NUMERICS)),
+            ("tmeasy", &on, &["x_slope", "y_peak", "trail"], ("nominal_load", DATA)),
+            ("swift", &on, &["Q_FZ1", "LMUX"], ("VXLOW", NUMERICS)),
+        ] {
+            for rig in rigs {
+                let (free, left) = shares(&format!("{tire}-{rig}"));
+                assert!(fitted.iter().all(|n| free.iter().any(|f| f == n)), "{tire}-{rig}: {free:?}");
+                assert!(left.iter().any(|(n, why)| (n.as_str(), *why) == given), "{tire}-{rig}: {left:?}");
+            }
+        }
 
         // thresholds of a controller have units; its reference speed is no reference of anything else
         let (free, left) = shares("abs-controller");
@@ -504,6 +543,6 @@ mod tests {
     /// What `shipped::MODELS` has beside those above would be tested by nobody.
     #[test]
     fn no_shipped_model_is_forgotten() {
-        assert_eq!(MODELS.len(), 17);
+        assert_eq!(MODELS.len(), 42);
     }
 }

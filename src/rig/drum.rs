@@ -96,13 +96,13 @@ impl Arm {
     #[rustfmt::skip] // a row is a line
     fn rows() -> Table<Self> {
         Table::new([
-            parameter("arm_length", "m", real!(length), 1.0, "From the pivot of the swing arm to the wheel's centre").range(0.05, 20.0),
+            parameter("arm_length", "m", real!(length), 1.0, "From the pivot of the swing arm to the wheel's centre").range(0.05, 20.0).purpose(Purpose::Data),
             parameter("wheel_mass", "kg", real!(wheel_mass), 12.0, "Mass of rim and axle, without masses inside the tire's model").range(0.1, 1e4),
             parameter("arm_mass", "kg", real!(mass), 60.0, "Mass of the arm without wheel and weights").range(0.0, 1e4),
-            parameter("arm_centre", "m", real!(centre), 0.5, "From the pivot to the arm's centre of mass").range(-20.0, 20.0),
+            parameter("arm_centre", "m", real!(centre), 0.5, "From the pivot to the arm's centre of mass").range(-20.0, 20.0).purpose(Purpose::Data),
             parameter("arm_inertia", "kg.m2", real!(inertia), 20.0, "Inertia of the arm about the pivot, without wheel and weights").range(0.0, 1e6),
-            parameter("weight_mass", "kg", real!(weight_mass), 523.27, "Mass of the weights on the arm").range(0.0, 1e5),
-            parameter("weight_distance", "m", real!(weight_distance), 1.2, "From the pivot to the weights: shifting them out loads the wheel, and makes the moved mass larger than the resting one").range(-20.0, 20.0),
+            parameter("weight_mass", "kg", real!(weight_mass), 523.27, "Mass of the weights on the arm").range(0.0, 1e5).purpose(Purpose::Data),
+            parameter("weight_distance", "m", real!(weight_distance), 1.2, "From the pivot to the weights: shifting them out loads the wheel, and makes the moved mass larger than the resting one").range(-20.0, 20.0).purpose(Purpose::Data),
             parameter("arm_damping", "N.m.s/rad", real!(damping), 0.0, "Damping of the pivot").range(0.0, 1e6).tunable(),
         ])
     }
@@ -183,7 +183,7 @@ impl<T: Tire> Model for Drum<T> {
         ])
         .part("", lens!(hub), Hub::rows())
         .and([
-            parameter("drum_diameter", "m", real!(diameter), 2.0, "Diameter of the drum; a placeholder, the source gives none").range(0.2, 100.0),
+            parameter("drum_diameter", "m", real!(diameter), 2.0, "Diameter of the drum; a placeholder, the source gives none").range(0.2, 100.0).purpose(Purpose::Data),
             boolean_parameter("drum_inside", boolean!(inside), false, "The wheel rolls inside of the drum"),
             parameter("wheel_inertia", "kg.m2", real!(hub_parameters.inertia), 0.15, "Inertia of what spins with the rim about the wheel's axis, without masses inside the tire's model").range(1e-3, 1e4),
         ])

@@ -29,7 +29,8 @@ clone_in_place!(Fiala { basics, width, moment });
 impl Law for Fiala {
     const NAME: &'static str = "fiala";
     const TITLE: &'static str = "Fiala tire";
-    const DOCUMENTATION: &'static str = concat!(include_str!("fiala.html"), include_str!("basics.html"));
+    const DOCUMENTATION: &'static str =
+        concat!(include_str!("fiala.html"), include_str!("basics.html"), include_str!("fiala_limits.html"));
 
     #[rustfmt::skip] // a row is a line
     fn rows() -> Table<Self> {

@@ -19,7 +19,8 @@ clone_in_place!(Linear { basics });
 impl Law for Linear {
     const NAME: &'static str = "linear";
     const TITLE: &'static str = "Linear spring-damper tire";
-    const DOCUMENTATION: &'static str = concat!(include_str!("linear.html"), include_str!("basics.html"));
+    const DOCUMENTATION: &'static str =
+        concat!(include_str!("linear.html"), include_str!("basics.html"), include_str!("linear_limits.html"));
 
     fn rows() -> Table<Self> {
         Table::new([]).part("", lens!(basics), Basics::rows())

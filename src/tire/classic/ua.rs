@@ -23,7 +23,8 @@ clone_in_place!(Ua { basics, camber_stiffness });
 impl Law for Ua {
     const NAME: &'static str = "ua";
     const TITLE: &'static str = "UA tire";
-    const DOCUMENTATION: &'static str = concat!(include_str!("ua.html"), include_str!("basics.html"));
+    const DOCUMENTATION: &'static str =
+        concat!(include_str!("ua.html"), include_str!("basics.html"), include_str!("ua_limits.html"));
 
     #[rustfmt::skip] // a row is a line
     fn rows() -> Table<Self> {

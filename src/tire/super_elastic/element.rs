@@ -16,6 +16,8 @@ const ITERATIONS: usize = 60;
 /// A change of the place over the penetration behind which Newton's method has no error that counts: it leaves the square of that, a
 /// hundred-millionth of the contact's force.
 const CLOSE: f64 = 1e-4;
+/// Where Newton's method does not lead anywhere, a place is known well enough \[m\].
+const NARROW: f64 = 1e-11;
 /// A change that is rounding \[m\].
 const ROUNDING: f64 = 1e-15;
 
@@ -335,17 +337,21 @@ pub(super) fn reach(
         } else {
             low = r
         }
-        let mut next = r - value / slope;
-        if !(next > low && next < high) || slope <= 0.0 {
-            next = match low.is_finite() {
-                true => 0.5 * (low + high),
-                false => high - 2.0 * (free - high).max(penetration).max(1e-6),
-            };
+        let next = r - value / slope;
+        if next > low && next < high && slope > 0.0 {
+            if (next - r).abs() <= CLOSE * pressed.penetration + ROUNDING {
+                return reached(next, pressed.moved(next - r));
+            }
+            r = next;
+        } else if low.is_finite() {
+            // at an edge the force jumps: the place is where it does
+            if high - low < NARROW {
+                return reached(r, pressed);
+            }
+            r = 0.5 * (low + high);
+        } else {
+            r = high - 2.0 * (free - high).max(penetration).max(1e-6);
         }
-        if (next - r).abs() <= CLOSE * pressed.penetration + ROUNDING {
-            return reached(next, pressed.moved(next - r));
-        }
-        r = next;
     }
     reached(r, press(ray, track, contact, (r, speed_at(r)), per))
 }
