@@ -21,7 +21,7 @@
 
 use super::{Attachment, Chosen, Effect, Parameter, Signal, Source};
 use crate::model::unit::{Unit, quantity};
-use crate::model::{Causality, Interface, Lines, Settings, VariableInfo, line_of};
+use crate::model::{Causality, Interface, Lines, Settings, VariableInfo, key, line_of};
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -381,17 +381,6 @@ pub fn corrected_text(
     text.push_str(&effects_text(interface, attachments, intervals));
     Ok(text)
 }
-
-/// A name as a key of TOML: bare where that is allowed.
-pub(crate) fn key(name: &str) -> String {
-    let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    if !name.is_empty() && name.chars().all(bare) {
-        name.into()
-    } else {
-        toml::Value::String(name.into()).to_string()
-    }
-}
-
 /// Description and unit of a variable as a comment behind its value; nothing where it has neither.
 pub(crate) fn meaning(variable: &VariableInfo) -> String {
     let unit = variable.unit.as_deref().map(|u| format!("[{u}]"));

@@ -23,7 +23,7 @@ pub use join::{Joined, join};
 pub use meaning::{Meaning, Purpose, Role};
 pub use native::Native;
 pub use settings::{Free, Setting, Settings};
-pub(crate) use settings::{Lines, line_of};
+pub(crate) use settings::{Lines, key, line_of};
 pub(crate) use slave::wrong_order;
 pub use slave::{Slave, Snapshot};
 pub(crate) use table::reference;

@@ -214,7 +214,7 @@ impl Settings {
                     other => other.to_string(),
                 };
                 let unit = variable.unit.as_deref().map(|u| format!(" [{u}]")).unwrap_or_default();
-                let _ = writeln!(text, "{} = {value} # {}{unit}", variable.name, variable.description);
+                let _ = writeln!(text, "{} = {value} # {}{unit}", key(&variable.name), variable.description);
             }
         }
         Ok(text)
@@ -269,5 +269,15 @@ impl Lines {
     /// The line, from 1, that a byte is in.
     pub(crate) fn of(&self, offset: usize) -> usize {
         self.0.partition_point(|end| *end < offset) + 1
+    }
+}
+
+/// A name as a key of TOML: bare where that is allowed.
+pub(crate) fn key(name: &str) -> String {
+    let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !name.is_empty() && name.chars().all(bare) {
+        name.into()
+    } else {
+        toml::Value::String(name.into()).to_string()
     }
 }
