@@ -227,6 +227,8 @@ def test_an_fmu_that_cannot_do_everything(system, tmp_path):
     assert "whole multiple of the step 0.001 s" in done.stderr
 
 
+# what the system below reads
+STEER = "time [s],angle [deg]\n0,0\n0.1,3\n0.3,3\n"
 TIRE = """
 step = 1e-3
 stop = 0.2
@@ -244,7 +246,7 @@ connect = { angle = "rig.slip_angle" }
 
 
 def test_a_shipped_model_beside_an_fmu(system):
-    (system / "steer.csv").write_text("time [s],angle [deg]\n0,0\n0.1,3\n0.3,3\n")
+    (system / "steer.csv").write_text(STEER)
     (system / "tire.toml").write_text(TIRE)
     results, done = run(system, file="tire.toml")
     assert done.stderr == ""
@@ -270,6 +272,7 @@ def test_a_shipped_model_beside_an_fmu(system):
 
 
 def test_a_component_that_stops_is_the_answer_no(system):
+    (system / "steer.csv").write_text(STEER)
     text = TIRE.replace('"left.force"', '"rig.deflection"').replace('"rig.force_y"', '"left.position"')
     text = text.replace("deflection = 0.02", "").replace("60 km/h\",", '60 km/h"')
     text = text.replace("factor = 0.001", "factor = 1, offset = 0.02")
