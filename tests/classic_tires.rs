@@ -8,7 +8,9 @@
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![allow(clippy::approx_constant)] // a width of 0.318 m is not 1 / pi
 
-use latsch::tire::classic::{AtTwoLoads, Basics, Curve, Fiala, Linear, Ring, Swift, TmEasy, Trail, Ua};
+use latsch::tire::classic::{
+    AtTwoLoads, Basics, Curve, Fiala, Linear, Ring, Simple, Swift, TmEasy, Trail, Ua,
+};
 use latsch::tire::one_point::{Input, Law, Pressed, Steady};
 
 mod common;
@@ -110,7 +112,7 @@ fn fiala_is_that_of_another_program() {
         friction: [0.9835, 0.5568],
         ..Basics::default()
     };
-    let tire = Fiala { basics, width: 0.318, moment: 1 };
+    let tire = Simple { basics, forces: Fiala { width: 0.318, moment: 1 } };
     for row in FIALA {
         agree(&tire.steady(&input(row[0], row[1], row[2])), &row[3..], &format!("{row:?}"));
     }
@@ -128,8 +130,8 @@ fn fiala_has_its_corners_where_they_belong() {
         vertical: [2e5, 0.0],
         ..Basics::default()
     };
-    let tire = Fiala { basics: basics.clone(), width: 0.1, moment: 1 };
-    let printed = Fiala { moment: 2, ..tire.clone() };
+    let tire = Simple { basics: basics.clone(), forces: Fiala { width: 0.1, moment: 1 } };
+    let printed = Simple { basics: basics.clone(), forces: Fiala { width: 0.1, moment: 2 } };
     let (load, most) = (3000.0, 2700.0);
     let critical: f64 = 0.5 * most / 6e4;
     for beside in [-1e-9, 1e-9] {
@@ -144,8 +146,8 @@ fn fiala_has_its_corners_where_they_belong() {
     assert!((ratio - 3.0).abs() < 1e-4);
     // the chord of the UA tire's circle is the length of its contact
     let length = 2.0 * (0.3_f64.powi(2) - (0.3 - load / 2e5_f64).powi(2)).sqrt();
-    let brush = Ua { basics: basics.clone(), camber_stiffness: 0.0 };
-    let wide = Fiala { basics, width: 0.5 * length, moment: 1 };
+    let brush = Simple { basics: basics.clone(), forces: Ua { camber_stiffness: 0.0 } };
+    let wide = Simple { basics, forces: Fiala { width: 0.5 * length, moment: 1 } };
     for alpha in [0.01, 0.1, -0.15, 0.3] {
         let of = |law: &Steady| [law.force[1], law.moment[2]];
         let (a, b) =
@@ -169,7 +171,7 @@ fn ua_is_the_integral_of_its_stresses() {
             vertical: [load / deflection, 0.0],
             ..Basics::default()
         };
-        let tire = Ua { basics, camber_stiffness: 3000.0 };
+        let tire = Simple { basics, forces: Ua { camber_stiffness: 3000.0 } };
         let kappa = if row[1] > 0.0 { row[1] / (1.0 - row[1]) } else { row[1] };
         agree(&tire.steady(&input(load, kappa, row[2])), &row[3..], &format!("{row:?}"));
     }
@@ -281,7 +283,7 @@ fn swift_is_that_of_other_programs() {
 fn the_linear_tire_ends_at_its_friction() {
     let basics =
         Basics { slip_stiffness: 6e4, cornering_stiffness: 4e4, friction: [0.9, 0.9], ..Basics::default() };
-    let tire = Linear { basics };
+    let tire = Simple { basics, forces: Linear };
     let small = tire.steady(&input(3000.0, 0.01, 0.02)).force;
     assert_eq!(small, [600.0, -800.0]);
     let large = tire.steady(&input(3000.0, 0.3, 0.6)).force;

@@ -6,12 +6,15 @@
 //! one element of the whole tire, [`laws`] are curves through points, [`parameters`] and [`property_file`] write.
 
 mod answer;
+mod damping;
 pub mod decay;
 pub mod geometry;
 pub mod laws;
 pub mod loops;
 mod plan;
+mod power_law;
 pub mod series;
+mod stiffness;
 mod write;
 
 pub use answer::{

@@ -1,10 +1,11 @@
-//! What the linear tire, Fiala's and the UA tire share: a linear spring, friction that falls with slip, stiffnesses at no slip.
+//! What the linear tire, Fiala's and the UA tire share: a linear spring, friction that falls with slip, stiffnesses at no slip. They
+//! differ in their [`Forces`].
 
 use crate::mechanics::Link;
 use crate::model::{Purpose, Role, Table, parameter, text_parameter};
-use crate::tire::one_point::{Pressed, Standstill};
-use crate::{clone_in_place, real, text};
-use serde::{Deserialize, Serialize};
+use crate::tire::one_point::{Input, Law, Pressed, Standstill, Steady};
+use crate::{clone_in_place, lens, real, text};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// Parameters of a tire with one contact point.
 #[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -61,32 +62,90 @@ impl Basics {
         ])
     }
 
-    /// Spring and damper that never pull.
-    pub(super) fn normal_force(&self, pressed: &Pressed) -> f64 {
-        spring_force(&[self.vertical[0], 0.0], self.vertical[1], pressed)
-    }
-
     /// Friction coefficient at a slip (2-31).
     pub(super) fn friction_at(&self, slip: f64) -> f64 {
         let [most, least] = self.friction;
         most - (most - least) * slip.min(1.0)
     }
 
-    pub(super) fn relaxation(&self) -> [f64; 2] {
-        [self.slip_stiffness / self.carcass[0], self.cornering_stiffness / self.carcass[1]]
-    }
-
-    pub(super) fn standstill(&self) -> Standstill {
-        Standstill { speed: self.low_speed[0], damping: self.low_speed[1] }
-    }
-
     /// Moment of the rolling resistance about y (2-42) at a load, with its lever; it fades out below the low speed.
     pub(super) fn resistance(&self, load: f64, vx: f64) -> f64 {
         -self.rolling_resistance * self.radius * load * forward(vx, self.low_speed[0])
     }
+}
 
-    pub(super) fn vertical_link(&self) -> Link {
-        let [stiffness, damping] = self.vertical;
+/// What a simple tire makes of slips and load, with parameters of its own.
+pub trait Forces: Clone + Default + PartialEq + Serialize + DeserializeOwned + Send + 'static {
+    /// As [`Law::NAME`].
+    const NAME: &'static str;
+    /// As [`Law::TITLE`].
+    const TITLE: &'static str;
+    /// As [`Law::DOCUMENTATION`].
+    const DOCUMENTATION: &'static str;
+
+    /// Its own parameters.
+    fn rows() -> Table<Self>;
+
+    /// As [`Law::steady`].
+    fn steady(&self, basics: &Basics, input: &Input) -> Steady;
+}
+
+/// A simple tire: the basics, and forces along and across.
+#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct Simple<F> {
+    /// What it shares with the others.
+    pub basics: Basics,
+    /// What sets it apart.
+    pub forces: F,
+}
+
+clone_in_place!(Simple<F> { basics, forces });
+
+impl<F: Forces> Law for Simple<F> {
+    const NAME: &'static str = F::NAME;
+    const TITLE: &'static str = F::TITLE;
+    const DOCUMENTATION: &'static str = F::DOCUMENTATION;
+
+    fn rows() -> Table<Self> {
+        Table::new([]).part("", lens!(basics), Basics::rows()).part("", lens!(forces), F::rows())
+    }
+
+    fn radius(&self) -> f64 {
+        self.basics.radius
+    }
+
+    /// Spring and damper that never pull (2-30).
+    fn normal_force(&self, pressed: &Pressed) -> f64 {
+        let [stiffness, damping] = self.basics.vertical;
+        spring_force(&[stiffness, 0.0], damping, pressed)
+    }
+
+    fn deflection(&self, load: f64, _spin: f64) -> f64 {
+        load / self.basics.vertical[0]
+    }
+
+    /// The distance of the wheel's centre from the road.
+    fn rolling_radius(&self, deflection: f64, _spin: f64) -> f64 {
+        self.basics.radius - deflection.max(0.0)
+    }
+
+    /// (2-15)
+    fn relaxation(&self, _load: f64, _camber: f64) -> [f64; 2] {
+        let Basics { slip_stiffness, cornering_stiffness, carcass, .. } = self.basics;
+        [slip_stiffness / carcass[0], cornering_stiffness / carcass[1]]
+    }
+
+    fn steady(&self, input: &Input) -> Steady {
+        self.forces.steady(&self.basics, input)
+    }
+
+    fn standstill(&self) -> Standstill {
+        let [speed, damping] = self.basics.low_speed;
+        Standstill { speed, damping }
+    }
+
+    fn vertical_link(&self) -> Link {
+        let [stiffness, damping] = self.basics.vertical;
         Link {
             stiffness: ("vertical_stiffness", stiffness),
             damping: ("vertical_damping", damping),
@@ -95,11 +154,9 @@ impl Basics {
     }
 
     /// A deflection of a twentieth of the radius.
-    pub(super) fn usual_load(&self) -> (f64, [&'static str; 2]) {
-        (
-            0.05 * self.radius * self.vertical[0],
-            ["carcass_stiffness_x times the radius squared", "carcass_stiffness_y"],
-        )
+    fn usual_load(&self) -> (f64, [&'static str; 2]) {
+        let names = ["carcass_stiffness_x times the radius squared", "carcass_stiffness_y"];
+        (0.05 * self.basics.radius * self.basics.vertical[0], names)
     }
 }
 

@@ -1,10 +1,10 @@
 //! Fiala's tire: a brush under uniform pressure, slip and slip angle each for itself.
 
 use super::Basics;
-use crate::mechanics::Link;
+use super::basics::Forces;
 use crate::model::{Table, integer_parameter, parameter};
-use crate::tire::one_point::{Input, Law, Pressed, Standstill, Steady};
-use crate::{clone_in_place, integer, lens, real};
+use crate::tire::one_point::{Input, Steady};
+use crate::{integer, real};
 use serde::{Deserialize, Serialize};
 
 /// The forms of the aligning moment, from 1.
@@ -13,20 +13,16 @@ const MOMENTS: &[(&str, &str)] = &[
     ("printed", "mu Fz w (1 - H^3) H^3, as the source prints it (2-39)"),
 ];
 
-/// Fiala's tire.
-#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
+/// Fiala's forces.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Fiala {
-    /// Parameters that it shares with others.
-    pub basics: Basics,
     /// Width of the contact \[m\], the lever of the aligning moment.
     pub width: f64,
     /// Which form of the aligning moment, from 1 in the order of its items.
     pub moment: i32,
 }
 
-clone_in_place!(Fiala { basics, width, moment });
-
-impl Law for Fiala {
+impl Forces for Fiala {
     const NAME: &'static str = "fiala";
     const TITLE: &'static str = "Fiala tire";
     const DOCUMENTATION: &'static str =
@@ -34,36 +30,14 @@ impl Law for Fiala {
 
     #[rustfmt::skip] // a row is a line
     fn rows() -> Table<Self> {
-        Table::new([]).part("", lens!(basics), Basics::rows()).and([
+        Table::new([
             parameter("tire_width", "m", real!(width), 0.152, "Width of the contact, the lever of the aligning moment").range(0.01, 1.5),
             integer_parameter("aligning_moment", integer!(moment), 1, "Form of the aligning moment").items(MOMENTS),
         ])
     }
 
-    fn radius(&self) -> f64 {
-        self.basics.radius
-    }
-
-    fn normal_force(&self, pressed: &Pressed) -> f64 {
-        self.basics.normal_force(pressed)
-    }
-
-    fn deflection(&self, load: f64, _spin: f64) -> f64 {
-        load / self.basics.vertical[0]
-    }
-
-    /// The distance of the wheel's centre from the road.
-    fn rolling_radius(&self, deflection: f64, _spin: f64) -> f64 {
-        self.basics.radius - deflection.max(0.0)
-    }
-
-    fn relaxation(&self, _load: f64, _camber: f64) -> [f64; 2] {
-        self.basics.relaxation()
-    }
-
     /// (2-31) to (2-42).
-    fn steady(&self, input: &Input) -> Steady {
-        let b = &self.basics;
+    fn steady(&self, b: &Basics, input: &Input) -> Steady {
         let tangent = libm::tan(input.alpha.abs());
         let slip = input.kappa.abs();
         let friction = b.friction_at(libm::hypot(slip, tangent)) * input.friction;
@@ -89,17 +63,5 @@ impl Law for Fiala {
             stiffness: [b.slip_stiffness, -b.cornering_stiffness],
             ..Steady::default()
         }
-    }
-
-    fn standstill(&self) -> Standstill {
-        self.basics.standstill()
-    }
-
-    fn vertical_link(&self) -> Link {
-        self.basics.vertical_link()
-    }
-
-    fn usual_load(&self) -> (f64, [&'static str; 2]) {
-        self.basics.usual_load()
     }
 }

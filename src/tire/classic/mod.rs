@@ -10,7 +10,7 @@ mod swift;
 mod tmeasy;
 mod ua;
 
-pub use basics::Basics;
+pub use basics::{Basics, Forces, Simple};
 pub use fiala::Fiala;
 pub use linear::Linear;
 pub use swift::{Ring, Swift};
@@ -20,11 +20,11 @@ pub use ua::Ua;
 use super::one_point::OnePoint;
 
 /// `linear-...`
-pub type LinearTire = OnePoint<Linear>;
+pub type LinearTire = OnePoint<Simple<Linear>>;
 /// `fiala-...`
-pub type FialaTire = OnePoint<Fiala>;
+pub type FialaTire = OnePoint<Simple<Fiala>>;
 /// `ua-...`
-pub type UaTire = OnePoint<Ua>;
+pub type UaTire = OnePoint<Simple<Ua>>;
 /// `tmeasy-...`
 pub type TmEasyTire = OnePoint<TmEasy>;
 /// `swift-...`

@@ -1,26 +1,21 @@
 //! The UA tire (Gim): a brush under parabolic pressure for slip, slip angle and camber together.
 
 use super::Basics;
-use super::basics::slip_over_faster;
-use crate::mechanics::Link;
+use super::basics::{Forces, slip_over_faster};
 use crate::model::{Role, Table, parameter};
+use crate::real;
 use crate::tire::brush::{adhesion, brush_force};
-use crate::tire::one_point::{Input, Law, Pressed, Standstill, Steady};
-use crate::{clone_in_place, lens, real};
+use crate::tire::one_point::{Input, Steady};
 use serde::{Deserialize, Serialize};
 
-/// The UA tire.
-#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
+/// The forces of the UA tire.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Ua {
-    /// Parameters that it shares with others.
-    pub basics: Basics,
     /// Slope of the lateral force over the sine of camber at none, C_γ \[N/rad\] (2-12); positive.
     pub camber_stiffness: f64,
 }
 
-clone_in_place!(Ua { basics, camber_stiffness });
-
-impl Law for Ua {
+impl Forces for Ua {
     const NAME: &'static str = "ua";
     const TITLE: &'static str = "UA tire";
     const DOCUMENTATION: &'static str =
@@ -28,36 +23,14 @@ impl Law for Ua {
 
     #[rustfmt::skip] // a row is a line
     fn rows() -> Table<Self> {
-        Table::new([]).part("", lens!(basics), Basics::rows()).and([
+        Table::new([
             parameter("camber_stiffness", "N/rad", real!(camber_stiffness), 2000.0, "Slope of the lateral force over camber at none, counted positive (C_gamma)").range(0.0, 1e6).tunable().role(Role::Stiffness),
         ])
     }
 
-    fn radius(&self) -> f64 {
-        self.basics.radius
-    }
-
-    fn normal_force(&self, pressed: &Pressed) -> f64 {
-        self.basics.normal_force(pressed)
-    }
-
-    fn deflection(&self, load: f64, _spin: f64) -> f64 {
-        load / self.basics.vertical[0]
-    }
-
-    /// The distance of the wheel's centre from the road.
-    fn rolling_radius(&self, deflection: f64, _spin: f64) -> f64 {
-        self.basics.radius - deflection.max(0.0)
-    }
-
-    fn relaxation(&self, _load: f64, _camber: f64) -> [f64; 2] {
-        self.basics.relaxation()
-    }
-
     /// (2-43) to (2-53) in both directions: bristles are sheared by both slips at their stiffnesses and slide in the direction
     /// of the slip.
-    fn steady(&self, input: &Input) -> Steady {
-        let b = &self.basics;
+    fn steady(&self, b: &Basics, input: &Input) -> Steady {
         let (along, tangent) = (slip_over_faster(input.kappa), libm::tan(input.alpha));
         // driven, the way over the road is shorter than that of the tread (2-8)
         let side = if along > 0.0 { (1.0 - along) * tangent } else { tangent };
@@ -72,8 +45,8 @@ impl Law for Ua {
             [along, aside].map(|part| if slip > 0.0 { most * part.abs() / slip } else { 0.0 });
         let fx = brush_force(b.slip_stiffness, along, most_along, adhering);
         let fy = -brush_force(b.cornering_stiffness, aside, most_aside, adhering);
-        let length = self.contact_length(input.fz);
-        let aligning = length * self.moment([along, aside], [most_along, most_aside], adhering);
+        let length = Self::contact_length(b, input.fz);
+        let aligning = length * Self::moment(b, [along, aside], [most_along, most_aside], adhering);
         Steady {
             force: [fx, fy],
             moment: [0.0, b.resistance(input.fz, input.vx), aligning],
@@ -83,33 +56,25 @@ impl Law for Ua {
             ..Steady::default()
         }
     }
-
-    fn standstill(&self) -> Standstill {
-        self.basics.standstill()
-    }
-
-    fn vertical_link(&self) -> Link {
-        self.basics.vertical_link()
-    }
-
-    fn usual_load(&self) -> (f64, [&'static str; 2]) {
-        self.basics.usual_load()
-    }
 }
 
 impl Ua {
     /// The chord that the road cuts off the circle without load \[m\], at a load.
-    fn contact_length(&self, load: f64) -> f64 {
-        let radius = self.basics.radius;
-        let loaded = (radius - self.deflection(load, 0.0)).max(0.0);
+    fn contact_length(b: &Basics, load: f64) -> f64 {
+        let radius = b.radius;
+        let loaded = (radius - load / b.vertical[0]).max(0.0);
         2.0 * libm::sqrt(radius * radius - loaded * loaded)
     }
 
     /// Moment about the middle of the contact over its length \[N\]. Of the lateral stresses: where bristles adhere (2-46)
     /// C S l² (2 l/3 − 1/2), where they slide (2-47) 3/2 μ F l² (1 − l)². And of the longitudinal ones, which act where the bristles
     /// have gone to the side: 2/3 C_s S_s S_α l³ and 3/5 μ_x μ_y F² / C_α (1 − 10 l³ + 15 l⁴ − 6 l⁵).
-    fn moment(&self, [along, aside]: [f64; 2], [most_along, most_aside]: [f64; 2], adhering: f64) -> f64 {
-        let b = &self.basics;
+    fn moment(
+        b: &Basics,
+        [along, aside]: [f64; 2],
+        [most_along, most_aside]: [f64; 2],
+        adhering: f64,
+    ) -> f64 {
         let (l, slides) = (adhering, 1.0 - adhering);
         let lateral = b.cornering_stiffness * aside.abs() * l * l * (2.0 / 3.0 * l - 0.5)
             + 1.5 * most_aside * l * l * slides * slides;
