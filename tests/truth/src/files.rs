@@ -19,28 +19,6 @@ pub fn case(seed: u64, number: usize) -> Result<Recorded, String> {
     }
 }
 
-/// Writes what a diagnosis may see: the name of the model and the recordings.
-///
-/// # Errors
-/// As [`case`], or a folder that cannot be written.
-pub fn write_case(seed: u64, number: usize, folder: &Path) -> Result<(), String> {
-    for (name, content) in case(seed, number)?.files {
-        write(&folder.join(name), &content)?;
-    }
-    Ok(())
-}
-
-/// Writes the answer and the floor of the noise.
-///
-/// # Errors
-/// As [`write_case`].
-pub fn write_answer(seed: u64, number: usize, folder: &Path) -> Result<(), String> {
-    let recorded = case(seed, number)?;
-    let name = &recorded.answer.case;
-    write_json(&folder.join(format!("{name}.json")), &recorded.answer)?;
-    write_json(&folder.join(format!("{name}.reference.json")), &recorded.reference)
-}
-
 /// Writes what a rig records of a tire along a measurement programme, and the truth beside it.
 ///
 /// # Errors

@@ -10,6 +10,7 @@
 
 pub mod answer;
 pub mod base;
+mod bessel;
 pub mod catalogue;
 pub mod draw;
 pub mod fault;
@@ -19,6 +20,7 @@ pub mod hidden;
 pub mod machines;
 pub mod programme;
 pub mod random;
+mod recorder;
 pub mod recording;
 pub mod score;
 pub mod sensor;

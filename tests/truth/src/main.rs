@@ -122,21 +122,21 @@ fn run(command: &Command) -> Result<(), String> {
             let number = index(*number)?;
             match of {
                 Of { machines: true, .. } => machines::write_case(seed.seed, number, *view, output),
-                Of { sessions: true, .. } => sessions::write_case(seed.seed, number, output),
-                Of { solid: true, .. } => solid::write_case(seed.seed, number, output),
-                _ => files::write_case(seed.seed, number, output),
+                Of { sessions: true, .. } => sessions::case(seed.seed, number)?.write_case(output),
+                Of { solid: true, .. } => solid::case(seed.seed, number)?.write_case(output),
+                _ => files::case(seed.seed, number)?.write_case(output),
             }
         }
         Command::Answers { numbers, output, seed, of } => {
-            let write = match of {
-                Of { machines: true, .. } => machines::write_answer,
-                Of { sessions: true, .. } => sessions::write_answer,
-                Of { solid: true, .. } => solid::write_answer,
-                _ => files::write_answer,
+            let record = |number| match of {
+                Of { machines: true, .. } => machines::recorded(seed.seed, number),
+                Of { sessions: true, .. } => sessions::case(seed.seed, number),
+                Of { solid: true, .. } => solid::case(seed.seed, number),
+                _ => files::case(seed.seed, number),
             };
             let all: Vec<usize> = (1..=of.count(seed.seed)).collect();
             for number in if numbers.is_empty() { &all } else { numbers } {
-                write(seed.seed, index(*number)?, output)?;
+                record(index(*number)?)?.write_answer(output)?;
             }
             Ok(())
         }

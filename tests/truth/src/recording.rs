@@ -4,11 +4,13 @@ use crate::answer::{Answer, Effect, Parameter, Reference, ReferenceRun};
 use crate::catalogue::{alike_on, family};
 use crate::draw::Case;
 use crate::fault::Tables;
+use crate::files;
 use crate::random::Random;
 use crate::sensor::{Noise, Quantum, quantum};
 use crate::simulate::STEP;
 use crate::sizing::strongest;
 use crate::study::Kind;
+use std::path::Path;
 
 /// A case as it is written.
 #[derive(Debug, Clone)]
@@ -19,6 +21,26 @@ pub struct Recorded {
     pub answer: Answer,
     /// What no model can explain.
     pub reference: Reference,
+}
+
+impl Recorded {
+    /// Writes what a diagnosis may see: the name of the model, the recordings and what is believed.
+    ///
+    /// # Errors
+    /// A folder that cannot be written.
+    pub fn write_case(&self, folder: &Path) -> Result<(), String> {
+        self.files.iter().try_for_each(|(name, content)| files::write(&folder.join(name), content))
+    }
+
+    /// Writes the answer and the floor of the noise.
+    ///
+    /// # Errors
+    /// A folder that cannot be written.
+    pub fn write_answer(&self, folder: &Path) -> Result<(), String> {
+        let name = &self.answer.case;
+        files::write_json(&folder.join(format!("{name}.json")), &self.answer)?;
+        files::write_json(&folder.join(format!("{name}.reference.json")), &self.reference)
+    }
 }
 
 /// Time stamps have this resolution \[s\].

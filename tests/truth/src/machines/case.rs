@@ -12,7 +12,7 @@ use crate::catalogue::family;
 use crate::files;
 use crate::programme::Wave;
 use crate::random::Random;
-use crate::recording::{file_name, sensed, stamped};
+use crate::recording::{Recorded, file_name, sensed, stamped};
 use crate::sensor::{Noise, Quantum, quantum};
 use crate::simulate::Ideal;
 use crate::sizing::{Refit, strongest};
@@ -86,17 +86,6 @@ fn kinds(seed: u64) -> Vec<Kind> {
     all
 }
 
-/// A case, simulated.
-#[derive(Debug, Clone)]
-pub struct Recorded {
-    machine: Machine,
-    files: Vec<(String, String)>,
-    /// What is true.
-    pub answer: Answer,
-    /// What no model can explain.
-    pub reference: Reference,
-}
-
 /// How often a machine is drawn anew in which nothing can be as large as it is wanted.
 const ATTEMPTS: u64 = 60;
 
@@ -104,7 +93,7 @@ const ATTEMPTS: u64 = 60;
 ///
 /// # Errors
 /// No such case, or one that cannot be drawn.
-pub fn case(seed: u64, number: usize, doubled: bool) -> Result<Recorded, String> {
+pub(crate) fn case(seed: u64, number: usize, doubled: bool) -> Result<(Machine, Recorded), String> {
     let kinds = kinds(seed);
     let kind = *kinds
         .get(number)
@@ -121,22 +110,20 @@ pub fn case(seed: u64, number: usize, doubled: bool) -> Result<Recorded, String>
 /// # Errors
 /// As [`case`], no C compiler, or a folder that cannot be written.
 pub fn write_case(seed: u64, number: usize, view: View, folder: &Path) -> Result<(), String> {
-    let Recorded { machine, files, .. } = case(seed, number, view == View::Doubled)?;
-    for (name, content) in view.told(&machine, files) {
+    let (machine, recorded) = case(seed, number, view == View::Doubled)?;
+    for (name, content) in view.told(&machine, recorded.files) {
         files::write(&folder.join(name), &content)?;
     }
     let start: Vec<f64> = machine.parameters.iter().map(|p| p.start).collect();
     unit::write(&machine, "machine", &start, view, &folder.join("machine.fmu"))
 }
 
-/// Writes the answer and the floor of the noise.
+/// [`case`] without its machine, as it is answered.
 ///
 /// # Errors
-/// As [`case`], or a folder that cannot be written.
-pub fn write_answer(seed: u64, number: usize, folder: &Path) -> Result<(), String> {
-    let recorded = case(seed, number, false)?;
-    files::write_json(&folder.join(format!("{}.json", recorded.answer.case)), &recorded.answer)?;
-    files::write_json(&folder.join(format!("{}.reference.json", recorded.answer.case)), &recorded.reference)
+/// As [`case`].
+pub fn recorded(seed: u64, number: usize) -> Result<Recorded, String> {
+    case(seed, number, false).map(|(_, recorded)| recorded)
 }
 
 /// Samples per natural time: about ten to twenty per period of the fastest excitation.
@@ -265,7 +252,7 @@ fn doubled(runs: &[Run]) -> Vec<Run> {
     runs.iter().map(between).collect()
 }
 
-fn try_case(kind: Kind, number: usize, twice: bool, mut random: Random) -> Option<Recorded> {
+fn try_case(kind: Kind, number: usize, twice: bool, mut random: Random) -> Option<(Machine, Recorded)> {
     let random = &mut random;
     let (mut machine, drives) = draw::draw(random);
     for p in &mut machine.parameters {
@@ -418,7 +405,7 @@ fn record(
     noise: &[Noise],
     concealed: &[(Offer, Concealed, Vec<f64>)],
     random: &mut Random,
-) -> Option<Recorded> {
+) -> Option<(Machine, Recorded)> {
     let machine = &world.machine;
     let ideals: Vec<Ideal> = runs.iter().map(|run| world.run(run, false).0).collect();
     let finite = |list: &Vec<Vec<f64>>| list.iter().flatten().all(|v| v.is_finite());
@@ -488,7 +475,7 @@ fn record(
             .collect(),
         ..Answer::default()
     };
-    Some(Recorded { machine: machine.clone(), files, answer, reference: Reference { runs: floor } })
+    Some((machine.clone(), Recorded { files, answer, reference: Reference { runs: floor } }))
 }
 
 /// What sort of machine it is, in a word.
@@ -516,7 +503,7 @@ mod tests {
     fn a_study_is_drawn_and_its_effects_are_as_large_as_said() {
         let mut seen = std::collections::BTreeSet::new();
         for number in 0..24 {
-            let recorded = case(3, number, false).unwrap_or_else(|e| panic!("{e}"));
+            let recorded = recorded(3, number).unwrap_or_else(|e| panic!("{e}"));
             seen.insert(recorded.answer.kind.clone());
             for effect in &recorded.answer.effects {
                 let range = match recorded.answer.kind.as_str() {

@@ -13,6 +13,6 @@ pub mod unit;
 mod view;
 mod world;
 
-pub use case::{Kind, case, count, write_answer, write_case};
+pub use case::{Kind, count, recorded, write_case};
 pub(crate) use case::{size, spread};
 pub use view::{VIEWS, View};

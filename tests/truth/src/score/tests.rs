@@ -130,7 +130,7 @@ fn the_table_counts_a_made_up_study() {
 fn folders_are_read_and_what_is_missing_counts_as_failed() {
     let folder = tempfile::tempdir().unwrap();
     let (answers, results) = (folder.path().join("answers"), folder.path().join("results"));
-    crate::files::write_answer(1, 0, &answers).unwrap();
+    crate::files::case(1, 0).unwrap().write_answer(&answers).unwrap();
     let all = judge_all(&answers, &results).unwrap();
     assert_eq!(all.len(), 1);
     assert!(all[0].failed);

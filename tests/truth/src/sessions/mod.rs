@@ -4,7 +4,6 @@
 //! is made of; equation numbers are those of the thesis (Kaden, TU München 2015), as the specification has them.
 //! `rig` drives it through a `programme`, `session` with what is `concealed` in it; `case` draws, sizes and records.
 
-pub(crate) mod bessel;
 mod bristle;
 mod case;
 mod concealed;
@@ -21,7 +20,7 @@ mod session;
 mod sidewall;
 mod tire;
 
-pub use case::{Recorded, case, count, write_answer, write_case};
+pub use case::{case, count};
 
 #[cfg(test)]
 mod tests;

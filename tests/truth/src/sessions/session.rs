@@ -1,6 +1,5 @@
 //! A session: runs of one tire in their order, with what is concealed, as ideal sensors behind the filter see it.
 
-use super::bessel::{Bessel, DELAY};
 use super::concealed::{Concealed, Now, Place};
 use super::frames::Motion;
 use super::odd::Oddness;
@@ -8,7 +7,9 @@ use super::parameters::Parameters;
 use super::programme::Run;
 use super::rig::{self, Commands, SPEED, STEER};
 use super::tire::Tire;
+use crate::bessel::DELAY;
 use crate::machines::conceal::{Memory, Place as At};
+use crate::recorder::Recorder;
 use crate::simulate::Ideal;
 
 /// Step in recordings \[s\]. Twice as long a one changes the moment about the vertical by up to 0.9 of its noise in a sweep
@@ -68,7 +69,7 @@ impl World {
             rolling: 0.0,
             sliding: 0.0,
         };
-        let mut recorder = Recorder::new(run);
+        let mut recorder = Recorder::new(&run.stamps, 6, CHANNELS);
         let steps = ((run.duration + SETTLE + 2.0 * DELAY) / dt).ceil();
         let mut n = 0.0;
         while n < steps {
@@ -98,7 +99,10 @@ impl World {
                 (rig::horizontal(told.force, u[STEER]), rig::horizontal(told.moment, u[STEER]));
             let mut y = [force[0], force[1], force[2], moment[0], moment[1], moment[2], now.angle];
             self.leave(&mut way_out, &mut y, &now, dt);
-            recorder.follow(now.time, &pure, &y, dt);
+            // before, it has nothing to settle from
+            if now.time >= -FILTER {
+                recorder.follow(now.time, &pure, &y, dt);
+            }
             n += 1.0;
         }
         recorder.ideal
@@ -134,44 +138,5 @@ impl World {
                 chain.leave(memory, &all, &mut y[k], now.time.max(0.0), dt);
             }
         }
-    }
-}
-
-/// The filter of all channels, whose common delay is taken off, and the samples behind it.
-struct Recorder<'a> {
-    run: &'a Run,
-    filters: Vec<Bessel>,
-    last: Vec<f64>,
-    taken: usize,
-    ideal: Ideal,
-}
-
-impl<'a> Recorder<'a> {
-    fn new(run: &'a Run) -> Self {
-        let ideal = Ideal { inputs: vec![Vec::new(); 6], outputs: vec![Vec::new(); CHANNELS] };
-        Self { run, filters: Vec::new(), last: Vec::new(), taken: 0, ideal }
-    }
-
-    fn follow(&mut self, time: f64, u: &Commands, y: &[f64], dt: f64) {
-        if time < -FILTER {
-            return;
-        }
-        let values = || u.iter().chain(y).copied();
-        if self.filters.is_empty() {
-            self.filters = values().map(Bessel::new).collect();
-            self.last = values().collect();
-        }
-        let filtered: Vec<f64> =
-            self.filters.iter_mut().zip(values()).map(|(f, v)| f.follow(v, dt)).collect();
-        let at = time - DELAY;
-        while let Some(stamp) = self.run.stamps.get(self.taken).filter(|stamp| **stamp <= at) {
-            let share = 1.0 - (at - stamp) / dt;
-            let lists = self.ideal.inputs.iter_mut().chain(&mut self.ideal.outputs);
-            for ((list, from), to) in lists.zip(&self.last).zip(&filtered) {
-                list.push(from + (to - from) * share);
-            }
-            self.taken += 1;
-        }
-        self.last = filtered;
     }
 }

@@ -6,15 +6,13 @@ use super::programme::{self, Run};
 use super::world::{COARSE, FINE, World, input, noisy, outputs};
 use crate::answer::{Answer, Effect, Parameter, Reference, ReferenceRun};
 use crate::catalogue::{alike_on, family};
-use crate::files;
 use crate::machines::{Kind, size, spread};
 use crate::random::Random;
-use crate::recording::sensed;
+use crate::recording::{Recorded, sensed};
 use crate::sensor::{Noise, Quantum, quantum};
 use crate::simulate::Ideal;
 use crate::sizing::{Refit, strongest};
 use std::f64::consts::TAU;
-use std::path::Path;
 
 /// How many cases there are: nothing concealed with parameters that are right and wrong, and each effect once.
 #[must_use]
@@ -38,17 +36,6 @@ pub(crate) fn study(seed: u64) -> Vec<(Kind, Option<Offer>)> {
     all
 }
 
-/// A case, simulated.
-#[derive(Debug, Clone)]
-pub struct Recorded {
-    /// Name and content of the files of its folder.
-    pub files: Vec<(String, String)>,
-    /// What is true.
-    pub answer: Answer,
-    /// What no model can explain.
-    pub reference: Reference,
-}
-
 /// How often a case is drawn anew in which an effect cannot be as large as it is wanted.
 const ATTEMPTS: u64 = 6;
 
@@ -68,27 +55,6 @@ pub fn case(seed: u64, number: usize) -> Result<Recorded, String> {
             record(&drawn, number, &mut random)
         })
         .ok_or_else(|| format!("case {}: no {kind:?} {offer:?} in {ATTEMPTS} attempts", number + 1))
-}
-
-/// Writes what a diagnosis may see: name of the model, recordings, and what is believed.
-///
-/// # Errors
-/// As [`case`], or a folder that cannot be written.
-pub fn write_case(seed: u64, number: usize, folder: &Path) -> Result<(), String> {
-    for (name, content) in case(seed, number)?.files {
-        files::write(&folder.join(name), &content)?;
-    }
-    Ok(())
-}
-
-/// Writes the answer and the floor of the noise.
-///
-/// # Errors
-/// As [`write_case`].
-pub fn write_answer(seed: u64, number: usize, folder: &Path) -> Result<(), String> {
-    let recorded = case(seed, number)?;
-    files::write_json(&folder.join(format!("{}.json", recorded.answer.case)), &recorded.answer)?;
-    files::write_json(&folder.join(format!("{}.reference.json", recorded.answer.case)), &recorded.reference)
 }
 
 /// What is drawn of a case.

@@ -13,7 +13,7 @@ mod rubber;
 mod tire;
 mod world;
 
-pub use case::{Recorded, case, count, write_answer, write_case};
+pub use case::{case, count};
 
 #[cfg(test)]
 mod tests;

@@ -5,7 +5,8 @@ use super::parameters::{Parameters, Rig};
 use super::programme::Run;
 use super::rubber::Past;
 use super::tire::{Cleat, Rim, Road, STATES, Surface, Tire, Told};
-use crate::sessions::bessel::{Bessel, DELAY};
+use crate::bessel::DELAY;
+use crate::recorder::Recorder;
 use crate::simulate::Ideal;
 
 /// Step in recordings \[s\]: contacts of an element swing with up to 1.1 kHz.
@@ -124,15 +125,15 @@ impl World {
         y[HEIGHT] = start;
         let mut memory = Memory { past, lining: (start, 0.0), cell: None };
         let going = Going { world: self, tire, run, start };
-        let mut recorder = Recorder::new(run, self.rig);
-        recorder.follow(0.0, u, &going.measure(0.0, &y, &mut memory, dt), dt);
+        let mut recorder = Recorder::new(&run.stamps, 1, outputs(self.rig).len());
+        recorder.follow(0.0, &[u], &going.measure(0.0, &y, &mut memory, dt), dt);
         let steps = ((run.duration + 2.0 * DELAY) / dt).ceil();
         let mut n = 0.0;
         while n < steps {
             going.step(n * dt, &mut y, &mut memory, dt);
             n += 1.0;
             let t = n * dt;
-            recorder.follow(t, run.command(t), &going.measure(t, &y, &mut memory, dt), dt);
+            recorder.follow(t, &[run.command(t)], &going.measure(t, &y, &mut memory, dt), dt);
         }
         recorder.ideal
     }
@@ -277,40 +278,4 @@ impl Going<'_> {
 fn lining(most: f64, height: f64, memory: &Memory) -> f64 {
     let (last, force) = memory.lining;
     (force + LINING * (height - last)).clamp(-most, most)
-}
-
-/// The filter of all channels, whose common delay is taken off, and the samples behind it.
-struct Recorder<'a> {
-    run: &'a Run,
-    filters: Vec<Bessel>,
-    last: Vec<f64>,
-    taken: usize,
-    ideal: Ideal,
-}
-
-impl<'a> Recorder<'a> {
-    fn new(run: &'a Run, rig: Rig) -> Self {
-        let ideal = Ideal { inputs: vec![Vec::new()], outputs: vec![Vec::new(); outputs(rig).len()] };
-        Self { run, filters: Vec::new(), last: Vec::new(), taken: 0, ideal }
-    }
-
-    fn follow(&mut self, time: f64, u: f64, y: &[f64], dt: f64) {
-        let values = || std::iter::once(u).chain(y.iter().copied());
-        if self.filters.is_empty() {
-            self.filters = values().map(Bessel::new).collect();
-            self.last = values().collect();
-        }
-        let filtered: Vec<f64> =
-            self.filters.iter_mut().zip(values()).map(|(f, v)| f.follow(v, dt)).collect();
-        let at = time - DELAY;
-        while let Some(stamp) = self.run.stamps.get(self.taken).filter(|stamp| **stamp <= at) {
-            let share = 1.0 - (at - stamp) / dt;
-            let lists = self.ideal.inputs.iter_mut().chain(&mut self.ideal.outputs);
-            for ((list, from), to) in lists.zip(&self.last).zip(&filtered) {
-                list.push(from + (to - from) * share);
-            }
-            self.taken += 1;
-        }
-        self.last = filtered;
-    }
 }
