@@ -3,10 +3,10 @@
 use super::answer::{Coefficient, DecayAnswer, LoopAnswer, OverSpeed, Point, value_at};
 use super::decay;
 use super::geometry::{Part, Phase, Wheel, printed};
-use super::laws::{Known, linear, mean_of};
+use super::laws::{Known, linear};
 use super::loops::Loop;
 use super::plan::{DecayPlan, Law, MassFrom, Plan, cut};
-use super::power_law::{LAW_MISSES, merged, power, span};
+use super::power_law::{LAW_MISSES, mean_with_scatter, merged, power, span};
 use super::series::{Ends, Even, refuse_clipped};
 use crate::recording::Recording;
 use crate::{Error, Result};
@@ -151,16 +151,12 @@ pub(super) fn damping(
             .collect(),
         false => decays.iter().map(|d| Point { load: d.load, speed: d.speed, value: d.element }).collect(),
     });
+    let stands = points.iter().any(|p| p.speed == 0.0);
     let (slow, fast) = span(points.iter().map(|p| p.speed));
     let (light, heavy) = span(points.iter().map(|p| p.load));
     // set points that differ by less than a fifth are one setting and its errors
-    let over = [!from_loops && heavy > 1.2 * light, slow > 0.0 && fast > 1.2 * slow];
-    let mean = mean_of(&points.iter().map(|p| p.value.value).collect::<Vec<_>>());
-    let widest = points.iter().map(|p| p.value.half_width).filter(|w| w.is_finite()).fold(0.0, f64::max);
-    let value = Known {
-        half_width: if mean.half_width.is_finite() { mean.half_width.max(widest) } else { widest },
-        ..mean
-    };
+    let over = [!from_loops && heavy > 1.2 * light, !stands && fast > 1.2 * slow];
+    let value = mean_with_scatter(&points);
     let base = Coefficient {
         law: Law::Constant,
         value,
@@ -168,7 +164,7 @@ pub(super) fn damping(
         speed_exponent: None,
         reference_load,
         reference_speed,
-        misses: (points.iter().map(|p| (p.value.value / mean.value - 1.0).powi(2)).sum::<f64>()
+        misses: (points.iter().map(|p| (p.value.value / value.value - 1.0).powi(2)).sum::<f64>()
             / points.len() as f64)
             .sqrt(),
         points: points.clone(),
@@ -190,7 +186,11 @@ pub(super) fn damping(
         let mut loads: Vec<f64> = points.iter().map(|p| p.load).collect();
         loads.dedup_by(|a, b| (*a / *b - 1.0).abs() < 0.02);
         let row = |load: f64| {
-            points.iter().filter(|p| (p.load / load - 1.0).abs() < 0.02).map(|p| p.speed).collect::<Vec<_>>()
+            let of_load = points.iter().filter(|p| (p.load / load - 1.0).abs() < 0.02);
+            let mut speeds: Vec<f64> = of_load.map(|p| p.speed).collect();
+            // loads that are the same to a percent are not in the order of their speeds
+            speeds.sort_by(f64::total_cmp);
+            speeds
         };
         let rows: Vec<Vec<f64>> = loads.iter().map(|l| row(*l)).collect();
         let same = |a: &Vec<f64>, b: &Vec<f64>| {
@@ -222,7 +222,11 @@ pub(super) fn damping(
             ))
         })
     };
-    let one_speed = format!("all decays are at {fast:.2} m/s: one speed tells no law over the speed");
+    let one_speed = match stands && fast > 0.0 {
+        true => "one decay is of a wheel that stands, and no power of the speed begins there: leave it out"
+            .to_owned(),
+        false => format!("all decays are at {fast:.2} m/s: one speed tells no law over the speed"),
+    };
     Ok(match wanted.damping {
         Law::Constant => constant("asked for"),
         Law::Table => match whole_grid() {

@@ -290,6 +290,12 @@ fn period(values: &[f64], step: f64, given: Option<f64>) -> Result<f64> {
         let (aa, bb): (f64, f64) = (a.iter().map(|v| v * v).sum(), b.iter().map(|v| v * v).sum());
         product / (aa * bb).sqrt().max(f64::MIN_POSITIVE)
     };
+    if let Some(seconds) = given.filter(|s| s / step < LEAST_SAMPLES) {
+        return Err(Error::numeric(format!(
+            "impacts are said to be {seconds} s apart, which is {:.1} samples: at least {LEAST_SAMPLES} are needed; is impact_period, or drum_circumference over speed, in the right unit?",
+            seconds / step
+        )));
+    }
     // at least two periods have to be there to repeat
     let longest = m / 2;
     let correlation: Vec<f64> = (0..=longest).map(at).collect();

@@ -7,7 +7,7 @@
 
 use super::laws::{Form, FormFit, Known, fit_form, mean_of};
 use super::series::Even;
-use crate::stats::{interpolate, median, quantile};
+use crate::stats::{median, quantile};
 use crate::{Error, Result};
 use serde::Serialize;
 use std::f64::consts::{PI, TAU};
@@ -151,15 +151,23 @@ pub fn analyse(even: &Even, skip: usize, below: Option<Below>) -> Result<Loop> {
     // a turn among samples with noise is the highest of them, which may be far from the middle
     let turns: Vec<usize> = turns.iter().map(|k| vertex(&e, *k, 3 * side)).collect();
     let cycles = cycles(&e, &turns, skip, &mut notes);
-    let (Some(first), Some(last)) = (cycles.first(), cycles.last()) else {
+    let Some(first) = cycles.first() else {
         return Err(half_a_loop(even, deflection, &turns));
     };
     let used: Vec<f64> = cycles.iter().map(|c| (c[2] - c[0]) as f64 * even.step).collect();
     let period = mean_of(&used).value;
     if let Some(below) = below {
         let constant = if below.tared { 0.0 } else { below.mass * below.gravity };
-        let acceleration = harmonic_acceleration(&e, first[0], last[2], period / even.step, even.step);
-        f.iter_mut().zip(&acceleration).for_each(|(f, a)| *f += constant - below.mass * a);
+        f.iter_mut().for_each(|f| *f += constant);
+        // over cycles that follow each other: of what is left out between them nothing is known
+        for group in cycles.chunk_by(|a, b| a[2] == b[0]) {
+            let (from, to) = (group[0][0], group[group.len() - 1][2]);
+            let period = (to - from) as f64 / group.len() as f64;
+            for (f, a) in f[from..=to].iter_mut().zip(harmonic_acceleration(&e[from..=to], period, even.step))
+            {
+                *f -= below.mass * a;
+            }
+        }
     }
     let areas: Vec<f64> = cycles.iter().map(|c| area(&e[c[0]..=c[2]], &f[c[0]..=c[2]])).collect();
     let area = mean_of(&areas);
@@ -204,7 +212,8 @@ pub fn analyse(even: &Even, skip: usize, below: Option<Below>) -> Result<Loop> {
     if cycles.len() == 1 {
         notes.push("one cycle: how much cycles scatter is not known, and intervals do not count it".into());
     }
-    let range = first[0]..last[2] + 1;
+    // what was left out is no part of it
+    let used = || cycles.iter().flat_map(|c| c[0]..c[2]);
     let c = 1.0 / (PI * TAU / period * amplitude * amplitude);
     Ok(Loop {
         cycles: cycles.len(),
@@ -216,8 +225,8 @@ pub fn analyse(even: &Even, skip: usize, below: Option<Below>) -> Result<Loop> {
         equivalent_damping: area.times(c),
         loss_angle: sine.clamp(0.0, 1.0).asin(),
         forms,
-        samples: e[range.clone()].iter().zip(&f[range.clone()]).map(|(e, f)| [*e, *f]).collect(),
-        rates: (rate[range].iter().map(|r| r / even.step).collect(), even.step),
+        samples: used().map(|k| [e[k], f[k]]).collect(),
+        rates: (used().map(|k| rate[k] / even.step).collect(), even.step),
         single: cycles.iter().map(|c| branches(&e, &f, &[*c], deflections, places)).collect(),
         curve,
         notes,
@@ -237,7 +246,7 @@ impl Loop {
     pub fn lost_by(&self, force: impl Fn(f64, f64) -> f64) -> f64 {
         let (rates, step) = &self.rates;
         let all: f64 = self.samples.iter().zip(rates).map(|([e, _], r)| force(*e, *r) * r * step).sum();
-        all * self.period / (rates.len() as f64 * step)
+        all / self.cycles as f64
     }
 }
 
@@ -370,21 +379,21 @@ fn cycles(e: &[f64], turns: &[usize], skip: usize, notes: &mut Vec<String>) -> V
     kept
 }
 
-/// The second derivative of the first harmonics of a series between two places \[1/s² of its unit\].
-fn harmonic_acceleration(values: &[f64], from: usize, to: usize, period: f64, step: f64) -> Vec<f64> {
+/// The second derivative of the first harmonics of a series over whole periods of so many samples \[1/s² of its unit\].
+fn harmonic_acceleration(values: &[f64], period: f64, step: f64) -> Vec<f64> {
     // a tire's deflection has little of the sixth; and what noise there is in it counts 36-fold
     const HARMONICS: usize = 5;
-    let n = (to - from) as f64;
+    let n = (values.len() - 1) as f64;
     let mut all = vec![0.0; values.len()];
     for h in 1..=HARMONICS {
         let w = TAU * h as f64 / period;
         let (mut a, mut b) = (0.0, 0.0);
-        for (k, v) in values[from..to].iter().enumerate() {
+        for (k, v) in values[..values.len() - 1].iter().enumerate() {
             let (sin, cos) = (w * k as f64).sin_cos();
             (a, b) = (a + 2.0 / n * v * cos, b + 2.0 / n * v * sin);
         }
         for (k, sum) in all.iter_mut().enumerate() {
-            let (sin, cos) = (w * (k as f64 - from as f64)).sin_cos();
+            let (sin, cos) = (w * k as f64).sin_cos();
             *sum -= (w / step).powi(2) * (a * cos + b * sin);
         }
     }
@@ -487,11 +496,6 @@ fn begins_elsewhere(curve: &Curve) -> Option<String> {
             1e3 * begins
         )
     })
-}
-
-/// The force of the mean curve at a deflection, straight between its places \[N\].
-pub fn force_at(curve: &Curve, deflection: f64) -> f64 {
-    interpolate(&curve.deflection, &curve.table, deflection)
 }
 
 #[cfg(test)]

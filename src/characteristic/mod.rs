@@ -3,7 +3,7 @@
 //!
 //! After S. Y. Oh, dissertation, TU München 2017, chapter 6; numbers in parentheses are equation numbers of that work. A [`Plan`] names
 //! recordings and what is known of the rig; [`characterize`] follows it: [`loops`] and [`decay`] read recordings, [`geometry`] makes
-//! one element of the whole tire, [`laws`] are curves through points, [`parameters`] and [`property_file`] write.
+//! one element of the whole tire, [`laws`] are curves through points, [`parameters`] writes.
 
 mod answer;
 mod damping;
@@ -22,4 +22,4 @@ pub use answer::{
     characterize_with, value_at,
 };
 pub use plan::{DecayPlan, Law, LoopPlan, MassFrom, Plan, Quantity, Tire, Wanted};
-pub use write::{parameters, property_file};
+pub use write::parameters;

@@ -229,6 +229,7 @@ impl Plan {
     pub fn read(text: &str) -> Result<Self> {
         let plan: Self = toml::from_str(text).map_err(|e| Error::file(e.to_string()))?;
         plan.wheel(plan.tire.elements, false)?;
+        plan.width_and_rim_radius()?;
         if plan.loops.is_empty() && plan.decays.is_empty() {
             return Err(Error::file(
                 "there is nothing to identify anything from: give a [[loop]] or a [[decay]] with its file",
@@ -359,9 +360,57 @@ impl Plan {
     /// Mass of all elements \[kg\].
     ///
     /// # Errors
-    /// One that is not positive.
+    /// One that is not positive, or masses that do not add up.
     pub fn rubber_mass(&self) -> Result<f64> {
-        Ok(positive(self.tire.rubber_mass.as_ref(), "rubber_mass", "kg")?.unwrap_or(19.8))
+        Ok(self.masses()?.0.unwrap_or(19.8))
+    }
+
+    /// Mass of the rim \[kg\], if the plan tells it.
+    ///
+    /// # Errors
+    /// As [`rubber_mass`](Self::rubber_mass).
+    pub fn rim_mass(&self) -> Result<Option<f64>> {
+        Ok(self.masses()?.1)
+    }
+
+    /// Of rubber and rim: each as given, or as the mass of both leaves it.
+    fn masses(&self) -> Result<(Option<f64>, Option<f64>)> {
+        let tire = &self.tire;
+        let rubber = positive(tire.rubber_mass.as_ref(), "rubber_mass", "kg")?;
+        let rim = positive(tire.rim_mass.as_ref(), "rim_mass", "kg")?;
+        let Some(both) = positive(tire.mass.as_ref(), "mass", "kg")? else { return Ok((rubber, rim)) };
+        let left = |of: f64, name: &str| match both > of {
+            true => Ok(both - of),
+            false => {
+                Err(Error::file(format!("mass = {both} kg of tire and rim is no more than {name} = {of} kg")))
+            }
+        };
+        match (rubber, rim) {
+            (None, None) => Err(Error::file(format!(
+                "mass = {both} kg is that of tire and rim: give rim_mass or rubber_mass with it"
+            ))),
+            (Some(rubber), None) => Ok((Some(rubber), Some(left(rubber, "rubber_mass")?))),
+            (None, Some(rim)) => Ok((Some(left(rim, "rim_mass")?), Some(rim))),
+            // scales tell half a percent
+            (Some(rubber), Some(rim)) if (rubber + rim - both).abs() > 0.005 * both => {
+                Err(Error::file(format!(
+                    "rubber_mass = {rubber} kg and rim_mass = {rim} kg are not mass = {both} kg together"
+                )))
+            }
+            all => Ok(all),
+        }
+    }
+
+    /// Width of the tread and radius of the rim \[m\], if the plan tells them.
+    ///
+    /// # Errors
+    /// One that is not positive.
+    pub fn width_and_rim_radius(&self) -> Result<[Option<f64>; 2]> {
+        let tire = &self.tire;
+        Ok([
+            positive(tire.width.as_ref(), "width", "m")?,
+            positive(tire.rim_radius.as_ref(), "rim_radius", "m")?,
+        ])
     }
 }
 

@@ -10,6 +10,13 @@ pub(super) const SPAN: f64 = 1.5;
 /// A power law that misses its points by more than this (root mean square) is no law; then there is a table.
 pub(super) const LAW_MISSES: f64 = 0.03;
 
+/// The mean of points, as uncertain as they scatter and as the least certain of them; of unknown certainty where none says anything.
+pub(super) fn mean_with_scatter(points: &[Point]) -> Known {
+    let mean = mean_of(&points.iter().map(|p| p.value.value).collect::<Vec<_>>());
+    let known = points.iter().map(|p| p.value.half_width).chain([mean.half_width]).filter(|w| w.is_finite());
+    Known { half_width: known.reduce(f64::max).unwrap_or(f64::INFINITY), ..mean }
+}
+
 /// Points of the same load and speed made one.
 pub(super) fn merged(points: Vec<Point>) -> Vec<Point> {
     let mut all: Vec<(Point, Vec<Known>)> = Vec::new();

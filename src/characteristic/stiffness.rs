@@ -5,7 +5,7 @@ use super::geometry::{Phase, Wheel, printed};
 use super::laws::{Known, mean_of};
 use super::loops::{self, Loop};
 use super::plan::{Law, LoopPlan, Plan, cut};
-use super::power_law::{LAW_MISSES, SPAN, merged, power, span};
+use super::power_law::{LAW_MISSES, SPAN, mean_with_scatter, merged, power, span};
 use super::series::{Ends, Even, refuse_clipped};
 use crate::recording::Recording;
 use crate::{Error, Result};
@@ -117,6 +117,9 @@ pub(super) fn stiffness(
             why: "given".into(),
         });
     }
+    if plan.tire.element_stiffness.is_some() {
+        notes.push("element_stiffness of the plan is not used: the loops tell it".into());
+    }
     let all: Vec<Point> = loops
         .iter()
         .flat_map(|l| &l.at)
@@ -170,12 +173,8 @@ pub(super) fn stiffness(
     });
     let untold =
         narrow.or(vague).or(exponent.is_none().then(|| format!("{} loads tell no law", points.len())));
-    let mean = mean_of(&points.iter().map(|p| p.value.value).collect::<Vec<_>>());
+    let mean = mean_with_scatter(&points);
     let widest = points.iter().map(|p| p.value.half_width).filter(|w| w.is_finite()).fold(0.0, f64::max);
-    let mean = Known {
-        value: mean.value,
-        half_width: if mean.half_width.is_finite() { mean.half_width.max(widest) } else { widest },
-    };
     let misses_of = |at: &dyn Fn(&Point) -> f64| {
         (points.iter().map(|p| (p.value.value / at(p) - 1.0).powi(2)).sum::<f64>() / points.len() as f64)
             .sqrt()

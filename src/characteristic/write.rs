@@ -1,4 +1,4 @@
-//! What becomes of an answer: parameters for the super-elastic models, and a property file of their source's form.
+//! What becomes of an answer: parameters for the super-elastic models.
 
 use super::answer::{Answer, Coefficient};
 use super::geometry::RimForce;
@@ -33,8 +33,8 @@ pub fn parameters(plan: &Plan, answer: &Answer) -> Result<String> {
     line("tire_radius", wheel.radius);
     line("gap_angle", plan.gap_angle()?);
     line("rubber_mass", plan.rubber_mass()?);
-    if let Some(width) = plan.tire.width.as_ref() {
-        line("tire_width", width.in_unit("width", "m")?);
+    if let [Some(width), _] = plan.width_and_rim_radius()? {
+        line("tire_width", width);
     }
     if wheel.contact.is_some() {
         line("contact_stiffness", plan.contact_stiffness()?);
@@ -61,6 +61,10 @@ fn coefficient(text: &mut String, free: &mut String, names: (&str, &str), c: &Co
         }
         let (low, high) = ((value - half_width).max(least), value + half_width);
         let _ = writeln!(text, "{name} = {{ value = {value:?}, low = {low:?}, high = {high:?} }}");
+        // of a table it does nothing
+        if c.law == Law::Table {
+            return;
+        }
         let (min, max) = ((value - BEYOND * half_width).max(least), value + BEYOND * half_width);
         let _ = writeln!(free, "{name} = {{ min = {min:?}, max = {max:?} }}");
     };
@@ -97,114 +101,4 @@ fn points_on_grid(c: &Coefficient) -> Vec<super::answer::Point> {
         }
     }
     points
-}
-
-/// A property file with the keys of the source's (5.2.2): millimetres, newtons, degrees.
-///
-/// The form names curves over load and speed (`RADIAL_NONLINEAR = 'yes'`) and has no place for them: it gets the constants at the
-/// references, and a comment.
-///
-/// # Errors
-/// A plan that cannot be followed.
-pub fn property_file(plan: &Plan, answer: &Answer) -> Result<String> {
-    let tire = &plan.tire;
-    let wheel = plan.wheel(tire.elements, false)?;
-    let or = |q: &Option<super::plan::Quantity>, name: &str, unit: &str, default: f64| -> Result<f64> {
-        Ok(q.as_ref().map(|q| q.in_unit(name, unit)).transpose()?.unwrap_or(default))
-    };
-    let rubber = plan.rubber_mass()?;
-    let rim = or(&tire.rim_mass, "rim_mass", "kg", 6.3)?;
-    // a quote or a line break would end the text
-    let name: String = tire.name.chars().filter(|c| *c != '\'' && !c.is_control()).collect();
-    let mut text = String::from(
-        "$---------------------------------------------------------------header\n[MDI_HEADER]\nFILE_TYPE = 'tir'\nFILE_VERSION = 2.0\nFILE_FORMAT = 'ASCII'\n(COMMENTS)\n{comment_string}\n",
-    );
-    let _ = writeln!(text, "'Tire - {name}'\n'Pressure - solid rubber'");
-    let mut block = |title: &str, lines: &[(&str, String)]| {
-        let _ = writeln!(
-            text,
-            "$---------------------------------------------------------------{}\n[{title}]",
-            title.to_lowercase()
-        );
-        for (key, value) in lines {
-            let _ = writeln!(text, "{key} = {value}");
-        }
-    };
-    let number = |v: f64| format!("{v}");
-    let quoted = |v: &str| format!("'{v}'");
-    block(
-        "UNITS",
-        &[
-            ("LENGTH", quoted("mm")),
-            ("FORCE", quoted("newton")),
-            ("ANGLE", quoted("degree")),
-            ("MASS", quoted("kg")),
-            ("TIME", quoted("sec")),
-        ],
-    );
-    block(
-        "MODEL",
-        &[
-            ("PROPERTY_FILE_FORMAT", quoted("USER")),
-            ("FUNCTION_NAME", quoted("TYR501")),
-            ("NUM_INT_METHODE", quoted("DOPRI5")),
-        ],
-    );
-    let mut dimension = vec![("UNLOADED_RADIUS", number(1e3 * wheel.radius))];
-    if let Some(width) = tire.width.as_ref() {
-        dimension.push(("WIDTH", number(1e3 * width.in_unit("width", "m")?)));
-    }
-    dimension.push(("WEIGHT", number(or(&tire.mass, "mass", "kg", rubber + rim)?)));
-    block("DIMENSION", &dimension);
-    let mut rims = vec![("WEIGHT_RIM", number(rim)), ("NUM_RIM", "1".to_owned())];
-    if let Some(radius) = tire.rim_radius.as_ref() {
-        rims.push(("RADIUS_RIM", number(1e3 * radius.in_unit("rim_radius", "m")?)));
-    }
-    block("RIM", &rims);
-    block(
-        "CONTACTELEMENT",
-        &[
-            ("NUM_CE", wheel.elements.to_string()),
-            ("LEN_CE", number(5.0)),
-            ("ANG_INSIDE_CE", number(plan.gap_angle()?.to_degrees())),
-            ("NUM_CP", wheel.points.len().to_string()),
-        ],
-    );
-    block(
-        "PARAMETER",
-        &[
-            ("RADIAL_NONLINEAR", quoted("no")),
-            ("RADIAL_STIFFNESS", number(1e-3 * answer.stiffness.value.value)),
-            ("RADIAL_DAMPING", number(1e-3 * answer.damping.value.value)),
-            ("COR_FACTOR_RSTIFF", number(1.0)),
-            ("ROLLING_RESISTANCE", number(0.015)),
-            ("CSLIP", number(5.0)),
-            ("UMIN", number(0.85)),
-            ("UMAX", number(0.94)),
-            ("REL_LEN_LON", number(10.0)),
-        ],
-    );
-    if let Some((force, exponent)) = wheel.contact {
-        block(
-            "CONTACT_COEFFICIENTS",
-            &[
-                ("CONTACT_MODEL", quoted("fml_imp")),
-                ("STIFFNESS", number(force)),
-                ("DAMPING", number(0.7)),
-                ("PENETRATION", number(0.1)),
-                ("EXPONENT", number(exponent)),
-            ],
-        );
-    }
-    text.push_str("$ identified: RADIAL_STIFFNESS, RADIAL_DAMPING. LEN_CE, rolling resistance, slip, friction and the damping of the contact are defaults of the super-elastic model\n");
-    for (what, c) in [("stiffness", &answer.stiffness), ("damping", &answer.damping)] {
-        if matches!(c.law, Law::Power | Law::Table) {
-            let _ = writeln!(
-                text,
-                "$ the {what} depends on load or speed: above is its value at {:.0} N and {:.2} m/s; the law has no place in this form",
-                c.reference_load, c.reference_speed
-            );
-        }
-    }
-    Ok(text)
 }

@@ -1,9 +1,11 @@
 //! `latsch characterize`: stiffness and damping of a solid tire from loops and decays.
 
-use super::{Format, check_outputs, print, print_json_text};
+use super::{Format, check_outputs, print, print_json_text, warn};
 use latsch::characteristic::laws::Known;
-use latsch::characteristic::{Answer, Coefficient, Plan, characterize, parameters, property_file};
+use latsch::characteristic::{Answer, Coefficient, Plan, characterize, parameters};
+use latsch::model::Settings;
 use latsch::report::{characteristic_report, write_html};
+use latsch::tir::create_super_elastic;
 use latsch::{Error, Result, read_text, write_file};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -51,9 +53,15 @@ pub fn run(args: &Args) -> Result<()> {
     check_outputs(&outputs, &read)?;
     let answer = characterize(&plan, &folder).map_err(|e| e.at(args.plan.display()))?;
     let json = serde_json::to_string_pretty(&answer).map_err(|e| Error::file(e.to_string()))?;
-    write_file(&args.output, parameters(&plan, &answer)?.as_bytes())?;
-    if let Some(file) = &args.tir {
-        write_file(file, property_file(&plan, &answer)?.as_bytes())?;
+    let parameters = parameters(&plan, &answer)?;
+    let property_file =
+        args.tir.as_ref().map(|file| property_file(&plan, &answer, &parameters, file)).transpose()?;
+    write_file(&args.output, parameters.as_bytes())?;
+    if let (Some(file), Some((bytes, lost))) = (&args.tir, &property_file) {
+        write_file(file, bytes)?;
+        for what in lost {
+            warn(&format!("{}: it has no place for {what}", file.display()));
+        }
     }
     if let Some(file) = &args.report {
         write_html(file, &characteristic_report(&answer))?;
@@ -65,6 +73,24 @@ pub fn run(args: &Args) -> Result<()> {
         Format::Json => print_json_text(&json),
         Format::Text => print(&told(&answer)),
     }
+}
+
+/// The property file of the parameters that are written, and what it has no place for.
+fn property_file(
+    plan: &Plan,
+    answer: &Answer,
+    parameters: &str,
+    file: &Path,
+) -> Result<(Vec<u8>, Vec<String>)> {
+    let name = file.display().to_string();
+    let settings = Settings::parse(parameters, &name)?;
+    let rim = plan.rim_mass()?;
+    let (mut document, lost) = create_super_elastic(&settings, rim, &name, &answer.title)?;
+    if let [_, Some(radius)] = plan.width_and_rim_radius()? {
+        // the file is in millimetres
+        document.set_number("RIM", "RADIUS_RIM", 1e3 * radius)?;
+    }
+    Ok((document.bytes().to_vec(), lost))
 }
 
 fn told(answer: &Answer) -> String {

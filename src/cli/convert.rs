@@ -125,7 +125,7 @@ fn tire(args: &Args) -> Result<Vec<String>> {
             }
             let name = args.output.display().to_string();
             let title = format!("Made by latsch {VERSION} of {}", args.input.display());
-            let (document, lost) = create_super_elastic(&own, &name, &title)?;
+            let (document, lost) = create_super_elastic(&own, None, &name, &title)?;
             write_file(&args.output, document.bytes())?;
             Ok(lost)
         }

@@ -196,11 +196,20 @@ pub fn change(document: &mut Document, own: &Settings) -> Result<(usize, Vec<Str
 ///
 /// # Errors
 /// As [`change`].
-pub fn create_super_elastic(own: &Settings, name: &str, title: &str) -> Result<(Document, Vec<String>)> {
+pub fn create_super_elastic(
+    own: &Settings,
+    rim_mass: Option<f64>,
+    name: &str,
+    title: &str,
+) -> Result<(Document, Vec<String>)> {
     let mut document = super_elastic::create(name, title)?;
+    // the rubber's mass is written on top of it
+    document.set_number("RIM", "WEIGHT_RIM", rim_mass.unwrap_or(0.0))?;
     let (_, mut lost) = super_elastic::write(own, &mut document)?;
-    lost.push(
-        "the mass of the rim: it is in the hub's, so WEIGHT_RIM is 0 and WEIGHT is the rubber's".into(),
-    );
+    if rim_mass.is_none() {
+        lost.push(
+            "the mass of the rim: it is in the hub's, so WEIGHT_RIM is 0 and WEIGHT is the rubber's".into(),
+        );
+    }
     Ok((document, lost))
 }

@@ -108,7 +108,7 @@ pub(crate) fn case(seed: u64, number: usize, doubled: bool) -> Result<(Machine, 
 /// Writes the unit and the recordings of a case, as they are told in a view.
 ///
 /// # Errors
-/// As [`case`], no C compiler, or a folder that cannot be written.
+/// No such case or one that cannot be drawn, no C compiler, or a folder that cannot be written.
 pub fn write_case(seed: u64, number: usize, view: View, folder: &Path) -> Result<(), String> {
     let (machine, recorded) = case(seed, number, view == View::Doubled)?;
     for (name, content) in view.told(&machine, recorded.files) {
@@ -118,10 +118,10 @@ pub fn write_case(seed: u64, number: usize, view: View, folder: &Path) -> Result
     unit::write(&machine, "machine", &start, view, &folder.join("machine.fmu"))
 }
 
-/// [`case`] without its machine, as it is answered.
+/// The recordings of a case and its answer, without its machine.
 ///
 /// # Errors
-/// As [`case`].
+/// No such case, or one that cannot be drawn.
 pub fn recorded(seed: u64, number: usize) -> Result<Recorded, String> {
     case(seed, number, false).map(|(_, recorded)| recorded)
 }
