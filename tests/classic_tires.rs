@@ -233,6 +233,90 @@ fn tmeasy_carries_its_load_and_refuses_curves_that_are_none() {
     tire.curves[1].slope.twice = 5e4;
     let message = tire.mount().unwrap_err().to_string();
     assert!(message.contains("y_slope") && message.contains("twice the nominal load"), "{message}");
+
+    // in order at both loads, and not below: a parabola and lines that fall through 0
+    type Set = fn(&mut TmEasy);
+    let low: [(Set, &str); 4] = [
+        (
+            |tire| tire.curves[0].peak.twice = 4.1 * tire.curves[0].peak.once,
+            "x_peak_2 has to be less than four",
+        ),
+        (|tire| tire.curves[1].peak_slip = at(0.2, 0.41), "y_peak_slip_2 has to be less than twice"),
+        (|tire| tire.curves[0].sliding_slip = at(0.2, 0.399), "x_sliding_slip falls below x_peak_slip"),
+        (|tire| tire.trail.end = at(0.6, 1.1), "trail_end_slip"),
+    ];
+    for (change, expected) in low {
+        let mut tire = sedan();
+        change(&mut tire);
+        let message = tire.mount().unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+/// Rolling resistance is the road's pressure before the axle: it needs no friction, and none pulls along or across.
+#[test]
+fn on_ice_only_rolling_resistance_is_left() {
+    let basics = Basics {
+        radius: 0.25,
+        slip_stiffness: 6e4,
+        cornering_stiffness: 4e4,
+        friction: [0.9, 0.8],
+        vertical: [2e5, 0.0],
+        rolling_resistance: 0.02,
+        ..Basics::default()
+    };
+    let easy = TmEasy { rolling_resistance: 0.02, ..sedan() };
+    let ice = Input { friction: 0.0, ..input(3000.0, 0.1, 0.1) };
+    let of = |lever: f64, steady: Steady| {
+        assert_eq!(steady.force.map(f64::abs), [0.0; 2]);
+        assert!((steady.moment[1] + 0.02 * lever * 3000.0).abs() < 1e-12, "{:?}", steady.moment);
+        assert_eq!([steady.moment[0].abs(), steady.moment[2].abs()], [0.0; 2]);
+    };
+    let again = || {
+        let mut copy = Basics::default();
+        copy.clone_from(&basics);
+        copy
+    };
+    of(0.25, Simple { basics: again(), forces: Linear }.steady(&ice));
+    of(0.25, Simple { basics: again(), forces: Fiala { width: 0.1, moment: 1 } }.steady(&ice));
+    of(0.25, Simple { basics: again(), forces: Ua { camber_stiffness: 0.0 } }.steady(&ice));
+    of(0.3266, easy.steady(&ice));
+}
+
+/// A rig that starts in the stationary state of a wheel that creeps along stays in it.
+#[test]
+fn the_stationary_state_of_a_creeping_wheel_stays() {
+    for tire in ["linear", "fiala", "ua", "tmeasy", "magic-formula"] {
+        let mut rig = Shipped::new(
+            &format!("{tire}-flat-track"),
+            &[("path_speed", 0.15), ("slip", 0.01), ("slip_angle", 0.01), ("command_actuators", 0.0)],
+        );
+        let start = ["force_x", "force_y", "moment_y"].map(|name| rig.get(name));
+        rig.step(5.0);
+        let later = ["force_x", "force_y", "moment_y"].map(|name| rig.get(name));
+        for (a, b) in start.iter().zip(later) {
+            assert!((a - b).abs() < 1e-6 * (1.0 + b.abs()), "{tire}: {start:?} {later:?}");
+        }
+    }
+}
+
+/// A drive that keeps the spin tells at the start which torque it needs for that.
+#[test]
+fn a_drive_that_keeps_the_spin_has_its_torque_at_the_start() {
+    let mut wheel = Shipped::new(
+        "linear-wheel",
+        &[
+            ("drive", 2.0),
+            ("initial_speed", 10.0),
+            ("drive_speed", 46.0),
+            ("axle_force_z", -6000.0 + 9.81 * 30.0),
+            ("initial_load", 6000.0),
+        ],
+    );
+    let at_start = wheel.get("drive_torque_actual");
+    wheel.step(1e-3);
+    let then = wheel.get("drive_torque_actual");
+    assert!(at_start.abs() > 10.0 && (at_start / then - 1.0).abs() < 0.02, "{at_start} {then}");
 }
 
 #[test]

@@ -77,6 +77,8 @@ fn left_and_right_are_mirror_images() {
     let mut runs = [2.0, 3.0].map(|tracks| Shipped::new(TRUCK, &[start, ("road_tracks", tracks)]));
     let mut both = Shipped::new(TRUCK, &[start]);
     let mut rolled = 0.0_f64;
+    // what the left wheel's cleat does first: it lifts that side, so that the truck rolls to the right
+    let mut first = None;
     for _ in 0..100 {
         let [left, right] = runs.each_mut().map(|run| {
             run.step(0.01);
@@ -90,6 +92,9 @@ fn left_and_right_are_mirror_images() {
             .map(|name| run.get(name))
         });
         rolled = rolled.max(left[0].abs());
+        if left[0].abs() > 1e-3 && first.is_none() {
+            first = Some(left[0]);
+        }
         let mirrored = [-right[0], right[1], right[3], right[2], -right[4]];
         for (a, b) in left.iter().zip(mirrored) {
             assert!((a - b).abs() < 1e-7 * (1.0 + a.abs()), "{left:?} {right:?}");
@@ -97,7 +102,94 @@ fn left_and_right_are_mirror_images() {
         both.step(0.01);
         assert!(both.get("chassis_roll").abs() < 1e-9);
     }
-    assert!(rolled > 2e-3, "{rolled}");
+    assert!(rolled > 2e-3 && first.unwrap() > 0.0, "{rolled} {first:?}");
+}
+
+/// What a torque of the drive does at last: the rear wheels take what accelerates all masses at their heights and the wheels about
+/// their axes, and the nose rises. No more torque than the drive has.
+#[test]
+fn a_torque_of_the_drive_lifts_the_nose() {
+    let level = [
+        BARE,
+        ("drive", 2.0),
+        ("front_tire.rolling_resistance", 0.0),
+        ("rear_tire.rolling_resistance", 0.0),
+        ("drive_torque", 600.0),
+    ];
+    let mut truck = Shipped::new(SIMPLE, &level);
+    assert_eq!(truck.get("chassis_pitch"), 0.0);
+    let load = truck.get("rear_left.force_z");
+    truck.step(3.0);
+    let (before, spins) = (truck.get("truck_speed"), ["front_left", "rear_left"]);
+    let turning = spins.map(|wheel| truck.get(&format!("{wheel}.wheel_speed")));
+    truck.step(0.5);
+    let acceleration = 2.0 * (truck.get("truck_speed") - before);
+    assert!(acceleration > 0.5, "{acceleration}");
+    let spun = [0, 1].map(|i| 2.0 * (truck.get(&format!("{}.wheel_speed", spins[i])) - turning[i]));
+    let moment =
+        acceleration * (2300.0 * 0.6 + 350.0 * 1.4 + 250.0 * 0.6) + 2.0 * (3.0 * spun[0] + 0.08 * spun[1]);
+    let more = 2.0 * (truck.get("rear_left.force_z") - load);
+    assert!((more / (moment / 1.25) - 1.0).abs() < 0.01, "{more} {}", moment / 1.25);
+    // springs of 2 x 5e5 N/m under each axle
+    let pitch = -2.0 * more / 1e6 / 1.25;
+    assert!((truck.get("chassis_pitch") / pitch - 1.0).abs() < 0.01, "{pitch}");
+
+    let mut strong = Shipped::new(SIMPLE, &[BARE, ("drive", 2.0), ("drive_torque", 1e5)]);
+    assert_eq!(strong.get("drive_torque_actual"), 2000.0);
+    strong.step(0.1);
+    assert_eq!(strong.get("drive_torque_actual"), 2000.0);
+}
+
+/// Softer front tires, tuned while it stands: they sink by the load over what their stiffness has lost, and the rear ones do not.
+#[test]
+fn parameters_of_tires_are_tuned_on_their_wheels() {
+    let mut truck = Shipped::new(SIMPLE, &[BARE, ("speed", 0.0)]);
+    truck.step(0.5);
+    truck.set("front_tire.vertical_stiffness", 2.5e5);
+    truck.step(10.0);
+    let load = (2300.0 * (1.25 - 0.624) + 350.0 * 0.5 + 250.0 * 2.0) / 1.25 * 9.81 / 2.0;
+    let lower = load / 2.5e5 - load / 5e5;
+    assert!((truck.get("chassis_pitch") / (lower / 1.25) - 1.0).abs() < 0.01, "{lower}");
+    let rear = truck.get("chassis_height") + truck.get("chassis_pitch") * (1.25 - 0.624);
+    assert!(rear.abs() < 0.01 * lower, "{rear} {lower}");
+
+    // and those of the tire with elements, which has parameters of another kind
+    let mut truck = Shipped::new(TRUCK, &[BARE, ("speed", 0.0)]);
+    truck.step(0.5);
+    truck.set("rear_tire.stiffness_factor", 0.5);
+    truck.step(3.0);
+    let (height, pitch) = (truck.get("chassis_height"), truck.get("chassis_pitch"));
+    let [front, rear] = [0.624, 0.624 - 1.25].map(|x| height - x * pitch);
+    assert!(front.abs() < 5e-4 && rear < -5e-3, "{front} {rear}");
+}
+
+/// The roof goes as the cabin's centre of mass, and turns about that.
+#[test]
+fn the_roof_turns_about_the_cabins_centre_of_mass() {
+    let mut truck = Shipped::new(SIMPLE, &[("road_start", 0.5)]);
+    let step = 1e-3;
+    let course: Vec<[f64; 3]> = (0..1000)
+        .map(|_| {
+            truck.step(step);
+            ["truck_speed", "cabin_pitch", "roof_acceleration"].map(|name| truck.get(name))
+        })
+        .collect();
+    let (mut off, mut most) = (0.0_f64, 0.0_f64);
+    for three in course.windows(3) {
+        let [[v0, p0, _], [_, p1, roof], [v2, p2, _]] = *three else { unreachable!() };
+        let expected = (v2 - v0) / (2.0 * step) + (2.1 - 1.4) * (p2 - 2.0 * p1 + p0) / (step * step);
+        (off, most) = (off.max((roof - expected).abs()), most.max(roof.abs()));
+    }
+    assert!(most > 0.5 && off < 0.05 * most, "{off} {most}");
+}
+
+#[test]
+fn an_obstacle_under_a_wheel_at_the_start_is_refused() {
+    let mut slave = common::shipped(TRUCK);
+    common::set(&mut *slave, &[("road_start", -0.1)]);
+    slave.start(0.0, None).unwrap();
+    let message = slave.finish_start().unwrap_err().to_string();
+    assert!(message.contains("level road") && message.contains("road_start"), "{message}");
 }
 
 /// Frequencies of a truck on linear tires that rocks by little, from mass and stiffness matrices of their own.
@@ -132,7 +224,7 @@ fn it_rocks_with_the_frequencies_of_its_matrices() {
         ("chain_damping", 0.0),
         ("road_kind", 2.0),
         ("road_height", 1e-5),
-        ("road_start", 0.05),
+        ("road_start", 0.3),
         ("step_size", 1e-4),
         ("front_tire.rolling_resistance", 0.0),
         ("rear_tire.rolling_resistance", 0.0),
@@ -176,7 +268,7 @@ fn it_coasts_by_its_rolling_resistance() {
     truck.step(1.0);
     let lost = before - truck.get("truck_speed");
     // 2900 kg and what turns: 2 x 3 on 0.21 m, 2 x 0.08 on 0.16 m; moments f R0 Fz act over the rolling radii
-    let (front, rear) = (2.0 * 8097.0, 2900.0 * 9.81 - 2.0 * 8097.0);
+    let (front, rear) = (2.0 * 8298.0, 2900.0 * 9.81 - 2.0 * 8298.0);
     let radius = |r0: f64, load: f64| r0 - 0.5 * load / 5e5;
     let (rf, rr) = (radius(0.2265, front), radius(0.1725, rear));
     let resistance = 0.015 * (front * 0.2265 / rf + rear * 0.1725 / rr);

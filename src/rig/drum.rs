@@ -167,10 +167,10 @@ impl<T: Tire> Model for Drum<T> {
             output("arm_acceleration_1", "m/s2", Access::computed(|m: &Self| m.acceleration_at(0)), "Accelerometer 1, vertical, without gravity"),
             output("arm_acceleration_2", "m/s2", Access::computed(|m: &Self| m.acceleration_at(1)), "Accelerometer 2, vertical, without gravity"),
             output("arm_acceleration_3", "m/s2", Access::computed(|m: &Self| m.acceleration_at(2)), "Accelerometer 3, vertical, without gravity"),
-            output("arm_acceleration_5_x", "m/s2", Access::computed(|m: &Self| m.acceleration_along(0)), "Accelerometer 5, away from the pivot"),
-            output("arm_acceleration_5_z", "m/s2", Access::computed(|m: &Self| m.acceleration_at(4)), "Accelerometer 5, vertical, without gravity; its y never moves"),
-            output("arm_acceleration_6_x", "m/s2", Access::computed(|m: &Self| m.acceleration_along(1)), "Accelerometer 6, away from the pivot"),
-            output("arm_acceleration_6_z", "m/s2", Access::computed(|m: &Self| m.acceleration_at(5)), "Accelerometer 6, vertical, without gravity; its y never moves"),
+            output("arm_acceleration_5_x", "m/s2", Access::computed(|m: &Self| m.accelerations_of(0)[0]), "Accelerometer 5, away from the pivot"),
+            output("arm_acceleration_5_z", "m/s2", Access::computed(|m: &Self| m.accelerations_of(0)[1]), "Accelerometer 5, vertical, without gravity; its y never moves"),
+            output("arm_acceleration_6_x", "m/s2", Access::computed(|m: &Self| m.accelerations_of(1)[0]), "Accelerometer 6, away from the pivot"),
+            output("arm_acceleration_6_z", "m/s2", Access::computed(|m: &Self| m.accelerations_of(1)[1]), "Accelerometer 6, vertical, without gravity; its y never moves"),
             output("wheel_lowered", "m", Access::computed(|m: &Self| m.tire.tire().radius() - m.hub.centre.position.z), "How much lower than without load on the bare drum the wheel's centre is"),
             output("arm_rate", "rad/s", Access::computed(|m: &Self| m.hub.centre.velocity.z / m.arm.length), "Rate at which the arm turns, upward"),
             output("wheel_velocity", "m/s", real!(hub.centre.velocity.z), "Velocity of the wheel's centre, upward"),
@@ -282,15 +282,21 @@ impl<T: Tire> Drum<T> {
         self.hub.centre.position.z - self.level
     }
 
-    fn acceleration_at(&self, sensor: usize) -> f64 {
-        self.hub.centre.acceleration.z * self.sensors.distance[sensor] / self.arm.length
+    /// Angular acceleration and rate of the arm, upward.
+    fn turning(&self) -> [f64; 2] {
+        [self.hub.centre.acceleration.z, self.hub.centre.velocity.z].map(|x| x / self.arm.length)
     }
 
-    /// Away from the pivot, of a three-axis sensor: what its height takes of the turning, less what holds it on its circle.
-    fn acceleration_along(&self, sensor: usize) -> f64 {
-        let [turning, rate] =
-            [self.hub.centre.acceleration.z, self.hub.centre.velocity.z].map(|x| x / self.arm.length);
-        -self.sensors.height[sensor] * turning - self.sensors.distance[4 + sensor] * rate * rate
+    /// Vertical, of a sensor on the line from the pivot to the wheel's centre.
+    fn acceleration_at(&self, sensor: usize) -> f64 {
+        self.turning()[0] * self.sensors.distance[sensor]
+    }
+
+    /// Away from the pivot and vertical, of a three-axis sensor: what its arm takes of the turning, less what holds it on its circle.
+    fn accelerations_of(&self, sensor: usize) -> [f64; 2] {
+        let [turning, rate] = self.turning();
+        let (out, up) = (self.sensors.distance[4 + sensor], self.sensors.height[sensor]);
+        [-up * turning - out * rate * rate, out * turning - up * rate * rate]
     }
 
     /// Radius of the drum, negative inside of it \[m\].

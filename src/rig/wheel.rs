@@ -138,6 +138,9 @@ impl<T: Tire> Model for Wheel<T> {
         self.hub.centre.position.z = self.tire.mounted.rim.position.z;
         self.hub.spin.speed = self.tire.mounted.rim.rates.y;
         self.accelerate();
+        if self.keeps_speed() {
+            self.driven = -self.tire.mounted.spin_moment();
+        }
         Ok(())
     }
 

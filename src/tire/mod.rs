@@ -138,6 +138,10 @@ pub trait Tire: Clone + Default + PartialEq + Serialize + DeserializeOwned + Sen
         Ok(())
     }
 
+    /// Takes over the parameters of another one of its kind, and keeps its own state: where several tires share parameters.
+    /// [`tune`](Tire::tune) has to follow.
+    fn share_parameters(&mut self, of: &Self);
+
     /// Checks a value that was read from bytes: whatever [`step`](Tire::step) takes for granted.
     ///
     /// # Errors

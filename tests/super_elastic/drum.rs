@@ -186,3 +186,63 @@ fn the_ring_brush_tire_rolls_on_the_drum_too() {
     rig.step(0.22);
     assert!(rig.get("force_z") / load > 1.1, "on the cleat");
 }
+
+/// A drum that turns faster and faster pulls nothing on a wheel that stays where it is and that nothing drives: its rubber is not
+/// accelerated. On a road, half of the rubber goes across its rays and takes that.
+#[test]
+fn a_drum_that_speeds_up_accelerates_no_rubber() {
+    let ice: &[(&str, f64)] = &[
+        BARE,
+        ("friction_factor", 0.0),
+        ("rim_force", 2.0),
+        ("rubber_mass", 20.0),
+        ("drum_speed", 2.0),
+        ("command_actuators", 0.0),
+    ];
+    let mean = |rate: f64| {
+        let mut rig = Shipped::new(RIG, ice);
+        let steps = 500;
+        let sum: f64 = (1..=steps)
+            .map(|k| {
+                rig.set("drum_speed", 2.0 + rate * 1e-3 * f64::from(k));
+                rig.step(1e-3);
+                rig.get("force_x")
+            })
+            .sum();
+        sum / f64::from(steps)
+    };
+    let [steady, faster] = [0.0, 10.0].map(mean);
+    assert!((faster - steady).abs() < 2.0, "{steady} {faster}; half of the rubber would take 100 N");
+}
+
+/// Accelerometers on the arm, from where they go: a point at a distance along the arm and a height over it.
+#[test]
+fn sensors_go_where_the_arm_takes_them() {
+    let mut rig = Shipped::new(
+        RIG,
+        &[("sensor_5_distance", 1.3), ("sensor_5_height", 0.4), ("weight_mass", 300.0), ("drum_speed", 4.0)],
+    );
+    let step = 1e-3;
+    let course: Vec<[f64; 3]> = (0..3000)
+        .map(|_| {
+            rig.step(step);
+            let angle = rig.get("arm_displacement");
+            [angle, rig.get("arm_acceleration_5_x"), rig.get("arm_acceleration_5_z")]
+        })
+        .collect();
+    // sensor 4 is at 1 m: its height is the angle; places of a rigid arm, to the second order of the angle
+    let place =
+        |angle: f64| [1.3 * (1.0 - 0.5 * angle * angle) - 0.4 * angle, 1.3 * angle - 0.2 * angle * angle];
+    let (mut off, mut most) = ([0.0_f64; 2], [0.0_f64; 2]);
+    for three in course.windows(3) {
+        let at = [0, 1, 2].map(|i| place(three[i][0]));
+        for i in 0..2 {
+            let expected = (at[2][i] - 2.0 * at[1][i] + at[0][i]) / (step * step);
+            off[i] = off[i].max((three[1][1 + i] - expected).abs());
+            most[i] = most[i].max(expected.abs());
+        }
+    }
+    for i in 0..2 {
+        assert!(most[i] > 1.0 && off[i] < 0.05 * most[i], "{off:?} {most:?}");
+    }
+}

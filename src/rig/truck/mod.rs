@@ -2,7 +2,7 @@
 //! driven front wheels and twin rear wheels on a bolster, straight over cleats.
 //!
 //! After S. Y. Oh (2017), 6.1.3 and 7.3. The source gives no masses and no sizes: defaults are placeholders with which a
-//! front wheel carries about 8000 N empty and 16 000 N with 875 kg on the forks, as the source's runs do.
+//! front wheel carries about 8000 N empty and 15 000 N with 875 kg on the forks, as the source's runs do.
 
 mod frame;
 mod sizes;
@@ -21,6 +21,9 @@ use serde::{Deserialize, Serialize};
 
 /// Front left, front right, rear left, rear right.
 const WHEELS: usize = 4;
+const WHEEL_NAMES: [&str; WHEELS] = ["front left", "front right", "rear left", "rear right"];
+/// Places before and behind a wheel's centre, as far as its radius, at which the road is looked at for the start.
+const LOOKS: i32 = 100;
 /// What drives the front wheels, from 1.
 const DRIVES: &[(&str, &str)] =
     &[("speed", "a controller that keeps the speed"), ("torque", "the torque that is given")];
@@ -175,6 +178,7 @@ impl<T: Tire> Model for CounterbalanceTruck<T> {
         (self.way, self.summed) = (0.0, 0.0);
         let gravity = self.tires[0].gravity();
         let loads = self.sizes.loads(gravity)?;
+        self.check_start()?;
         // rear wheels roll freely, front ones pull what all take
         let mut means = [Vector3::zeros(); WHEELS];
         let (mut resistance, mut moment) = (0.0, 0.0);
@@ -197,20 +201,26 @@ impl<T: Tire> Model for CounterbalanceTruck<T> {
             self.spins[i] = Spin { speed: wheel.rim.rates.y, ..Spin::default() };
             self.wheels[i] = wheel;
         }
-        self.driven = if self.drive == 1 { -moment } else { self.torque };
+        // a controller holds what rolling takes, and the truck stands level with it; a torque that is given accelerates and pitches it
+        let held = if self.drive == 1 { -moment } else { 0.0 };
         if self.gains[1] > 0.0 && self.drive == 1 {
-            self.summed = self.driven / self.gains[1];
+            self.summed = held / self.gains[1];
         }
-        self.frame = Frame::rolling(&self.sizes, speed, gravity, &means, self.level, self.driven);
+        self.driven = if self.drive == 1 { held } else { self.given_torque() };
+        self.frame = Frame::rolling(&self.sizes, speed, gravity, &means, self.level, held);
         self.accelerate();
         Ok(())
     }
 
     fn tune(&mut self) -> Result<()> {
         self.sizes.check()?;
+        for tire in &mut self.tires {
+            tire.tune()?;
+        }
         self.check_steps()?;
-        for i in 0..WHEELS {
-            self.wheels[i].tire.tune()?;
+        for (i, wheel) in self.wheels.iter_mut().enumerate() {
+            wheel.tire.share_parameters(&self.tires[i / 2]);
+            wheel.tire.tune()?;
         }
         Ok(())
     }
@@ -326,10 +336,15 @@ impl<T: Tire> CounterbalanceTruck<T> {
         self.wheel_inertia[i / 2] + self.wheels[i].tire.carried().inertia
     }
 
+    /// The torque that is given, as far as the drive has it.
+    fn given_torque(&self) -> f64 {
+        self.torque.clamp(-self.most_torque, self.most_torque)
+    }
+
     /// The drive's torque in a step.
     fn control(&mut self, speed: f64, length: f64) {
         if self.drive != 1 {
-            self.driven = self.torque.clamp(-self.most_torque, self.most_torque);
+            self.driven = self.given_torque();
             return;
         }
         let missing = self.actuator.position - speed;
@@ -359,7 +374,7 @@ impl<T: Tire> CounterbalanceTruck<T> {
 
     fn roof_acceleration(&self) -> f64 {
         let a = &self.frame.acceleration;
-        a.travel + self.sizes.roof_height() * a.cabin[1]
+        a.travel + self.sizes.roof_over_cabin() * a.cabin[1]
     }
 
     fn seat_acceleration(&self) -> f64 {
@@ -372,6 +387,25 @@ impl<T: Tire> CounterbalanceTruck<T> {
         let over = wheel.rim.position.z - self.road.mean(wheel.tire.window(), place[0], place[1]).height;
         let rolling = wheel.tire.rolling_radius(wheel.tire.radius() - over);
         hub::slip(rolling * self.spins[i].speed, self.frame.velocity.travel, SLIP_FLOOR)
+    }
+
+    /// # Errors
+    /// A wheel starts on an obstacle: the places at rest of chassis and wheels are those of a level road.
+    fn check_start(&self) -> Result<()> {
+        for (i, name) in WHEEL_NAMES.iter().enumerate() {
+            let [x, y] = self.places().of_wheel(i, 0.0);
+            let reach = self.tires[i / 2].radius();
+            for k in -LOOKS..=LOOKS {
+                let at = x + reach * f64::from(k) / f64::from(LOOKS);
+                let height = self.road.at(at, y).height;
+                if height != 0.0 {
+                    return Err(Error::variable(format!(
+                        "the truck starts on a level road at height 0, and the road under the {name} wheel is {height:.5} m high at x = {at:.3} m; move it on with road_start, by the truck's length and a wheel's radius"
+                    )));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Checks that `step_size` is short enough for what a wheel moves and turns, and for the cabin and the carriage.

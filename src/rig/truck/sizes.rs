@@ -32,7 +32,7 @@ pub struct Sizes {
     /// x of carriage and payload \[m\].
     pub carriage: f64,
     pub chain: SpringDamper,
-    /// Way of the carriage up, over its place at rest with empty forks, until it meets the mast \[m\]; and the stop.
+    /// Way of the carriage up, over its place at rest, until it meets the mast \[m\]; and the stop.
     pub play: f64,
     pub stop: SpringDamper,
     pub bolster_inertia: f64,
@@ -49,7 +49,7 @@ impl Sizes {
             parameter("wheelbase", "m", real!(wheelbase), 1.25, "From the front axle back to the bolster").range(0.2, 10.0).purpose(Purpose::Data),
             parameter("front_track", "m", real!(tracks[0]), 0.9, "Distance of the front wheels").range(0.1, 5.0).purpose(Purpose::Data),
             parameter("rear_track", "m", real!(tracks[1]), 0.2, "Distance of the twin rear wheels").range(0.05, 5.0).purpose(Purpose::Data),
-            parameter("chassis_mass", "kg", real!(chassis_mass), 2300.0, "Mass of chassis, drive axle, counterweight, bolster and wheels").range(10.0, 1e5),
+            parameter("chassis_mass", "kg", real!(chassis_mass), 2300.0, "Mass of chassis, drive axle, counterweight, bolster and wheels; without the rubber where the tires have their rim_force as exact").range(10.0, 1e5),
             parameter("chassis_x", "m", real!(chassis[0]), -0.624, "Its centre of mass before the front axle").range(-10.0, 10.0).purpose(Purpose::Data),
             parameter("chassis_z", "m", real!(chassis[1]), 0.6, "Its centre of mass over the road").range(0.0, 5.0).purpose(Purpose::Data),
             parameter("chassis_pitch_inertia", "kg.m2", real!(chassis_inertia[0]), 900.0, "Its inertia about the lateral axis").range(0.1, 1e6),
@@ -181,9 +181,9 @@ impl Sizes {
         })
     }
 
-    /// Of the roof's sensor over the mounts \[m\].
-    pub fn roof_height(&self) -> f64 {
-        self.roof - self.mount_height
+    /// Of the roof's sensor over the cabin's centre of mass \[m\].
+    pub fn roof_over_cabin(&self) -> f64 {
+        self.roof - self.cabin[1]
     }
 
     /// The seat's sensor from the cabin's centre of mass.

@@ -42,8 +42,9 @@ impl Forces for Fiala {
         let slip = input.kappa.abs();
         let friction = b.friction_at(libm::hypot(slip, tangent)) * input.friction;
         let most = friction * input.fz;
+        let resistance = b.resistance(input.fz, input.vx);
         if most <= 0.0 {
-            return Steady::default();
+            return Steady { moment: [0.0, resistance, 0.0], ..Steady::default() };
         }
         let along = match slip <= 0.5 * most / b.slip_stiffness {
             true => b.slip_stiffness * slip,
@@ -56,7 +57,7 @@ impl Forces for Fiala {
         let aligning = most * self.width * share * cube;
         Steady {
             force: [along.copysign(input.kappa), -(most * (1.0 - cube)).copysign(input.alpha)],
-            moment: [0.0, b.resistance(input.fz, input.vx), aligning.copysign(input.alpha)],
+            moment: [0.0, resistance, aligning.copysign(input.alpha)],
             // in the limit of no slip angle too
             trail: self.width * cube * if self.moment == 2 { 1.0 } else { 1.0 / (1.0 + h + h * h) },
             friction: [friction; 2],

@@ -30,6 +30,35 @@ impl AtTwoLoads {
     fn line(&self, ratio: f64) -> f64 {
         self.once + (self.twice - self.once) * (ratio - 1.0)
     }
+
+    /// The value that the line has without load.
+    fn without_load(&self) -> f64 {
+        2.0 * self.once - self.twice
+    }
+
+    /// # Errors
+    /// The parabola falls below 0 at little load.
+    fn check_force(&self, name: &str) -> Result<()> {
+        if self.twice < 4.0 * self.once {
+            return Ok(());
+        }
+        Err(Error::variable(format!(
+            "{name}_2 has to be less than four times {name}: {} and {} N; at little load the force would be negative",
+            self.twice, self.once
+        )))
+    }
+
+    /// # Errors
+    /// The line reaches 0 before the load does.
+    fn check_slip(&self, name: &str) -> Result<()> {
+        if self.without_load() > 0.0 {
+            return Ok(());
+        }
+        Err(Error::variable(format!(
+            "{name}_2 has to be less than twice {name}: {} and {}; at little load the slip would be negative",
+            self.twice, self.once
+        )))
+    }
 }
 
 /// A force over slip: its slope at none, its maximum and from where on it slides.
@@ -87,9 +116,22 @@ impl Curve {
     }
 
     fn check(&self, axis: &str) -> Result<()> {
+        let Self { slope, peak_slip, peak, sliding_slip, sliding } = self;
+        for (force, name) in [(slope, "slope"), (peak, "peak"), (sliding, "sliding")] {
+            force.check_force(&format!("{axis}_{name}"))?;
+        }
+        for (slip, name) in [(peak_slip, "peak_slip"), (sliding_slip, "sliding_slip")] {
+            slip.check_slip(&format!("{axis}_{name}"))?;
+        }
+        if sliding_slip.without_load() <= peak_slip.without_load() {
+            return Err(Error::variable(format!(
+                "{axis}_sliding_slip falls below {axis}_peak_slip at little load: lines through their values reach {} and {} without load",
+                sliding_slip.without_load(),
+                peak_slip.without_load()
+            )));
+        }
         for (load, pick) in [("the nominal load", 0), ("twice the nominal load", 1)] {
             let at = |value: &AtTwoLoads| if pick == 0 { value.once } else { value.twice };
-            let Self { slope, peak_slip, peak, sliding_slip, sliding } = self;
             if at(sliding_slip) <= at(peak_slip) {
                 return Err(Error::variable(format!(
                     "{axis}_sliding_slip has to be larger than {axis}_peak_slip at {load}: {} and {}",
@@ -293,8 +335,13 @@ impl Law for TmEasy {
         self.curves[0].check("x")?;
         self.curves[1].check("y")?;
         let Trail { none, end, .. } = self.trail;
-        if end.once <= none.once || end.twice <= none.twice {
-            return Err(Error::variable("trail_end_slip has to be larger than no_trail_slip, at both loads"));
+        none.check_slip("no_trail_slip")?;
+        end.check_slip("trail_end_slip")?;
+        // lines: between no load and twice the nominal one both are in order if they are at these ends
+        if end.without_load() <= none.without_load() || end.twice <= none.twice {
+            return Err(Error::variable(
+                "trail_end_slip has to be larger than no_trail_slip at all loads; so have the values without load, twice the first less the second",
+            ));
         }
         Ok(())
     }
@@ -326,11 +373,13 @@ impl Law for TmEasy {
 
     /// Forces of the one slip (2-56, 2-57).
     fn steady(&self, input: &Input) -> Steady {
+        let resistance =
+            -self.rolling_resistance * self.radius * input.fz * forward(input.vx, self.low_speed[0]);
+        if input.friction <= 0.0 {
+            return Steady { moment: [0.0, resistance, 0.0], ..Steady::default() };
+        }
         let ratio = self.ratio(input.fz);
         let curves = [0, 1].map(|i| self.curves[i].at(ratio, input.friction));
-        if input.friction <= 0.0 {
-            return Steady::default();
-        }
         let weights = Self::weights(&curves);
         // over the way of the tread, and of a locked wheel without end
         let tread = (1.0 + input.kappa).abs().max(LEAST_TREAD);
@@ -341,8 +390,6 @@ impl Law for TmEasy {
         let force = Self::together(&curves, weights, direction).force(slip);
         let (fx, fy) = (force * direction[0], -force * direction[1]);
         let trail = self.contact_length(input.fz) * self.trail.at(slips[1], ratio, input.friction);
-        let resistance =
-            -self.rolling_resistance * self.radius * input.fz * forward(input.vx, self.low_speed[0]);
         Steady {
             force: [fx, fy],
             moment: [0.0, resistance, -trail * fy],

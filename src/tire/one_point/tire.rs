@@ -167,6 +167,41 @@ impl<L: Law> OnePoint<L> {
         })
     }
 
+    /// What standstill adds to the forces of the state's deflections at a speed; nothing above the law's low speed.
+    fn stand(
+        &mut self,
+        steady: &Steady,
+        at: &Contact,
+        load: f64,
+        friction: f64,
+        speed: f64,
+    ) -> Option<Steady> {
+        let at_rest = self.share_at_rest(speed);
+        if at_rest == 0.0 || load <= 0.0 {
+            return None;
+        }
+        // where nothing rolls the deflection away, it ends where all of the contact slides
+        let limit = self.limit(steady, load);
+        for (deflection, limit) in self.state.deflection.iter_mut().zip(limit) {
+            let excess = deflection.abs() - limit;
+            if excess > 0.0 {
+                *deflection -= (at_rest * excess).copysign(*deflection);
+            }
+        }
+        let steady = self.evaluate(at, load, friction);
+        // a deflection that changes meets the damping of the tire, which a tire that rolls has in the law
+        let damping = at_rest * self.law.standstill().damping;
+        let most = steady.friction.map(|mu| mu * load);
+        let add = |force: f64, by: f64, most: f64| match most > force.abs() {
+            true => (force + by).clamp(-most, most),
+            false => force,
+        };
+        let force = &mut self.state.contact.force;
+        force.x = add(force.x, -damping * at.sliding_x, most[0]);
+        force.y = add(force.y, -damping * at.travel[1], most[1]);
+        Some(steady)
+    }
+
     /// What it tells besides force and moment on the rim, and gravity.
     #[rustfmt::skip] // a row is a line
     fn own_rows() -> Table<Self> {
@@ -205,6 +240,11 @@ impl<L: Law> Tire for OnePoint<L> {
 
     fn tune(&mut self) -> Result<()> {
         self.law.mount()
+    }
+
+    fn share_parameters(&mut self, of: &Self) {
+        self.law.clone_from(&of.law);
+        self.gravity = of.gravity;
     }
 
     fn radius(&self) -> f64 {
@@ -279,7 +319,8 @@ impl<L: Law> Tire for OnePoint<L> {
             };
             let before = tire.state.contact.force;
             tire.state.deflection = deflection;
-            tire.evaluate(&at, load, friction);
+            let steady = tire.evaluate(&at, load, friction);
+            tire.stand(&steady, &at, load, friction, vx);
             tire.pass_on(&at, &Plane::level(rim_height, friction));
             let on_rim = tire.state.on_rim;
             if !on_rim.force.iter().chain(&on_rim.moment).all(|x| x.is_finite()) {
@@ -350,27 +391,8 @@ impl<L: Law> Tire for OnePoint<L> {
                 if load > 0.0 { follow(last[i], sliding[i], speed, relaxation[i], dt) } else { 0.0 };
         }
         let mut steady = self.evaluate(&new, load, plane.friction);
-        let at_rest = self.share_at_rest(speed);
-        if at_rest > 0.0 && load > 0.0 {
-            // where nothing rolls the deflection away, it ends where all of the contact slides
-            let limit = self.limit(&steady, load);
-            for (deflection, limit) in self.state.deflection.iter_mut().zip(limit) {
-                let excess = deflection.abs() - limit;
-                if excess > 0.0 {
-                    *deflection -= (at_rest * excess).copysign(*deflection);
-                }
-            }
-            steady = self.evaluate(&new, load, plane.friction);
-            // a deflection that changes meets the damping of the tire, which a tire that rolls has in the law
-            let damping = at_rest * self.law.standstill().damping;
-            let most = steady.friction.map(|mu| mu * load);
-            let add = |force: f64, by: f64, most: f64| match most > force.abs() {
-                true => (force + by).clamp(-most, most),
-                false => force,
-            };
-            let force = &mut self.state.contact.force;
-            force.x = add(force.x, -damping * new.sliding_x, most[0]);
-            force.y = add(force.y, -damping * new.travel[1], most[1]);
+        if let Some(standing) = self.stand(&steady, &new, load, plane.friction, speed) {
+            steady = standing;
         }
         if dt > 0.0 {
             let rate = (self.state.deflection[1] - last[1]) / dt;

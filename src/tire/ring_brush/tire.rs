@@ -53,6 +53,11 @@ impl Tire for RingBrush {
         self.prepared.tune(&self.parameters)
     }
 
+    fn share_parameters(&mut self, of: &Self) {
+        self.name.clone_from(&of.name);
+        self.parameters.clone_from(&of.parameters);
+    }
+
     fn check(&self, road: &Road) -> Result<()> {
         self.prepared.check(&self.state, road)
     }

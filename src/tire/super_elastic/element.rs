@@ -55,6 +55,22 @@ impl Friction {
     }
 }
 
+impl Radial {
+    /// The distance at which all is in balance without the road, for what mass and damper take at a distance, from a place nearby. Friction
+    /// sticks, or slips to the side on which it could not hold: all else rises with the distance.
+    fn free(&self, moving: &impl Fn(f64) -> f64, per: f64, near: f64) -> f64 {
+        let Friction { stiffness, limit, force, distance } = self.friction;
+        let rest = moving(near) + self.base + self.stiffness * near;
+        let slope = self.mass * per * per + self.stiffness + self.damping * per;
+        if limit <= 0.0 {
+            return near - rest / slope;
+        }
+        let held = near - (rest + force + stiffness * (near - distance)) / (slope + stiffness);
+        let holding = force + stiffness * (held - distance);
+        if holding.abs() <= limit { held } else { near - (rest + limit.copysign(holding)) / slope }
+    }
+}
+
 /// Where the contact points of an element are, and how they move, in the wheel's plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ray<'a> {
@@ -303,15 +319,7 @@ pub(super) fn reach(
             radial.mass * per * per + radial.stiffness + radial.damping * per + slope,
         )
     };
-    let (value, slope) = without_road(guess);
-    let mut free = guess - value / slope;
-    if radial.friction.limit > 0.0 {
-        // two straight pieces more: one correction on each
-        for _ in 0..3 {
-            let (value, slope) = without_road(free);
-            free -= value / slope;
-        }
-    }
+    let free = radial.free(&|r| radial.mass * acceleration_at(r) + radial.damping * speed_at(r), per, guess);
     let reached = |r: f64, pressed: Pressed| Reached {
         distance: r,
         speed: speed_at(r),
@@ -354,4 +362,31 @@ pub(super) fn reach(
         }
     }
     reached(r, press(ray, track, contact, (r, speed_at(r)), per))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Friction that sticks, and that slips to either side: all in balance, also where corrections from piece to piece would go round
+    /// in a circle.
+    #[test]
+    fn friction_finds_its_balance_from_anywhere() {
+        for limit in [0.0, 1.0, 50.0] {
+            for base in [-300.0, -20.0, 0.0, 0.5, 300.0] {
+                for near in [-1.0, 0.0, 1e-4, 1.0] {
+                    let radial = Radial {
+                        mass: 1e-6,
+                        stiffness: 1.0,
+                        damping: 0.0,
+                        base,
+                        friction: Friction { stiffness: 1e6, limit, force: 0.3 * limit, distance: 0.01 },
+                    };
+                    let r = radial.free(&|_| 0.0, 0.0, near);
+                    let left = base + radial.stiffness * r + radial.friction.at(r).0;
+                    assert!(left.abs() < 1e-9 * (1.0 + base.abs()), "{limit} {base} {near}: {left}");
+                }
+            }
+        }
+    }
 }

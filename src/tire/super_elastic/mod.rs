@@ -27,6 +27,7 @@
 
 mod characteristic;
 mod contact;
+mod coupling;
 mod element;
 mod parameters;
 mod ring;

@@ -93,6 +93,16 @@ pub struct Parameters {
     pub friction_force: f64,
     /// Stiffness up to that friction \[N/m\].
     pub friction_stiffness: f64,
+    /// How neighbours are coupled: 1 not, 2 around the wheel, 3 against bending too.
+    pub coupling: i32,
+    /// Stiffness between neighbours along the chord between them k_t \[N/m\].
+    pub coupling_stiffness: f64,
+    /// Damping there c_t \[N.s/m\].
+    pub coupling_damping: f64,
+    /// Stiffness against a bend from chord to chord kt_y \[N.m/rad\].
+    pub bending_stiffness: f64,
+    /// Damping of that \[N.m.s/rad\].
+    pub bending_damping: f64,
     /// Contact with the road.
     pub contact: Contact,
     /// What that is of: 1 an element, 2 a point.
@@ -145,6 +155,11 @@ clone_in_place!(Parameters {
     relaxing_time,
     friction_force,
     friction_stiffness,
+    coupling,
+    coupling_stiffness,
+    coupling_damping,
+    bending_stiffness,
+    bending_damping,
     contact,
     contact_of,
     slip_stiffness,

@@ -1,5 +1,6 @@
 //! All elements: what they do in a step, and what they put on the rim.
 
+use super::coupling::{Coupled, Coupling, Place, Places};
 use super::element::{Friction, GAMMA, Pressed, Radial, Ray, Reached, Track, press, reach};
 use super::parameters::{Parameters, Prepared};
 use crate::clone_in_place;
@@ -35,9 +36,11 @@ pub struct Ring {
     pub friction: Vec<f64>,
     /// Force of the road on each element, forward and up \[N\].
     pub contact: Vec<[f64; 2]>,
+    /// Where coupled elements are within a step.
+    pub places: Places,
 }
 
-clone_in_place!(Ring { distance, speed, relaxing, friction, contact });
+clone_in_place!(Ring { distance, speed, relaxing, friction, contact, places });
 
 /// Stiffness and damping of an element that hold now.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -65,6 +68,8 @@ pub struct Sums {
     pub penetration: f64,
     /// Power that rubber and contact take \[W\].
     pub loss: f64,
+    /// Coupled elements have not found their balance.
+    pub unsettled: bool,
 }
 
 /// Parameters with what follows from them, and the coefficients that hold now.
@@ -178,9 +183,92 @@ fn ray<'a>(rubber: &Rubber<'a>, rim: &RimInPlane, along: [f64; 2]) -> Ray<'a> {
     }
 }
 
+/// Where an element goes if nothing changes.
+fn ahead(from: &Place, h: f64) -> f64 {
+    from.distance + h * (from.speed + h * from.acceleration)
+}
+
+/// Where the last stage of a step begins, a time after its start, from what was reached at the first one.
+fn between(start: &Place, first: &impl Moving, time: f64) -> Place {
+    let Place { speed, acceleration, .. } = first.place();
+    Place { distance: start.distance + time * speed, speed: start.speed + time * acceleration, acceleration }
+}
+
+/// What has a place on a ray.
+trait Moving {
+    fn place(&self) -> Place;
+}
+
+impl Moving for Place {
+    fn place(&self) -> Place {
+        *self
+    }
+}
+
+impl Moving for Reached {
+    fn place(&self) -> Place {
+        Place { distance: self.distance, speed: self.speed, acceleration: self.acceleration }
+    }
+}
+
+/// A stage of a step: how the rim and the road are there, `time` after the step's beginning, and the share of the step that is implicit.
+struct Stage<'a, T> {
+    rubber: &'a Rubber<'a>,
+    rim: &'a RimInPlane,
+    turned: (f64, f64),
+    track: &'a T,
+    time: f64,
+    h: f64,
+}
+
+/// Sweeps over coupled elements until all are in balance: each leaves a share of what the one before left, the coupling's over that of
+/// an element with its mass.
+const MOST_SWEEPS: usize = 400;
+/// A balance is found when no element moves by more in a sweep \[m\]: times a stiffness of 1e6 N/m, a thousandth of a newton.
+const SETTLED: f64 = 1e-9;
+
+impl<T: Track> Stage<'_, T> {
+    fn along(&self, n: usize) -> [f64; 2] {
+        along(self.rubber.prepared, n, self.turned)
+    }
+
+    /// Where an element gets, with what acts on it besides the road.
+    fn reach(&self, ring: &Ring, n: usize, from: &Place, felt: &Coupled, guess: f64) -> (Radial, Reached) {
+        let along = self.along(n);
+        let radial = self.rubber.radial(ring, n, self.rim, along, self.time);
+        let coupled = felt.with(&radial);
+        let ray = ray(self.rubber, self.rim, along);
+        let contact = &self.rubber.prepared.contact;
+        let reached = reach(&coupled, &ray, self.track, contact, (from.distance, from.speed, self.h), guess);
+        (radial, reached)
+    }
+
+    /// All elements in balance with their neighbours: each in turn, with what the others have found so far (Gauss and Seidel), which
+    /// leads to the least of a convex energy. False if it has not.
+    fn settle(&self, ring: &Ring, coupling: &Coupling, places: &mut Places) -> bool {
+        for (to, from) in places.to.iter_mut().zip(&places.from) {
+            let speed = from.speed + self.h * from.acceleration;
+            *to = Place { distance: ahead(from, self.h), speed, ..*from };
+        }
+        for _ in 0..MOST_SWEEPS {
+            let mut moved = 0.0_f64;
+            for n in 0..places.to.len() {
+                let felt = coupling.on(&places.to, n).about(&places.to[n]);
+                let (_, reached) = self.reach(ring, n, &places.from[n], &felt, places.to[n].distance);
+                moved = moved.max((reached.distance - places.to[n].distance).abs());
+                places.to[n] = reached.place();
+            }
+            if moved <= SETTLED {
+                return true;
+            }
+        }
+        false
+    }
+}
+
 impl Ring {
     /// Elements without load.
-    pub(super) fn free(prepared: &Prepared) -> Self {
+    pub(super) fn free(parameters: &Parameters, prepared: &Prepared) -> Self {
         let n = prepared.rays.len();
         Self {
             distance: vec![prepared.free; n],
@@ -188,14 +276,18 @@ impl Ring {
             relaxing: vec![0.0; n],
             friction: vec![0.0; n],
             contact: vec![[0.0; 2]; n],
+            places: Places::new(parameters, n),
         }
     }
 
     /// Whether it fits parameters that say how many elements there are.
-    pub(super) fn fits(&self, prepared: &Prepared) -> bool {
+    pub(super) fn fits(&self, parameters: &Parameters, prepared: &Prepared) -> bool {
         let n = prepared.rays.len();
+        let Places { from, to } = Places::new(parameters, n);
         [&self.distance, &self.speed, &self.relaxing, &self.friction].iter().all(|v| v.len() == n)
             && self.contact.len() == n
+            && self.places.from.len() == from.len()
+            && self.places.to.len() == to.len()
     }
 
     /// Moves all elements by `dt` > 0 seconds, in which the rim moves so that `rim` has it at both stages; `tracks` has the road
@@ -207,37 +299,84 @@ impl Ring {
         tracks: &[impl Track; 2],
         dt: f64,
     ) -> Sums {
-        let h = GAMMA * dt;
+        if let Some(coupling) = Coupling::new(rubber.parameters, rubber.prepared) {
+            return self.step_coupled(&coupling, rubber, rim, tracks, dt);
+        }
+        let (h, alone) = (GAMMA * dt, Coupled::default());
         let turned = [0, 1].map(|i| libm::sincos(rim[i].angle));
         let mut sums = Sums::default();
         for n in 0..self.distance.len() {
-            let contact = &rubber.prepared.contact;
-            let (distance, speed) = (self.distance[n], self.speed[n]);
-            let first_along = along(rubber.prepared, n, turned[0]);
-            let radial = rubber.radial(self, n, &rim[0], first_along, h);
-            let guess = distance + h * speed;
-            let first_ray = ray(rubber, &rim[0], first_along);
-            let first = reach(&radial, &first_ray, &tracks[0], contact, (distance, speed, h), guess);
-
-            let last_along = along(rubber.prepared, n, turned[1]);
-            let radial = rubber.radial(self, n, &rim[1], last_along, dt);
-            let rest = dt - h;
-            let from = (distance + rest * first.speed, speed + rest * first.acceleration, h);
-            let guess = from.0 + h * (from.1 + h * first.acceleration);
-            let last_ray = ray(rubber, &rim[1], last_along);
-            let last = reach(&radial, &last_ray, &tracks[1], contact, from, guess);
-
-            let end = rubber.remember(self, n, &radial, &last, dt);
-            (self.distance[n], self.speed[n]) = (last.distance, last.speed);
-            self.contact[n] = last.pressed.force;
-            sums.add(rubber, &rim[1], last_along, &last, &end);
+            let start = self.place(n);
+            let stage = Stage { rubber, rim: &rim[0], turned: turned[0], track: &tracks[0], time: h, h };
+            let (_, first) = stage.reach(self, n, &start, &alone, ahead(&start, h));
+            let from = between(&start, &first, dt - h);
+            let stage = Stage { rubber, rim: &rim[1], turned: turned[1], track: &tracks[1], time: dt, h };
+            let (radial, last) = stage.reach(self, n, &from, &alone, ahead(&from, h));
+            self.arrive(&mut sums, &stage, n, &radial, &last);
         }
         sums
+    }
+
+    /// The same where elements depend on their neighbours: at both stages all of them find their balance together.
+    fn step_coupled(
+        &mut self,
+        coupling: &Coupling,
+        rubber: &Rubber<'_>,
+        rim: &[RimInPlane; 2],
+        tracks: &[impl Track; 2],
+        dt: f64,
+    ) -> Sums {
+        let h = GAMMA * dt;
+        let turned = [0, 1].map(|i| libm::sincos(rim[i].angle));
+        let mut places = std::mem::take(&mut self.places);
+        for n in 0..self.distance.len() {
+            places.from[n] = self.place(n);
+        }
+        let stage = Stage { rubber, rim: &rim[0], turned: turned[0], track: &tracks[0], time: h, h };
+        let mut settled = stage.settle(self, coupling, &mut places);
+        for (from, first) in places.from.iter_mut().zip(&places.to) {
+            *from = between(from, first, dt - h);
+        }
+        let stage = Stage { rubber, rim: &rim[1], turned: turned[1], track: &tracks[1], time: dt, h };
+        settled &= stage.settle(self, coupling, &mut places);
+        let mut sums = Sums { unsettled: !settled, ..Sums::default() };
+        for n in 0..self.distance.len() {
+            let felt = coupling.on(&places.to, n).about(&places.to[n]);
+            let (radial, last) = stage.reach(self, n, &places.from[n], &felt, places.to[n].distance);
+            self.arrive(&mut sums, &stage, n, &radial, &last);
+        }
+        sums.loss += coupling.energy(&places.to).1;
+        self.places = places;
+        sums
+    }
+
+    fn place(&self, n: usize) -> Place {
+        Place { distance: self.distance[n], speed: self.speed[n], acceleration: 0.0 }
+    }
+
+    /// Takes an element to the end of a step.
+    fn arrive(
+        &mut self,
+        sums: &mut Sums,
+        at: &Stage<'_, impl Track>,
+        n: usize,
+        radial: &Radial,
+        last: &Reached,
+    ) {
+        let end = at.rubber.remember(self, n, radial, last, at.time);
+        (self.distance[n], self.speed[n]) = (last.distance, last.speed);
+        self.contact[n] = last.pressed.force;
+        sums.add(at.rubber, at.rim, at.along(n), last, &end);
     }
 
     /// The sums where the elements are, which have this acceleration along their rays at rest: none.
     pub(super) fn evaluate(&mut self, rubber: &Rubber<'_>, rim: &RimInPlane, track: &impl Track) -> Sums {
         let turned = libm::sincos(rim.angle);
+        let coupling = Coupling::new(rubber.parameters, rubber.prepared);
+        let mut places = std::mem::take(&mut self.places);
+        for (n, place) in places.to.iter_mut().enumerate() {
+            *place = self.place(n);
+        }
         let mut sums = Sums::default();
         for n in 0..self.distance.len() {
             let along = along(rubber.prepared, n, turned);
@@ -254,11 +393,14 @@ impl Ring {
             let force = radial.base
                 + radial.stiffness * distance
                 + radial.damping * speed
-                + radial.friction.at(distance).0;
+                + radial.friction.at(distance).0
+                + coupling.map_or(0.0, |coupling| coupling.on(&places.to, n).force);
             let acceleration = (pressed.along - force) / rubber.prepared.mass;
             self.contact[n] = pressed.force;
             sums.add(rubber, rim, along, &Reached { acceleration, ..reached }, &end);
         }
+        sums.loss += coupling.map_or(0.0, |coupling| coupling.energy(&places.to).1);
+        self.places = places;
         sums
     }
 
@@ -266,7 +408,11 @@ impl Ring {
     pub(super) fn energy(&self, rubber: &Rubber<'_>, rim: &RimInPlane, track: &impl Track) -> f64 {
         let turned = libm::sincos(rim.angle);
         let (p, prepared) = (rubber.parameters, rubber.prepared);
-        (0..self.distance.len())
+        let coupled = Coupling::new(p, prepared).map_or(0.0, |coupling| {
+            let places: Vec<Place> = (0..self.distance.len()).map(|n| self.place(n)).collect();
+            coupling.energy(&places).0
+        });
+        let own: f64 = (0..self.distance.len())
             .map(|n| {
                 let along = along(prepared, n, turned);
                 let (r, v) = (self.distance[n], self.speed[n]);
@@ -288,7 +434,8 @@ impl Ring {
                 }
                 energy
             })
-            .sum()
+            .sum();
+        own + coupled
     }
 }
 

@@ -3,6 +3,7 @@
 //! Defaults are those of the source's property file for a Continental SE 18x7-8, as read in the documentation.
 
 use super::SuperElastic;
+use super::coupling::COUPLINGS;
 use super::parameters::{ADHESIONS, LAWS, RATES, RESISTANCES, RIM_FORCES, SHARINGS};
 use crate::model::{
     Access, Purpose, Role, Table, integer_parameter, local, output, parameter, text_parameter,
@@ -53,6 +54,11 @@ impl SuperElastic {
             parameter("relaxing_time", "s", real!(parameters.relaxing_time), 0.05, "Time in which it relaxes").range(1e-5, 1e4).tunable(),
             parameter("friction_force", "N", real!(parameters.friction_force), 0.0, "Friction in the rubber of an element, which its damping does not depend on the frequency with. Not in the source (0)").range(0.0, 1e6).tunable().role(Role::Friction),
             parameter("friction_stiffness", "N/m", real!(parameters.friction_stiffness), 1e5, "Stiffness of the rubber up to that friction").range(1.0, 1e10).tunable(),
+            integer_parameter("coupling", integer!(parameters.coupling), 1, "How neighbouring elements are coupled").items(COUPLINGS).purpose(Purpose::Numerics),
+            parameter("coupling_stiffness", "N/m", real!(parameters.coupling_stiffness), 1e6, "Stiffness between neighbours along the chord between them (k_t), with a coupling; the source gives no number").range(0.0, 1e10).tunable().role(Role::Stiffness),
+            parameter("coupling_damping", "N.s/m", real!(parameters.coupling_damping), 0.0, "Damping of that (c_t)").range(0.0, 1e7).tunable(),
+            parameter("bending_stiffness", "N.m/rad", real!(parameters.bending_stiffness), 10.0, "Stiffness against a bend from chord to chord (kt_y), with bending; the source gives no number").range(0.0, 1e7).tunable().role(Role::Stiffness),
+            parameter("bending_damping", "N.m.s/rad", real!(parameters.bending_damping), 0.0, "Damping of that (ct_y)").range(0.0, 1e5).tunable(),
             parameter("contact_stiffness", "N", real!(parameters.contact.force), 35000.0, "Force of an element or of a point at a penetration of 1 mm").range(1.0, 1e9).purpose(Purpose::Numerics),
             parameter("contact_exponent", "1", real!(parameters.contact.exponent), 1.9, "Exponent of the penetration").range(1.0, 5.0).purpose(Purpose::Numerics),
             parameter("contact_damping", "N.s/m", real!(parameters.contact.damping), 700.0, "Damping of the contact at full penetration").range(0.0, 1e7).purpose(Purpose::Numerics),

@@ -3,6 +3,7 @@
 //! As the wheel turns, elements come and go, and load or height ripple with N per turn: the state is that of the spin angle at which
 //! the rim is. A wheel that turns under a load has the height at which it carries that load in the mean. An element's speed is how its place changes along the turn; its acceleration there is not looked for.
 
+use super::coupling::{Coupled, Coupling, Place};
 use super::element::{Ray, Track, reach};
 use super::parameters::{Parameters, Prepared};
 use super::ring::{Coefficients, RimInPlane, Ring, Rubber, Sums, along};
@@ -14,6 +15,10 @@ const LONG: f64 = 1e6;
 const TURN: f64 = 1e-4;
 /// Halvings of the height at most; the secants between them need ten.
 const SEARCHES: usize = 80;
+/// Sweeps over coupled elements, and the way in one of them that is none \[m\]: without their masses a sweep leaves more than in a step,
+/// and speeds are differences over [`TURN`].
+const MOST_SWEEPS: usize = 20_000;
+const SETTLED: f64 = 1e-13;
 /// Angles between two elements over which the force of a wheel that turns is a mean: elements touch and leave once between them.
 const ANGLES: u32 = 8;
 /// How low the rim's centre may be over the road, as a share of the radius: the rim's own radius is beyond that.
@@ -67,8 +72,8 @@ impl Parameters {
 /// The ring at rest on a track under a rim at a height.
 pub(super) fn at_rest(rubber: &Rubber<'_>, rim: &RimInPlane, track: &impl Track) -> (Ring, Sums) {
     let prepared = rubber.prepared;
-    let mut ring = Ring::free(prepared);
-    let still = |n: usize, angle: f64, guess: f64| {
+    let mut ring = Ring::free(rubber.parameters, prepared);
+    let still = |n: usize, angle: f64, guess: f64, felt: &Coupled| {
         let along = along(prepared, n, libm::sincos(angle));
         let ray = Ray {
             along,
@@ -79,25 +84,48 @@ pub(super) fn at_rest(rubber: &Rubber<'_>, rim: &RimInPlane, track: &impl Track)
             to_tread: 0.5 * rubber.parameters.element_thickness,
             offsets: &prepared.offsets,
         };
-        let radial = rubber.at_rest(rim, along);
+        let radial = felt.with(&rubber.at_rest(rim, along));
         reach(&radial, &ray, track, &prepared.contact, (prepared.free, 0.0, LONG), guess).distance
     };
-    for n in 0..ring.distance.len() {
-        let here = still(n, rim.angle, prepared.free);
-        let turned = [-TURN, TURN].map(|turn| still(n, rim.angle + turn, here));
-        ring.distance[n] = here;
+    let coupling = Coupling::new(rubber.parameters, prepared);
+    let mut unsettled = false;
+    // all elements where the rim is at an angle
+    let mut all = |angle: f64, from: &[f64]| -> Vec<f64> {
+        let free = Coupled::default();
+        let Some(coupling) = coupling else {
+            return from.iter().enumerate().map(|(n, guess)| still(n, angle, *guess, &free)).collect();
+        };
+        let mut places: Vec<Place> =
+            from.iter().map(|distance| Place { distance: *distance, ..Place::default() }).collect();
+        let settled = (0..MOST_SWEEPS).any(|_| {
+            let moved = (0..places.len()).fold(0.0_f64, |moved, n| {
+                let felt = coupling.on(&places, n).about(&places[n]);
+                let distance = still(n, angle, places[n].distance, &felt);
+                let way = (distance - places[n].distance).abs();
+                places[n].distance = distance;
+                moved.max(way)
+            });
+            moved <= SETTLED
+        });
+        unsettled |= !settled;
+        places.iter().map(|place| place.distance).collect()
+    };
+    let here = all(rim.angle, &ring.distance);
+    let turned = [-TURN, TURN].map(|turn| all(rim.angle + turn, &here));
+    for n in 0..here.len() {
+        ring.distance[n] = here[n];
         ring.friction[n] =
-            rubber.at_rest(rim, along(prepared, n, libm::sincos(rim.angle))).friction.at(here).0;
-        ring.speed[n] = rim.spin * (turned[1] - turned[0]) / (2.0 * TURN);
+            rubber.at_rest(rim, along(prepared, n, libm::sincos(rim.angle))).friction.at(here[n]).0;
+        ring.speed[n] = rim.spin * (turned[1][n] - turned[0][n]) / (2.0 * TURN);
     }
     let sums = ring.evaluate(rubber, rim, track);
-    (ring, sums)
+    (ring, Sums { unsettled, ..sums })
 }
 
 /// The stationary ring under a rim that moves so, at its height or where the rim carries `load`.
 ///
 /// # Errors
-/// No height carries that load.
+/// No height carries that load, or no load fits the stiffness that it makes.
 pub(super) fn stationary(
     parameters: &Parameters,
     prepared: &Prepared,
@@ -166,17 +194,18 @@ pub(super) fn stationary(
     }
     // at a height the coefficients know the load that they make
     let mut load = parameters.reference_load;
-    let mut found = None;
     for _ in 0..SEARCHES {
         let coefficients = parameters.coefficients(prepared, load, speed);
         let (ring, sums) = with(rim.height, coefficients);
         let next = parameters.on_rim(&sums)[1].max(0.0);
         let is_same = (next - load).abs() <= 1e-9 * load;
         load = next;
-        found = Some(Stationary { ring, load, coefficients, sums, height: rim.height });
         if is_same {
-            break;
+            return Ok(Stationary { ring, load, coefficients, sums, height: rim.height });
         }
     }
-    found.ok_or_else(|| Error::numeric("no stationary state was looked for"))
+    Err(Error::numeric(format!(
+        "no load was found that fits the stiffness that it makes, at a height of {} m of the rim: the stiffness changes too much with the load",
+        rim.height
+    )))
 }

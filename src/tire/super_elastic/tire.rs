@@ -16,6 +16,8 @@ use serde::{Deserialize, Serialize};
 
 /// Camber beyond which the wheel has fallen over \[rad\]: the plane in which all of this happens stands upright.
 const MAX_CAMBER: f64 = 0.6;
+const UNSETTLED_AT_REST: &str = "coupled elements do not find their balance at rest: coupling_stiffness or bending_stiffness is too large beside element_radial_stiffness";
+const UNSETTLED: &str = "coupled elements do not find their balance within a step: coupling_stiffness or bending_stiffness is too large for step_size";
 /// Below this speed the rolling resistance, which turns with the direction of travel, fades out \[m/s\].
 const CREEP: f64 = 0.05;
 
@@ -104,18 +106,19 @@ fn in_plane(rim: &Motion<f64>) -> (RimInPlane, [f64; 2]) {
 }
 
 /// The rim at a share of a step of `dt` seconds: with a constant acceleration from the velocity before to that after, and what the
-/// ends are off by that on a straight line.
-fn between(before: &RimInPlane, after: &RimInPlane, share: f64, dt: f64) -> RimInPlane {
+/// ends are off by that on a straight line. A rim that does not travel stays where it is while the road runs faster or slower.
+fn between(before: &RimInPlane, after: &RimInPlane, share: f64, dt: f64, travels: bool) -> RimInPlane {
     let mix = |a: f64, b: f64| a + share * (b - a);
     let moved = |from: f64, to: f64, v0: f64, v1: f64| {
         let by_speed = dt * share * (v0 + 0.5 * share * (v1 - v0));
         from + by_speed + share * (to - from - 0.5 * dt * (v0 + v1))
     };
     let per = 1.0 / dt;
+    let forward = if travels { (after.velocity[0] - before.velocity[0]) * per } else { 0.0 };
     RimInPlane {
         height: moved(before.height, after.height, before.velocity[1], after.velocity[1]),
         velocity: [0, 1].map(|i| mix(before.velocity[i], after.velocity[i])),
-        acceleration: [0, 1].map(|i| (after.velocity[i] - before.velocity[i]) * per),
+        acceleration: [forward, (after.velocity[1] - before.velocity[1]) * per],
         angle: moved(before.angle, after.angle, before.spin, after.spin),
         spin: mix(before.spin, after.spin),
         spin_acceleration: (after.spin - before.spin) * per,
@@ -242,10 +245,15 @@ impl Tire for SuperElastic {
         Ok(())
     }
 
+    fn share_parameters(&mut self, of: &Self) {
+        self.name.clone_from(&of.name);
+        self.parameters.clone_from(&of.parameters);
+    }
+
     fn check(&self, _road: &Road) -> Result<()> {
         let n = self.prepared.rays.len();
         let whole = n >= 4
-            && self.state.ring.fits(&self.prepared)
+            && self.state.ring.fits(&self.parameters, &self.prepared)
             && self.prepared.stiffness.is_whole()
             && self.prepared.damping.is_whole()
             && self.prepared.curvature.is_finite();
@@ -308,6 +316,9 @@ impl Tire for SuperElastic {
             Vertical::Load(load) => Some(load),
         };
         let inside = stationary(&self.parameters, &self.prepared, &plane, load)?;
+        if inside.sums.unsettled {
+            return Err(Error::numeric(UNSETTLED_AT_REST));
+        }
         plane.height = inside.height;
         let mut tire = self.clone();
         tire.settle(&inside, &plane);
@@ -350,14 +361,18 @@ impl Tire for SuperElastic {
             prepared: &self.prepared,
             coefficients: self.state.coefficients,
         };
+        let travels = self.prepared.curvature == 0.0;
         self.state.sums = if dt > 0.0 {
-            let rims = [GAMMA, 1.0].map(|share| between(&from, &to, share, dt));
+            let rims = [GAMMA, 1.0].map(|share| between(&from, &to, share, dt, travels));
             self.state.ring.step(&rubber, &rims, &[track(GAMMA), track(1.0)], dt)
         } else {
             self.state.ring.evaluate(&rubber, &to, &track(1.0))
         };
+        if self.state.sums.unsettled {
+            return Err(Error::numeric(UNSETTLED));
+        }
         let under = under(&to, heading, ground, 1.0);
-        let end = if dt > 0.0 { between(&from, &to, 1.0, dt) } else { to };
+        let end = if dt > 0.0 { between(&from, &to, 1.0, dt, travels) } else { to };
         self.pass_on(&end, heading, &under, dt);
         let p = &self.parameters;
         let state = &mut self.state;
