@@ -286,7 +286,7 @@ fn on_ice_only_rolling_resistance_is_left() {
 /// A rig that starts in the stationary state of a wheel that creeps along stays in it.
 #[test]
 fn the_stationary_state_of_a_creeping_wheel_stays() {
-    for tire in ["linear", "fiala", "ua", "tmeasy", "magic-formula"] {
+    for tire in ["fiala", "ua", "tmeasy", "magic-formula"] {
         let mut rig = Shipped::new(
             &format!("{tire}-flat-track"),
             &[("path_speed", 0.15), ("slip", 0.01), ("slip_angle", 0.01), ("command_actuators", 0.0)],

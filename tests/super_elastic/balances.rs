@@ -51,19 +51,30 @@ fn drift(all: &[(f64, f64)]) -> f64 {
 /// With nothing that damps, energy stays, the better the shorter the steps are (to first order), and never grows.
 #[test]
 fn without_dampers_energy_stays() {
-    let drifts = [1e-3, 2.5e-4, 6.25e-5].map(|step| drift(&energies(step, false, |_| ())));
-    assert!(drifts.iter().all(|d| *d < 1e-6), "{drifts:?}");
-    assert!(drifts[1].abs() < 0.3 * drifts[0].abs() && drifts[2].abs() < 0.3 * drifts[1].abs(), "{drifts:?}");
-    assert!(drifts[2].abs() < 1e-3, "{drifts:?}");
+    for coupling in [1, 3] {
+        let drifts =
+            [1e-3, 2.5e-4, 6.25e-5].map(|step| drift(&energies(step, false, |p| p.coupling = coupling)));
+        assert!(drifts.iter().all(|d| *d < 1e-6), "{drifts:?}");
+        assert!(
+            drifts[1].abs() < 0.3 * drifts[0].abs() && drifts[2].abs() < 0.3 * drifts[1].abs(),
+            "{drifts:?}"
+        );
+        assert!(drifts[2].abs() < 1e-3, "{drifts:?}");
+    }
 }
 
 /// What dampers, relaxation and friction of the rubber and the contact take is what energy and motion lose.
 #[test]
 fn what_the_rubber_takes_is_what_is_lost() {
-    let kinds: [fn(&mut latsch::tire::super_elastic::Parameters); 3] = [
+    let kinds: [fn(&mut latsch::tire::super_elastic::Parameters); 5] = [
         |_| (),
         |p| (p.relaxing_stiffness, p.relaxing_time) = (60e3, 0.02),
         |p| (p.friction_force, p.friction_stiffness) = (60.0, 200e3),
+        |p| (p.coupling, p.coupling_stiffness, p.coupling_damping) = (2, 1e6, 300.0),
+        |p| {
+            p.coupling = 3;
+            (p.coupling_stiffness, p.bending_stiffness, p.bending_damping) = (3e5, 20.0, 0.2);
+        },
     ];
     for kind in kinds {
         let all = energies(5e-5, true, kind);

@@ -1,6 +1,7 @@
 //! A wheel that stands.
 
-use super::{settled, single, tire};
+use super::{FLAT, rim, settled, single, tire};
+use latsch::tire::{Plane, Tire, Vertical};
 
 /// Check 24: 663 kg on elements of 151.105 N/mm with one contact point.
 #[test]
@@ -51,4 +52,33 @@ fn the_deflection_hardly_depends_on_the_number_of_elements() {
     let all = [standing(45, 151_105.0), standing(75, 93_398.0), standing(105, 65_945.0)];
     let mean = all.iter().sum::<f64>() / 3.0;
     assert!(all.iter().all(|e| (e / mean - 1.0).abs() < 0.015), "{all:?}");
+}
+
+/// At rest the force on the rim is what the energy of rubber and contact changes by with the rim's height, with all couplings; each
+/// makes the tire stiffer. One that is too stiff for a balance to be found says so.
+#[test]
+fn coupled_elements_carry_what_their_energy_says() {
+    let mut last = 0.0;
+    for coupling in [1, 2, 3] {
+        let tire = tire(|p| {
+            p.rim_force = 2;
+            (p.coupling, p.coupling_stiffness, p.bending_stiffness) = (coupling, 1e6, 30.0);
+        });
+        let at = |height: f64| {
+            let rim = rim(height, 0.0, 0.0);
+            let rest = tire.stationary(&rim, Vertical::Height(height), 1.0).unwrap();
+            let mut tire = tire.clone();
+            tire.begin(&rest, &rim, &Plane::level(height, 1.0), &FLAT).unwrap();
+            (tire.energy(&rim), rest.on_rim.force.z)
+        };
+        let (height, by) = (0.214, 1e-5);
+        let slope = (at(height + by).0 - at(height - by).0) / (2.0 * by);
+        let force = at(height).1;
+        assert!((force + slope).abs() < 1e-3 * force, "{coupling}: {force} {slope}");
+        assert!(force > 1.01 * last, "{coupling}: {force} {last}");
+        last = force;
+    }
+    let stiff = tire(|p| (p.coupling, p.coupling_stiffness, p.bending_stiffness) = (3, 1e10, 1e7));
+    let message = stiff.stationary(&rim(0.214, 0.0, 0.0), Vertical::Height(0.214), 1.0).unwrap_err();
+    assert!(message.to_string().contains("coupling_stiffness"), "{message}");
 }
