@@ -13,6 +13,9 @@ mod bounded;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only
 pub mod characteristic;
+#[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
+pub mod comparison;
 pub mod control;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only

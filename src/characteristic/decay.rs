@@ -6,10 +6,9 @@
 
 use super::laws::{Known, linear, mean_of};
 use super::series::Even;
-use crate::fit::{Options, Problem, Unknown, least_squares};
-use crate::stats::{Line, deviation, mean, quantile, redundancy};
+use super::swing::{LEAST_SAMPLES, LEAST_SWINGS, Swing, guess};
+use crate::stats::{Line, deviation, mean, quantile};
 use crate::{Error, Result};
-use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -23,10 +22,6 @@ const LEAST_PERIODS: usize = 3;
 const MOST_SAMPLES: usize = 200_000;
 /// Turns that have to stand out, for a line through their logarithms to have an error.
 const LEAST_TURNS: usize = 3;
-/// Oscillations that have to be in the free part for an envelope to be one.
-const LEAST_SWINGS: f64 = 1.5;
-/// Samples of an oscillation, at least: a parabola through a turn is then right to a percent.
-const LEAST_SAMPLES: f64 = 8.0;
 /// A lag is the period if the series repeats after it this well, over the best lag: shorter ones are of the oscillation.
 const REPEATS: f64 = 0.9;
 /// How well a series has to repeat (correlation) to be periodic at all: half of its power is then noise or something else.
@@ -394,96 +389,6 @@ fn lag(values: &[f64], start: f64, template: &[f64], length: usize) -> f64 {
         _ => 0.0,
     };
     best as f64 - most as f64 + part
-}
-
-/// Decay rate and angular frequency by the crossings of the level, and by how much smaller the second oscillation is than the first one.
-fn guess(free: &[f64], step: f64) -> Option<[f64; 2]> {
-    let n = free.len();
-    if n < 8 {
-        return None;
-    }
-    let level = mean(&free[n / 2..]);
-    let most = (free[0] - level).abs();
-    // crossings, with a hysteresis against noise
-    let (mut side, mut crossings) = (0.0_f64, Vec::new());
-    let threshold = 0.1 * most;
-    for (k, v) in free.iter().enumerate() {
-        let x = v - level;
-        if x.abs() > threshold && x.signum() != side {
-            if side != 0.0 {
-                crossings.push(k as f64);
-            }
-            side = x.signum();
-        }
-    }
-    let (first, last) = (crossings.first()?, crossings.last()?);
-    if crossings.len() < 2 {
-        return None;
-    }
-    let half = (last - first) / (crossings.len() - 1) as f64;
-    let power = |part: &[f64]| part.iter().map(|v| (v - level).powi(2)).sum::<f64>() / part.len() as f64;
-    let window = ((2.0 * half) as usize).clamp(1, n / 2);
-    let (early, late) = (power(&free[..window]), power(&free[window..2 * window]));
-    let delta = (0.5 * (early / late.max(1e-9 * early)).ln() / window as f64).max(1e-3 / n as f64);
-    Some([delta / step, std::f64::consts::PI / half / step])
-}
-
-/// A free oscillation: for a decay rate and a frequency, level and amplitudes are linear.
-struct Swing<'a> {
-    values: &'a [f64],
-    step: f64,
-}
-
-impl Swing<'_> {
-    /// Level, amplitudes of cosine and sine, and what they leave.
-    fn linear(&self, [delta, omega]: [f64; 2]) -> Option<([f64; 3], Vec<f64>)> {
-        let base = |k: usize| {
-            let t = k as f64 * self.step;
-            let (sin, cos) = (omega * t).sin_cos();
-            let envelope = (-delta * t).exp();
-            Vector3::new(1.0, envelope * cos, envelope * sin)
-        };
-        let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
-        for (k, v) in self.values.iter().enumerate() {
-            let b = base(k);
-            normal += b * b.transpose();
-            right += b * *v;
-        }
-        let x = normal.cholesky()?.solve(&right);
-        let left = self.values.iter().enumerate().map(|(k, v)| v - base(k).dot(&x)).collect();
-        x.iter().all(|x| x.is_finite()).then_some(([x[0], x[1], x[2]], left))
-    }
-
-    /// Decay rate and frequency, half their intervals, and the residuals.
-    fn fit(&self, start: [f64; 2]) -> Result<Fitted> {
-        let unknown = |i: usize, low: f64, high: f64, step: f64| Unknown {
-            start: start[i],
-            mean: start[i],
-            low,
-            high,
-            step,
-            prior: f64::INFINITY,
-            reach: 0.3 * start[1],
-        };
-        let omega = start[1];
-        let unknowns = [
-            unknown(0, -0.2 * omega, 2.0 * omega, 1e-6 * omega),
-            unknown(1, 0.5 * omega, 2.0 * omega, 1e-6 * omega),
-        ];
-        let options = Options { iterations: 60, tolerance: 1e-10, ..Options::default() };
-        let fit = least_squares(self, &unknowns, options)?;
-        let covariance = fit.covariance(&unknowns, redundancy(&fit.residuals));
-        let half = [covariance.half_width(0), covariance.half_width(1)];
-        Ok(([fit.x[0], fit.x[1]], half, fit.residuals))
-    }
-}
-
-type Fitted = ([f64; 2], [f64; 2], Vec<f64>);
-
-impl Problem for Swing<'_> {
-    fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
-        points.iter().map(|p| self.linear([p[0], p[1]]).map(|(_, left)| left)).collect()
-    }
 }
 
 /// Turns about the zero that stand out: time since the beginning and distance from the zero, of the parabola around each.

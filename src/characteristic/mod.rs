@@ -15,6 +15,7 @@ mod plan;
 mod power_law;
 pub mod series;
 mod stiffness;
+pub mod swing;
 mod write;
 
 pub use answer::{

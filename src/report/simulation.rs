@@ -2,8 +2,10 @@
 
 use super::patch::{PatchFrame, patch_frames};
 use super::plot::{Axis, Plot, Size};
+use crate::characteristic::laws::Known;
+use crate::comparison::{Conditions, Difference, Gate, compare};
 use crate::page::{Html, Page, Section, Table, number};
-use crate::recording::{Channel, Recording, interpolate};
+use crate::recording::{Channel, Recording};
 use crate::stats::extent;
 use std::collections::BTreeSet;
 
@@ -52,17 +54,17 @@ const MAX_RATIO: f64 = 30.0;
 ///
 /// Channels are found by the names that the tire models of this crate give them; all others are
 /// shown over time, grouped by unit, so that the page makes sense for any model. Measured channels
-/// belong to the simulated ones of the same name. `facts` are rows of a table at the top (model,
+/// belong to the simulated ones of the same name, and are compared with them. `facts` are rows of a table at the top (model,
 /// step size, settings, ...).
 pub fn simulation_report(
     title: &str,
     description: &str,
     recording: &Recording,
-    measured: Option<&Recording>,
+    beside: Option<Beside<'_>>,
     frames: &[PatchFrame],
     facts: &[(String, String)],
 ) -> String {
-    let mut run = Run { recording, measured, shown: BTreeSet::new() };
+    let mut run = Run { recording, beside, shown: BTreeSet::new() };
     let mut table = Table::new(&[]);
     for (name, value) in facts {
         table = table.row([name, value]);
@@ -88,10 +90,19 @@ pub fn simulation_report(
         .html()
 }
 
+/// What a simulation is shown beside. Both are behind the low-pass of the conditions.
+#[derive(Debug, Clone, Copy)]
+pub struct Beside<'a> {
+    /// What was measured.
+    pub measured: &'a Recording,
+    /// What it is compared under.
+    pub conditions: &'a Conditions,
+}
+
 /// A run and which of its channels the page has shown so far.
 struct Run<'a> {
     recording: &'a Recording,
-    measured: Option<&'a Recording>,
+    beside: Option<Beside<'a>>,
     shown: BTreeSet<&'a str>,
 }
 
@@ -116,7 +127,7 @@ impl<'a> Run<'a> {
     }
 
     fn measured(&self, name: &str, unit: &str) -> Option<(&'a Recording, Vec<f64>)> {
-        let measured = self.measured?;
+        let measured = self.beside?.measured;
         Some((measured, measured.channel_in(name, unit).ok()?))
     }
 
@@ -157,7 +168,7 @@ impl<'a> Run<'a> {
                 r.channel(name).is_ok_and(|c| c.values.windows(2).all(|w| w[0] == w[1]))
             };
             let still = |r: &Recording| [name, &actual].iter().all(|n| !r.has(n) || is_constant(r, n));
-            if command && still(self.recording) && self.measured.is_none_or(still) {
+            if command && still(self.recording) && self.beside.is_none_or(|beside| still(beside.measured)) {
                 let value = self.recording.channel_in(name, unit).ok().and_then(|v| v.first().copied());
                 constant = constant.row([name, &number(value.unwrap_or(f64::NAN)), unit]);
             } else if !plot.is_empty() {
@@ -181,7 +192,7 @@ impl<'a> Run<'a> {
             let axes = (Axis::new(&x.replace('_', " "), x_unit), Axis::new(&y.replace('_', " "), y_unit));
             let mut plot =
                 Plot::new("", axes.0, axes.1).size(Size::Half).line(&format!("{y} over {x}"), &xs, &ys);
-            if let Some((xs, ys)) = self.measured.and_then(curve) {
+            if let Some((xs, ys)) = self.beside.and_then(|beside| curve(beside.measured)) {
                 plot = plot.measured("measured", &xs, &ys);
             }
             plots.push(plot.html());
@@ -237,70 +248,28 @@ impl<'a> Run<'a> {
 
     /// How far the simulation is from what was measured.
     fn comparison(&self) -> Section {
-        let section = Section::new("Simulation and measurement");
-        let Some(measured) = self.measured else {
+        let Some(Beside { measured, conditions }) = self.beside else {
             return Section::default();
         };
-        let mut table = Table::new(&[
-            "channel",
-            "unit",
-            "RMS error",
-            "bias",
-            "largest error",
-            "RMS error / peak [%]",
-            "R²",
-            "samples",
-        ]);
-        let mut notes = Vec::new();
-        for channel in &measured.channels {
-            let Channel { name, .. } = channel;
-            let Ok(simulated) = self.recording.channel(name) else {
-                notes.push(format!("The measured channel {name:?} was not simulated."));
-                continue;
-            };
-            let values = match measured.channel_in(name, &simulated.unit) {
-                Ok(values) => values,
-                Err(e) => {
-                    notes.push(e.to_string());
-                    continue;
-                }
-            };
-            let pairs: Vec<(f64, f64)> = measured
-                .time
-                .iter()
-                .zip(values)
-                .map(|(t, v)| (interpolate(&self.recording.time, &simulated.values, *t), v))
-                .filter(|(s, m)| s.is_finite() && m.is_finite())
-                .collect();
-            if pairs.is_empty() {
-                notes.push(format!("The measured channel {name:?} has no sample during the simulation."));
-                continue;
-            }
-            let n = pairs.len() as f64;
-            let mean = |f: &dyn Fn(f64, f64) -> f64| pairs.iter().map(|(s, m)| f(*s, *m)).sum::<f64>() / n;
-            let largest =
-                |f: &dyn Fn(f64, f64) -> f64| pairs.iter().map(|(s, m)| f(*s, *m)).fold(0.0, f64::max);
-            let square = mean(&|s, m| (s - m) * (s - m));
-            let peak = largest(&|_, m| m.abs());
-            let centre = mean(&|_, m| m);
-            let variance = mean(&|_, m| (m - centre) * (m - centre));
-            table = table.row([
-                name.clone(),
-                simulated.unit.clone(),
-                number(square.sqrt()),
-                number(mean(&|s, m| s - m)),
-                number(largest(&|s, m| (s - m).abs())),
-                number(if peak > 0.0 { 100.0 * square.sqrt() / peak } else { f64::NAN }),
-                number(if variance > 0.0 { 1.0 - square / variance } else { f64::NAN }),
-                pairs.len().to_string(),
-            ]);
-        }
-        let section = if table.is_empty() { section } else { section.with(table.html()) };
+        let (differences, notes) = compare(self.recording, measured, conditions);
+        let section = Section::new("Simulation and measurement");
+        let section =
+            if differences.is_empty() { section } else { section.with(errors_table(&differences).html()) };
+        let filtered = conditions.low_pass.map(|f| {
+            format!(" Curves and errors are behind the same low-pass on both: half of the power at {f} Hz, no delay.")
+        });
         let about = format!(
-            "Errors are simulation minus measurement, at the times of {}; peak is the largest measured magnitude.",
-            measured.source
+            "Errors are simulation minus measurement, at the times of {}; peak is the largest measured magnitude, highest and lowest are the errors of these values.{}",
+            measured.source,
+            filtered.unwrap_or_default()
         );
-        notes.iter().fold(section.with(Html::note(&about)), |section, note| section.with(Html::note(note)))
+        let section = section.with(Html::note(&about));
+        let section = match conditions.swing {
+            Some(window) => swings(section, window, &differences),
+            None => section,
+        };
+        let section = repeats(section, &differences);
+        notes.iter().fold(section, |section, note| section.with(Html::note(note)))
     }
 
     fn channels(&self) -> Section {
@@ -318,6 +287,104 @@ impl<'a> Run<'a> {
         let section = Section::new("All channels");
         if table.is_empty() { section } else { section.with(table.html()) }
     }
+}
+
+fn errors_table(differences: &[Difference]) -> Table {
+    let head = [
+        "channel",
+        "unit",
+        "RMS error",
+        "bias",
+        "largest error",
+        "RMS error / peak [%]",
+        "highest",
+        "lowest",
+        "R²",
+        "samples",
+    ];
+    differences.iter().fold(Table::new(&head), |table, d| {
+        table.row([
+            d.name.clone(),
+            d.unit.clone(),
+            number(d.rms),
+            number(d.bias),
+            number(d.largest),
+            number(d.share_of_peak.map_or(f64::NAN, |share| 100.0 * share)),
+            number(d.extremes[0]),
+            number(d.extremes[1]),
+            number(d.r2.unwrap_or(f64::NAN)),
+            d.samples.to_string(),
+        ])
+    })
+}
+
+/// Periods and decrements of free oscillations.
+fn swings(section: Section, [from, to]: [f64; 2], differences: &[Difference]) -> Section {
+    let mut table = Table::new(&[
+        "channel",
+        "period simulated [s]",
+        "measured [s]",
+        "error [%]",
+        "decrement simulated",
+        "measured",
+        "error [%]",
+        "left of the measured amplitude [%]",
+    ]);
+    let mut notes = vec![format!(
+        "Free oscillations from {from} to {to} s, fitted as level + amplitude exp(-δt) cos(ωt + φ); the decrement is the logarithm of amplitudes a period apart. ± is half a 95 % interval of the measured value."
+    )];
+    for difference in differences {
+        match &difference.swing {
+            Some(Ok([own, there])) => {
+                let error = |a: Known, b: Known| number(100.0 * (a.value / b.value - 1.0));
+                let known = |k: Known| format!("{} ± {}", number(k.value), number(k.half_width));
+                table = table.row([
+                    difference.name.clone(),
+                    number(own.period.value),
+                    known(there.period),
+                    error(own.period, there.period),
+                    number(own.decrement.value),
+                    known(there.decrement),
+                    error(own.decrement, there.decrement),
+                    number(100.0 * there.residual),
+                ]);
+            }
+            Some(Err(e)) => notes.push(format!("{}: no free oscillation: {e}.", difference.name)),
+            None => {}
+        }
+    }
+    let section = if table.is_empty() { section } else { section.with(table.html()) };
+    notes.iter().fold(section, |section, note| section.with(Html::note(note)))
+}
+
+/// What repeated recordings say about the errors.
+fn repeats(section: Section, differences: &[Difference]) -> Section {
+    let mut table = Table::new(&["channel", "unit", "RMS error to the mean run", "a run to it", "ratio", "says"]);
+    let mut runs = 0;
+    for difference in differences {
+        let Some(repeated) = difference.repeated else { continue };
+        runs = repeated.runs;
+        let says = match repeated.gate() {
+            Gate::NotRepeatable => "nothing: runs differ by more than they have in common",
+            Gate::Within => "as near as one run is to the others",
+            Gate::Beyond => "farther off than runs are from each other",
+        };
+        table = table.row([
+            difference.name.clone(),
+            difference.unit.clone(),
+            number(repeated.rms),
+            number(repeated.scatter),
+            number(repeated.rms / repeated.scatter),
+            says.into(),
+        ]);
+    }
+    if table.is_empty() {
+        return section;
+    }
+    let about = format!(
+        "{runs} recordings of the same run, taken at the same times since their start as they are: the standard deviation of a run about their mean is what a simulation cannot be asked to be nearer than."
+    );
+    section.with(table.html()).with(Html::note(&about))
 }
 
 /// Channels that share a plot.
@@ -397,6 +464,11 @@ mod tests {
         ])
     }
 
+    fn beside(measured: &Recording) -> Beside<'_> {
+        static NONE: Conditions = Conditions { low_pass: None, swing: None, repeats: Vec::new() };
+        Beside { measured, conditions: &NONE }
+    }
+
     #[test]
     fn a_tire_has_its_sections_and_units() {
         let html = simulation_report("t", "d", &tire(), None, &[], &[("step size".into(), "1 ms".into())]);
@@ -427,7 +499,7 @@ mod tests {
     #[test]
     fn nothing_is_loaded_from_elsewhere() {
         let frame = PatchFrame { cells: vec![crate::tire::Cell::default(); 2], ..PatchFrame::default() };
-        let html = simulation_report("t", "d", &tire(), Some(&tire()), &[frame.clone(), frame], &[]);
+        let html = simulation_report("t", "d", &tire(), Some(beside(&tire())), &[frame.clone(), frame], &[]);
         let rest = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
         for outside in ["http:", "https:", "url(", "@import", "src=", "href=\"h"] {
             assert!(!rest.contains(outside), "{outside}");
@@ -495,7 +567,7 @@ mod tests {
     fn measured_channels_are_drawn_in_the_unit_of_the_simulation_and_compared() {
         let run = recording(&[("force_z", "N", &|t| 1000.0 * t)]);
         let rig = recording(&[("force_z", "kN", &|t| t - 0.1), ("noise", "Pa", &|_| 0.0)]);
-        let html = simulation_report("", "", &run, Some(&rig), &[], &[]);
+        let html = simulation_report("", "", &run, Some(beside(&rig)), &[], &[]);
         assert!(html.contains("force_z, measured"));
         assert_eq!(html.matches("stroke-dasharray").count(), 1);
         // 100 N off everywhere, 1890 N at most measured
@@ -513,7 +585,7 @@ mod tests {
             cells: vec![crate::tire::Cell::default()],
             ..PatchFrame::default()
         };
-        let html = simulation_report(bad, bad, &run, Some(&run), &[frame], &[(bad.into(), bad.into())]);
+        let html = simulation_report(bad, bad, &run, Some(beside(&run)), &[frame], &[(bad.into(), bad.into())]);
         assert!(!html.contains("<script>"));
         assert!(html.contains("&lt;script&gt;alert(1)"));
     }

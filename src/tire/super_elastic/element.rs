@@ -346,6 +346,9 @@ pub(super) fn reach(
             low = r
         }
         let next = r - value / slope;
+        if slope > 0.0 && (next - r).abs() <= ROUNDING {
+            return reached(r, pressed);
+        }
         if next > low && next < high && slope > 0.0 {
             if (next - r).abs() <= CLOSE * pressed.penetration + ROUNDING {
                 return reached(next, pressed.moved(next - r));

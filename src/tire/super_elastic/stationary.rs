@@ -17,7 +17,7 @@ const TURN: f64 = 1e-4;
 const SEARCHES: usize = 80;
 /// Sweeps over coupled elements, and the way in one of them that is none \[m\]: without their masses a sweep leaves more than in a step,
 /// and speeds are differences over [`TURN`].
-const MOST_SWEEPS: usize = 20_000;
+const MOST_SWEEPS: usize = 5_000;
 const SETTLED: f64 = 1e-13;
 /// Angles between two elements over which the force of a wheel that turns is a mean: elements touch and leave once between them.
 const ANGLES: u32 = 8;
@@ -70,7 +70,10 @@ impl Parameters {
 }
 
 /// The ring at rest on a track under a rim at a height.
-pub(super) fn at_rest(rubber: &Rubber<'_>, rim: &RimInPlane, track: &impl Track) -> (Ring, Sums) {
+///
+/// # Errors
+/// Coupled elements do not find their balance.
+pub(super) fn at_rest(rubber: &Rubber<'_>, rim: &RimInPlane, track: &impl Track) -> Result<(Ring, Sums)> {
     let prepared = rubber.prepared;
     let mut ring = Ring::free(rubber.parameters, prepared);
     let still = |n: usize, angle: f64, guess: f64, felt: &Coupled| {
@@ -88,12 +91,11 @@ pub(super) fn at_rest(rubber: &Rubber<'_>, rim: &RimInPlane, track: &impl Track)
         reach(&radial, &ray, track, &prepared.contact, (prepared.free, 0.0, LONG), guess).distance
     };
     let coupling = Coupling::new(rubber.parameters, prepared);
-    let mut unsettled = false;
     // all elements where the rim is at an angle
-    let mut all = |angle: f64, from: &[f64]| -> Vec<f64> {
+    let all = |angle: f64, from: &[f64]| -> Result<Vec<f64>> {
         let free = Coupled::default();
         let Some(coupling) = coupling else {
-            return from.iter().enumerate().map(|(n, guess)| still(n, angle, *guess, &free)).collect();
+            return Ok(from.iter().enumerate().map(|(n, guess)| still(n, angle, *guess, &free)).collect());
         };
         let mut places: Vec<Place> =
             from.iter().map(|distance| Place { distance: *distance, ..Place::default() }).collect();
@@ -107,11 +109,15 @@ pub(super) fn at_rest(rubber: &Rubber<'_>, rim: &RimInPlane, track: &impl Track)
             });
             moved <= SETTLED
         });
-        unsettled |= !settled;
-        places.iter().map(|place| place.distance).collect()
+        if settled {
+            return Ok(places.iter().map(|place| place.distance).collect());
+        }
+        Err(Error::numeric(
+            "coupled elements do not find their balance at rest: coupling_stiffness or bending_stiffness is too large for their number beside element_radial_stiffness",
+        ))
     };
-    let here = all(rim.angle, &ring.distance);
-    let turned = [-TURN, TURN].map(|turn| all(rim.angle + turn, &here));
+    let here = all(rim.angle, &ring.distance)?;
+    let turned = [all(rim.angle - TURN, &here)?, all(rim.angle + TURN, &here)?];
     for n in 0..here.len() {
         ring.distance[n] = here[n];
         ring.friction[n] =
@@ -119,13 +125,13 @@ pub(super) fn at_rest(rubber: &Rubber<'_>, rim: &RimInPlane, track: &impl Track)
         ring.speed[n] = rim.spin * (turned[1][n] - turned[0][n]) / (2.0 * TURN);
     }
     let sums = ring.evaluate(rubber, rim, track);
-    (ring, Sums { unsettled, ..sums })
+    Ok((ring, sums))
 }
 
 /// The stationary ring under a rim that moves so, at its height or where the rim carries `load`.
 ///
 /// # Errors
-/// No height carries that load, or no load fits the stiffness that it makes.
+/// No height carries that load, coupled elements find no balance, or no load fits the stiffness that it makes.
 pub(super) fn stationary(
     parameters: &Parameters,
     prepared: &Prepared,
@@ -142,13 +148,14 @@ pub(super) fn stationary(
         let coefficients = parameters.coefficients(prepared, load, speed);
         // of a wheel that turns the mean over the angle from one element to the next
         let angles = if rim.spin == 0.0 { 1 } else { ANGLES };
-        let carried = |height: f64| {
-            let at = |k: u32| {
+        let carried = |height: f64| -> Result<f64> {
+            let at = |k: u32| -> Result<f64> {
                 let angle = rim.angle + prepared.pitch * f64::from(k) / f64::from(angles);
                 let rim = RimInPlane { height, angle, ..*rim };
-                parameters.on_rim(&at_rest(&Rubber { parameters, prepared, coefficients }, &rim, &track).1)[1]
+                let rubber = Rubber { parameters, prepared, coefficients };
+                Ok(parameters.on_rim(&at_rest(&rubber, &rim, &track)?.1)[1])
             };
-            (0..angles).map(at).sum::<f64>() / f64::from(angles) - load
+            Ok((0..angles).map(at).sum::<Result<f64>>()? / f64::from(angles) - load)
         };
         // spinning makes it larger; nothing touches at that height
         let spring = coefficients.stiffness - prepared.mass * rim.spin * rim.spin;
@@ -160,7 +167,7 @@ pub(super) fn stationary(
         }
         let grown = prepared.free * coefficients.stiffness / spring + 0.5 * parameters.element_thickness;
         let (mut low, mut high) = (LOWEST * parameters.radius, grown);
-        let (mut at_low, mut at_high) = (carried(low), carried(high));
+        let (mut at_low, mut at_high) = (carried(low)?, carried(high)?);
         if at_low < 0.0 {
             return Err(Error::numeric(format!(
                 "the tire cannot carry {load:.0} N: with its rim at {LOWEST} of its radius it carries {:.0} N",
@@ -177,7 +184,7 @@ pub(super) fn stationary(
             // secants, and a halving now and then, so that both ends come near
             let secant = high - at_high * (high - low) / (at_high - at_low);
             let middle = if k % 3 == 2 { 0.5 * (low + high) } else { secant };
-            let at = carried(middle);
+            let at = carried(middle)?;
             if at > 0.0 {
                 (low, at_low) = (middle, at)
             } else {
@@ -189,14 +196,14 @@ pub(super) fn stationary(
         }
         let height =
             if at_high == at_low { high } else { high - at_high * (high - low) / (at_high - at_low) };
-        let (ring, sums) = with(height, coefficients);
+        let (ring, sums) = with(height, coefficients)?;
         return Ok(Stationary { ring, load, coefficients, sums, height });
     }
     // at a height the coefficients know the load that they make
     let mut load = parameters.reference_load;
     for _ in 0..SEARCHES {
         let coefficients = parameters.coefficients(prepared, load, speed);
-        let (ring, sums) = with(rim.height, coefficients);
+        let (ring, sums) = with(rim.height, coefficients)?;
         let next = parameters.on_rim(&sums)[1].max(0.0);
         let is_same = (next - load).abs() <= 1e-9 * load;
         load = next;

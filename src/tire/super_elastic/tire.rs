@@ -16,7 +16,6 @@ use serde::{Deserialize, Serialize};
 
 /// Camber beyond which the wheel has fallen over \[rad\]: the plane in which all of this happens stands upright.
 const MAX_CAMBER: f64 = 0.6;
-const UNSETTLED_AT_REST: &str = "coupled elements do not find their balance at rest: coupling_stiffness or bending_stiffness is too large beside element_radial_stiffness";
 const UNSETTLED: &str = "coupled elements do not find their balance within a step: coupling_stiffness or bending_stiffness is too large for step_size";
 /// Below this speed the rolling resistance, which turns with the direction of travel, fades out \[m/s\].
 const CREEP: f64 = 0.05;
@@ -316,9 +315,6 @@ impl Tire for SuperElastic {
             Vertical::Load(load) => Some(load),
         };
         let inside = stationary(&self.parameters, &self.prepared, &plane, load)?;
-        if inside.sums.unsettled {
-            return Err(Error::numeric(UNSETTLED_AT_REST));
-        }
         plane.height = inside.height;
         let mut tire = self.clone();
         tire.settle(&inside, &plane);
@@ -342,7 +338,7 @@ impl Tire for SuperElastic {
             prepared: &self.prepared,
             coefficients: self.state.coefficients,
         };
-        self.state.ring = at_rest(&rubber, &plane, &Along { ground, heading, share: 0.0 }).0;
+        self.state.ring = at_rest(&rubber, &plane, &Along { ground, heading, share: 0.0 })?.0;
         self.step(rim, rim, ground, 0.0)
     }
 
