@@ -5,7 +5,7 @@ use super::{check_outputs, print, warn};
 use latsch::recording::read_settings;
 use latsch::road_file::{self, Lanes, Writing};
 use latsch::tir::{Kind, create_super_elastic, settings};
-use latsch::{Error, Result, VERSION, write_file};
+use latsch::{Error, Result, VERSION, ending, write_file};
 use std::path::{Path, PathBuf};
 
 /// Convert a road file, or the property file of a super-elastic tire, into another format
@@ -57,10 +57,6 @@ pub fn run(args: &Args) -> Result<()> {
         print(&format!("  - {lost}"))?;
     }
     Ok(())
-}
-
-fn ending(path: &Path) -> String {
-    path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
 }
 
 fn road(args: &Args) -> Result<Vec<String>> {

@@ -19,7 +19,7 @@ mod settings;
 pub use crg::Lanes;
 pub use profile::{MAX_POINTS_READ, RoadProfile};
 
-use crate::{Error, Result, bounded, write_file};
+use crate::{Error, Result, bounded, ending, write_file};
 use std::path::Path;
 
 /// The endings of road files, without dots.
@@ -34,16 +34,6 @@ pub struct Writing<'a> {
     pub like: Option<&'a Path>,
     /// `.rdf` in the form of Adams where the other would do.
     pub adams: bool,
-}
-
-/// The ending of a file in small letters.
-fn ending(path: &Path) -> String {
-    path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
-}
-
-/// Whether the file's name is that of a road file.
-pub fn is_one(path: &Path) -> bool {
-    ENDINGS.contains(&ending(path).as_str())
 }
 
 /// Reads the road file at `path`; `lanes` says where across an OpenCRG road the tracks are.
@@ -77,7 +67,7 @@ pub fn write(path: &Path, road: &RoadProfile, writing: &Writing<'_>) -> Result<V
         "rdf" => rdf::write(road, writing, &name)?,
         "crg" => crg::write(road, writing.increment)?,
         "csv" => profile::write_csv(road)?,
-        "toml" => settings::write(road, &name)?,
+        "toml" => settings::write(road)?,
         _ => {
             return Err(Error::call(format!("{name}: a road file ends in .{}", ENDINGS.join(", ."))));
         }

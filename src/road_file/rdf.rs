@@ -2,7 +2,7 @@
 
 use super::profile::{RoadProfile, beyond_points, checked};
 use super::{Writing, adams};
-use crate::tir::{Document, Entry, Units, Value, number, number_text, shown};
+use crate::tir::{Document, Units, number, number_text, shown};
 use crate::{Error, Result};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -26,7 +26,8 @@ impl File {
                 document.name()
             )));
         }
-        let (road_type, type_line) = word(&document, "MODEL", "ROAD_TYPE")
+        let (road_type, type_line) = document
+            .word("MODEL", "ROAD_TYPE")
             .ok_or_else(|| missing(&document, "MODEL", "ROAD_TYPE", "'flat' or 'poly'"))?;
         Ok(Self { document, units, road_type: road_type.to_ascii_lowercase(), type_line })
     }
@@ -37,26 +38,10 @@ impl File {
 
     /// A number of the file, in its units.
     pub fn number(&self, section: &str, key: &str) -> Result<Option<f64>> {
-        let all = self.document.all(section, key);
-        let Some(entry) = all.first() else { return Ok(None) };
-        if let Some(other) = all.iter().find(|other| other.value != entry.value) {
-            return Err(Error::file(format!(
-                "{}: [{section}] {key} has another value than in line {}; leave one of them out",
-                self.document.place(other.line),
-                entry.line
-            )));
-        }
-        let place = self.document.place(entry.line);
-        match &entry.value {
-            Value::Number(number) if number.is_finite() => Ok(Some(*number)),
-            Value::Empty => Ok(None),
-            Value::Number(_) => {
-                Err(Error::file(format!("{place}: [{section}] {key} is too large for a number")))
-            }
-            Value::Text(text) | Value::Word(text) => Err(Error::file(format!(
-                "{place}: [{section}] {key} is '{}', which is no number",
-                shown(text.as_bytes())
-            ))),
+        let called = format!("[{section}] {key}");
+        match self.document.only(section, key, &called)? {
+            Some(entry) => self.document.number(&entry, &called),
+            None => Ok(None),
         }
     }
 
@@ -101,14 +86,6 @@ impl File {
     pub fn metres(&self, value: f64) -> f64 {
         metres(value, self.units.length)
     }
-
-    /// Notes of the document, with their places.
-    pub fn document_notes(&self) -> impl Iterator<Item = String> {
-        self.document.notes().into_iter().map(|note| match note.line {
-            0 => format!("{}: {}", self.name(), note.message),
-            line => format!("{}: {}", self.document.place(line), note.message),
-        })
-    }
 }
 
 pub(super) fn missing(document: &Document, section: &str, key: &str, form: &str) -> Error {
@@ -121,21 +98,14 @@ pub(super) fn missing(document: &Document, section: &str, key: &str, form: &str)
     Error::file(format!("{}: {what}; add {key} = {form}", document.name()))
 }
 
-/// A text of the file in its own capitals, with its line.
-pub(super) fn word(document: &Document, section: &str, key: &str) -> Option<(String, usize)> {
-    match document.get(section, key)? {
-        Entry { value: Value::Text(text) | Value::Word(text), line, .. } => Some((text, line)),
-        _ => None,
-    }
-}
-
 pub(super) fn read(path: &Path) -> Result<RoadProfile> {
     of_document(Document::open(path)?)
 }
 
 /// The road of a document.
 pub(super) fn of_document(document: Document) -> Result<RoadProfile> {
-    let (method, line) = word(&document, "MODEL", "METHOD")
+    let (method, line) = document
+        .word("MODEL", "METHOD")
         .ok_or_else(|| missing(&document, "MODEL", "METHOD", "'USER' or '2D'"))?;
     match method.to_ascii_uppercase().as_str() {
         "USER" => of_source(&File::of(document)?),
@@ -252,7 +222,7 @@ pub(super) fn beside_the_road(file: &File, used: &[&str], model: &[&str], road: 
         let more = if count > 20 { format!(" and {} more", count - 20) } else { String::new() };
         road.lost.push(format!("keys that are not known: {}{more}", others.join(", ")));
     }
-    road.notes.extend(file.document_notes());
+    road.notes.extend(file.document.told());
 }
 
 /// How `[OFFSET]` moves the road's frame: turned first, then shifted.

@@ -169,6 +169,56 @@ impl Document {
         Some(self.entry(item))
     }
 
+    /// The text of a key in its own capitals, with its line; `None` where it is none.
+    pub(crate) fn word(&self, section: &str, key: &str) -> Option<(String, usize)> {
+        match self.get(section, key)? {
+            Entry { value: Value::Text(text) | Value::Word(text), line, .. } => Some((text, line)),
+            _ => None,
+        }
+    }
+
+    /// The assignment to a key that messages call `called`.
+    ///
+    /// # Errors
+    /// It stands there several times with different values.
+    pub(crate) fn only(&self, section: &str, key: &str, called: &str) -> Result<Option<Entry<'_>>> {
+        let all = self.all(section, key);
+        let Some(entry) = all.first() else { return Ok(None) };
+        match all.iter().find(|other| other.value != entry.value) {
+            None => Ok(Some(entry.clone())),
+            Some(other) => Err(Error::file(format!(
+                "{}: {called} has another value than in line {}; leave one of them out",
+                self.place(other.line),
+                entry.line
+            ))),
+        }
+    }
+
+    /// The number of an assignment that messages call `called`, in the units of the file; `None` where nothing is assigned.
+    ///
+    /// # Errors
+    /// A text, or a number that is too large.
+    pub(crate) fn number(&self, entry: &Entry<'_>, called: &str) -> Result<Option<f64>> {
+        let place = self.place(entry.line);
+        match &entry.value {
+            Value::Number(number) if number.is_finite() => Ok(Some(*number)),
+            Value::Empty => Ok(None),
+            Value::Number(_) => Err(Error::file(format!("{place}: {called} is too large for a number"))),
+            Value::Text(text) | Value::Word(text) => Err(Error::file(format!(
+                "{place}: {called} is '{}', which is no number",
+                shown(text.as_bytes())
+            ))),
+        }
+    }
+
+    /// The notes as sentences with their places.
+    pub(crate) fn told(&self) -> impl Iterator<Item = String> {
+        self.notes().into_iter().map(|note| match note.line {
+            0 => format!("{}: {}", self.name, note.message),
+            line => format!("{}: {}", self.place(line), note.message),
+        })
+    }
+
     /// The lines of a section that are neither assignments nor headers, comments or quoted texts: the rows of its tables, and
     /// whatever else stands there. Capitals of the name do not matter.
     pub fn rows<'a>(&'a self, section: &str) -> impl Iterator<Item = Row<'a>> {

@@ -109,11 +109,12 @@ const ABOUT: &[(&str, &str)] = &[
 /// Whether a document is of this tire: it calls the routine TYR501, with or without the name of a library before it, and has no
 /// version of the Magic Formula.
 pub(super) fn is_one(document: &Document) -> bool {
-    let routine = ["FUNCTION_NAME", "FUNKTION_NAME"].iter().find_map(|key| word(document, "MODEL", key));
+    let routine = ["FUNCTION_NAME", "FUNKTION_NAME"].iter().find_map(|key| document.word("MODEL", key));
     let called = routine.is_some_and(|(name, _)| {
         name.rsplit("::").next().is_some_and(|name| name.eq_ignore_ascii_case("TYR501"))
     });
-    let user = word(document, "MODEL", "PROPERTY_FILE_FORMAT")
+    let user = document
+        .word("MODEL", "PROPERTY_FILE_FORMAT")
         .is_none_or(|(format, _)| format.eq_ignore_ascii_case("USER"));
     called && user && document.get("MODEL", "FITTYP").is_none()
 }
@@ -188,10 +189,7 @@ pub(super) fn read(document: &Document) -> Result<(Settings, Vec<String>)> {
             unused.join(", ")
         ));
     }
-    for note in document.notes() {
-        let place = if note.line == 0 { document.name().to_string() } else { document.place(note.line) };
-        notes.push(format!("{place}: {}", note.message));
-    }
+    notes.extend(document.told());
     Ok((Settings { values, ..Settings::default() }, notes))
 }
 
@@ -361,14 +359,6 @@ fn at_one_millimetre(units: &Units, exponent: f64) -> f64 {
     units.force * libm::pow(1e-3 / units.length, exponent)
 }
 
-/// A text of the file, with its line.
-fn word(document: &Document, section: &str, key: &str) -> Option<(String, usize)> {
-    match document.get(section, key)? {
-        Entry { value: Value::Text(text) | Value::Word(text), line, .. } => Some((text, line)),
-        _ => None,
-    }
-}
-
 /// An entry: in its section, or else in the only other section that has the key.
 fn find<'a>(document: &'a Document, section: &str, key: &str) -> Option<Entry<'a>> {
     // keys that mean something else elsewhere
@@ -387,32 +377,20 @@ fn number<'a>(
     key: &str,
     notes: &mut Vec<String>,
 ) -> Result<Option<(Entry<'a>, f64)>> {
-    let Some(entry) = find(document, section, key) else { return Ok(None) };
+    let Some(found) = find(document, section, key) else { return Ok(None) };
+    let Some(entry) = document.only(found.section, key, key)? else { return Ok(None) };
     let place = document.place(entry.line);
-    if let Some(other) = document.all(entry.section, key).iter().find(|e| e.value != entry.value) {
-        return Err(Error::file(format!(
-            "{}: {key} has another value than in line {}; leave one of them out",
-            document.place(other.line),
-            entry.line
-        )));
-    }
     if entry.section != section {
         notes.push(format!(
             "{place}: {key} stands in [{}] instead of [{section}]; it is used all the same",
             entry.section
         ));
     }
-    match &entry.value {
-        Value::Number(number) if number.is_finite() => Ok(Some((entry.clone(), *number))),
-        Value::Number(_) => Err(Error::file(format!("{place}: {key} is too large for a number"))),
-        Value::Empty => {
-            notes.push(format!("{place}: {key} is empty, as if it were not there"));
-            Ok(None)
-        }
-        Value::Text(text) | Value::Word(text) => {
-            Err(Error::file(format!("{place}: {key} is '{}', which is no number", shown(text.as_bytes()))))
-        }
+    let number = document.number(&entry, key)?;
+    if number.is_none() {
+        notes.push(format!("{place}: {key} is empty, as if it were not there"));
     }
+    Ok(number.map(|number| (entry, number)))
 }
 
 fn required<'a>(document: &'a Document, (section, key): (&str, &str)) -> Result<(Entry<'a>, f64)> {
@@ -445,7 +423,7 @@ fn assignment(
 
 /// Refuses another law of contact than the one that is modelled.
 fn contact_model(document: &Document) -> Result<()> {
-    match word(document, "CONTACT_COEFFICIENTS", "CONTACT_MODEL") {
+    match document.word("CONTACT_COEFFICIENTS", "CONTACT_MODEL") {
         Some((name, line)) if !name.eq_ignore_ascii_case("fml_imp") => Err(Error::file(format!(
             "{}: CONTACT_MODEL is '{}'; modelled is 'fml_imp', a one-sided spring with a power of the penetration",
             document.place(line),
@@ -464,7 +442,7 @@ fn curve(document: &Document, notes: &mut Vec<String>) -> Result<()> {
         ),
         None => String::new(),
     };
-    match word(document, "PARAMETER", "RADIAL_NONLINEAR") {
+    match document.word("PARAMETER", "RADIAL_NONLINEAR") {
         Some((text, line)) if text.eq_ignore_ascii_case("yes") => {
             notes.push(format!(
                 "{}: RADIAL_NONLINEAR is 'yes', but such a file carries no curve: the constants RADIAL_STIFFNESS and RADIAL_DAMPING hold at every load and speed until --parameters brings stiffness_law with stiffness_points or an exponent, and damping_law likewise{without}",
