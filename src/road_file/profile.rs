@@ -11,7 +11,7 @@ pub const MAX_POINTS_READ: usize = 10_000_000;
 
 /// The least distance of two points that make no vertical edge, and the largest coordinate \[m\], as roads of models have them.
 pub(super) const LEAST_DISTANCE: f64 = 1e-5;
-const LARGEST_PLACE: f64 = 1e6;
+pub(super) const LARGEST_PLACE: f64 = 1e6;
 
 /// Heights along one or two tracks, straight lines between points, level before the first and behind the last. Two points at the
 /// same place are a vertical edge.
