@@ -13,13 +13,18 @@ pub(super) struct File {
     pub units: Units,
     pub road_type: String,
     pub type_line: usize,
+    /// What the user should know of its units.
+    notes: Vec<String>,
 }
 
 impl File {
     /// # Errors
     /// No road file; no unit of length, without which a road may be a thousand times too high.
     fn of(document: Document) -> Result<Self> {
-        let units = Units::of(&document, &mut Vec::new())?;
+        let mut notes = Vec::new();
+        let units = Units::of(&document, &mut notes)?;
+        // a road has lengths, which are asked for, and angles; its units of force, mass and time change nothing
+        notes.retain(|note| note.contains("unit of angle"));
         if document.get("UNITS", "LENGTH").is_none() {
             return Err(Error::file(format!(
                 "{}: [UNITS] has no LENGTH: write LENGTH = 'mm' or 'meter' below [UNITS]",
@@ -29,7 +34,7 @@ impl File {
         let (road_type, type_line) = document
             .word("MODEL", "ROAD_TYPE")
             .ok_or_else(|| missing(&document, "MODEL", "ROAD_TYPE", "'flat' or 'poly'"))?;
-        Ok(Self { document, units, road_type: road_type.to_ascii_lowercase(), type_line })
+        Ok(Self { document, units, road_type: road_type.to_ascii_lowercase(), type_line, notes })
     }
 
     pub fn name(&self) -> &str {
@@ -222,7 +227,7 @@ pub(super) fn beside_the_road(file: &File, used: &[&str], model: &[&str], road: 
         let more = if count > 20 { format!(" and {} more", count - 20) } else { String::new() };
         road.lost.push(format!("keys that are not known: {}{more}", others.join(", ")));
     }
-    road.notes.extend(file.document.told());
+    road.notes.extend(file.notes.iter().cloned().chain(file.document.told()));
 }
 
 /// How `[OFFSET]` moves the road's frame: turned first, then shifted.

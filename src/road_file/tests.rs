@@ -215,6 +215,52 @@ fn roads_of_adams_are_what_their_keys_say() {
     }
 }
 
+/// MU of an Adams file holds everywhere: a friction that begins or changes somewhere must not become one that holds everywhere.
+#[test]
+fn a_friction_that_is_not_the_same_everywhere_is_told_when_adams_has_one_number() {
+    let folder = Folder::new();
+    let out = folder.0.path().join("out.rdf");
+    let writing = Writing { adams: true, ..Writing::default() };
+    let mut road = RoadProfile::of("r", vec![[0.0, 0.0], [1.0, 0.01]]);
+    for (friction, mu, words) in [
+        (vec![[-1e6, 0.8]], 0.8, None),
+        (vec![[5.0, 0.5]], 1.0, Some("0.5 from 5 m on")),
+        (vec![[-2.0, 0.5]], 0.5, Some("begins, at -2 m")),
+        (vec![[-1e6, 0.8], [3.0, 0.8]], 0.8, None),
+        (vec![[-1e6, 0.8], [3.0, 0.4]], 1.0, Some("changes along the road")),
+        (vec![[3.0, 1.0]], 1.0, None),
+        (vec![], 1.0, None),
+    ] {
+        road.friction = friction;
+        let lost = write(&out, &road, &writing).unwrap();
+        let back = read(&out, &Lanes::default()).unwrap();
+        let expected = if mu == 1.0 { vec![] } else { vec![[-1e6, mu]] };
+        assert_eq!(back.friction, expected, "{:?}", road.friction);
+        let told: Vec<&String> = lost.iter().filter(|lost| lost.contains("friction")).collect();
+        match words {
+            None => assert!(told.is_empty(), "{told:?}"),
+            Some(words) => assert!(told.len() == 1 && told[0].contains(words), "{told:?}"),
+        }
+    }
+}
+
+#[test]
+fn an_angle_without_a_unit_is_told() {
+    let road = rdf(&CLEAT.replace("ANGLE='degree'\n", "").replace("GAMMA=0.0", "GAMMA=0.5")).unwrap();
+    assert_eq!(road.direction, 0.5);
+    assert!(
+        road.notes.iter().any(|note| note.contains("unit of angle; it is taken as radian")),
+        "{:?}",
+        road.notes
+    );
+    // units that no number of a road has are no matter
+    let road = rdf(&changed(CLEAT, "MASS='kg'\nTIME='sec'\n", "")).unwrap();
+    assert!(road.notes.is_empty(), "{:?}", road.notes);
+    let plank = "[UNITS]\nLENGTH='mm'\n[MODEL]\nMETHOD='2D'\nROAD_TYPE='plank'\n[PARAMETERS]\nHEIGHT=20\nSTART=1000\nLENGTH=100\nDIRECTION=0.5\n";
+    let road = rdf(plank).unwrap();
+    assert!(road.notes.iter().any(|note| note.contains("unit of angle")), "{:?}", road.notes);
+}
+
 // ---- OpenCRG
 
 /// A grid of heights with slope and banking: `z[i][j]` at u = 3 + 0.5 i and v = V[j].
