@@ -248,16 +248,20 @@ impl Document {
         })
     }
 
-    /// Puts other lines in the place of the rows of a table, from its first row to its last; what stands between them goes, too.
+    /// Puts other lines in the place of the rows of a table, from its first row to its last; what stands between and behind them
+    /// goes, too. Returns whether that were more than rows: comments, say.
     ///
     /// # Errors
     /// The table has no rows; the document would become too long.
-    pub fn set_rows(&mut self, section: &str, table: &str, rows: &str) -> Result<()> {
-        let found: Vec<Range<usize>> =
-            self.rows(section).filter(|row| row.table == table).map(|row| row.range).collect();
+    pub fn set_rows(&mut self, section: &str, table: &str, rows: &str) -> Result<bool> {
+        let of_table = || self.rows(section).filter(|row| row.table == table);
+        let in_rows: usize = of_table().map(|row| visible(row.text)).sum();
+        let found: Vec<Range<usize>> = of_table().map(|row| row.range).collect();
         let (Some(first), Some(last)) = (found.first(), found.last()) else {
             return Err(Error::file(format!("{}: [{section}] has no rows to replace", self.name)));
         };
+        let replaced = self.bytes.get(first.start..last.end).unwrap_or_default();
+        let more = visible(replaced) > in_rows;
         let end_of_line = self.end_of_line();
         let mut bytes = self.bytes.get(..first.start).unwrap_or_default().to_vec();
         for row in rows.lines() {
@@ -266,7 +270,7 @@ impl Document {
         }
         bytes.extend_from_slice(self.bytes.get(last.end..).unwrap_or_default());
         *self = Self::parse(bytes, &self.name)?;
-        Ok(())
+        Ok(more)
     }
 
     /// Where a line is: `file.tir:12`.
@@ -552,6 +556,11 @@ fn comment_start(text: &[u8]) -> usize {
     }
     // a quote that is never closed hides no comment
     if quoted { text.iter().position(|b| matches!(b, b'$' | b'!')).unwrap_or(text.len()) } else { text.len() }
+}
+
+/// How many bytes are no blanks.
+fn visible(text: &[u8]) -> usize {
+    text.iter().filter(|b| !b.is_ascii_whitespace()).count()
 }
 
 fn ends_line(bytes: &[u8]) -> bool {
