@@ -4,7 +4,7 @@ use super::tire::as_toml;
 use super::{check_outputs, print, warn};
 use latsch::recording::read_settings;
 use latsch::road_file::{self, Lanes, Writing};
-use latsch::tir::{Kind, create_super_elastic, settings};
+use latsch::tir::{Document, Kind, Units, create_super_elastic, settings};
 use latsch::{Error, Result, VERSION, ending, write_file};
 use std::path::{Path, PathBuf};
 
@@ -122,7 +122,12 @@ fn tire(args: &Args) -> Result<Vec<String>> {
         ("toml", "tir") => {
             let own = read_settings(Some(&args.input))?;
             if let Some(like) = &args.like {
-                let mut document = latsch::tir::Document::open(like)?;
+                let mut document = Document::open(like)?;
+                let mut notes = Vec::new();
+                Units::of(&document, &mut notes)?;
+                // a unit that the file does not name is one that somebody may have meant otherwise
+                notes.retain(|note| note.contains("does not name the unit"));
+                notes.iter().for_each(|note| warn(note));
                 let (_, lost) = latsch::tir::change(&mut document, &own)?;
                 write_file(&args.output, document.bytes())?;
                 return Ok(lost);

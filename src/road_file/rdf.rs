@@ -216,6 +216,11 @@ pub(super) fn beside_the_road(file: &File, used: &[&str], model: &[&str], road: 
             section => others.push(format!("[{section}] {}", entry.key)),
         }
     }
+    for section in file.document.tables() {
+        if !used.contains(&section) && !matches!(section, "UNITS" | "MDI_HEADER" | "GRAPHICS") {
+            others.push(format!("[{section}] with its rows"));
+        }
+    }
     if about {
         beside.push("[MDI_HEADER] with its comments".into());
     }

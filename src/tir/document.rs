@@ -1,7 +1,7 @@
 //! The text of a tire property file without loss, and where its values are.
 
 use crate::{Error, Result};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 /// The most bytes that a tire property file may have: a hundred times the longest that is met.
@@ -27,6 +27,8 @@ pub struct Document {
     items: Vec<Item>,
     /// The items with this section and key, in the order of the file.
     index: BTreeMap<(String, String), Vec<usize>>,
+    /// The sections that have rows of numbers.
+    tables: Vec<usize>,
     notes: Vec<Note>,
     left_out: usize,
 }
@@ -109,6 +111,7 @@ impl Document {
             sections: vec![String::new()],
             items: Vec::new(),
             index: BTreeMap::new(),
+            tables: Vec::new(),
             notes: Vec::new(),
             left_out: 0,
         };
@@ -147,6 +150,24 @@ impl Document {
     /// The names of the sections in the order of the file, in capitals.
     pub fn sections(&self) -> impl Iterator<Item = &str> {
         self.sections.iter().skip(1).map(String::as_str)
+    }
+
+    /// The names of the sections that have rows of numbers, each once, in capitals.
+    pub(crate) fn tables(&self) -> BTreeSet<&str> {
+        self.tables.iter().filter_map(|i| self.sections.get(*i)).map(String::as_str).collect()
+    }
+
+    /// A note on the sections whose rows no tire uses, but for those that are `told` elsewhere.
+    pub(super) fn unused_tables(&self, told: &[&str]) -> Option<String> {
+        let others: Vec<String> = self
+            .tables()
+            .into_iter()
+            .filter(|section| !told.contains(section))
+            .map(|section| format!("[{section}]"))
+            .collect();
+        let more = if others.len() > 20 { ", ..." } else { "" };
+        let first = others.get(..20).unwrap_or(&others).join(", ");
+        (!others.is_empty()).then(|| format!("{}: rows that are not used stand in {first}{more}", self.name))
     }
 
     /// All assignments in the order of the file.
@@ -478,6 +499,8 @@ impl Document {
                             shown(code)
                         )
                     });
+                } else if self.tables.last() != Some(&(self.sections.len() - 1)) {
+                    self.tables.push(self.sections.len() - 1);
                 }
             }
         }

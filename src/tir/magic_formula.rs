@@ -33,6 +33,9 @@ pub struct Reading {
 /// Sections whose keys say something about the file, not about the tire.
 const ABOUT: &[&str] = &["MDI_HEADER", "UNITS"];
 
+/// Sections with tables of vertical forces.
+const CURVES: &[&str] = &["DEFLECTION_LOAD_CURVE", "BOTTOMING_CURVE"];
+
 /// Keys that do not change the forces of this model, or that [`model`] looks at.
 const MODEL_KEYS: &[&str] =
     &["FITTYP", "PROPERTY_FILE_FORMAT", "TYRESIDE", "USE_MODE", "FE_METHOD", "FUNCTION_NAME"];
@@ -145,14 +148,15 @@ pub fn read(document: &Document) -> Result<Reading> {
         }
         unused.push(format!("[{}] {}", entry.section, entry.key));
     }
-    for table in ["DEFLECTION_LOAD_CURVE", "BOTTOMING_CURVE"] {
-        if document.sections().any(|section| section == table) {
+    for table in CURVES {
+        if document.sections().any(|section| section == *table) {
             notes.push(format!(
                 "{}: the table in [{table}] is not used; the vertical force is VERTICAL_STIFFNESS times deflection",
                 document.name()
             ));
         }
     }
+    notes.extend(document.unused_tables(CURVES));
     if coefficients.rbx1 == 0.0 || coefficients.rby1 == 0.0 {
         notes.push(format!(
             "{}: RBX1 or RBY1 is 0 or missing, so that slip in one direction does not reduce the force in the other; \

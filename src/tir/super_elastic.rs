@@ -179,6 +179,7 @@ pub(super) fn read(document: &Document) -> Result<(Settings, Vec<String>)> {
         ));
     }
     curve(document, &mut notes)?;
+    notes.extend(document.unused_tables(&[]));
     slip_stiffness(document, &mut notes);
     let unused = unused(document, &used, &mut notes);
     if !unused.is_empty() {
@@ -205,10 +206,8 @@ pub(super) fn write(own: &Settings, document: &mut Document) -> Result<(usize, V
     let mut lost = Vec::new();
     let mut exponent = None;
     for setting in &own.values {
-        let Some(info) = infos.iter().find(|info| info.name == setting.name) else { continue };
-        if info.causality != Causality::Parameter {
-            continue;
-        }
+        // of others the caller says so
+        let Some(info) = infos.iter().find(|info| is_parameter(info, &setting.name)) else { continue };
         let value = info.accept_quantity(&setting.value).map_err(|e| e.at(&setting.place))?;
         let wanted = match value {
             model::Value::Real(value) => value,
@@ -311,6 +310,15 @@ pub(super) fn create(name: &str, title: &str) -> Result<Document> {
     let defaults = Settings { values: defaults.collect(), ..Settings::default() };
     write(&defaults, &mut document)?;
     Ok(document)
+}
+
+/// Whether models with this tire have a parameter of that name from it.
+pub(super) fn has(name: &str) -> bool {
+    infos().iter().any(|info| is_parameter(info, name))
+}
+
+fn is_parameter(info: &VariableInfo, name: &str) -> bool {
+    info.name == name && info.causality == Causality::Parameter
 }
 
 /// The tire's variables.
