@@ -53,6 +53,11 @@ pub fn read_text(path: &Path) -> Result<String> {
     bounded::read_text(path, MAX_TEXT).map_err(|e| Error::file(format!("{}: {e}", path.display())))
 }
 
+/// The ending of a file's name in small letters, without its dot; empty if it has none.
+pub fn ending(path: &Path) -> String {
+    path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
 /// Writes bytes to a file, whole or not at all.
 ///
 /// # Errors

@@ -67,7 +67,7 @@ pub mod tire;
 
 pub use error::{Error, ErrorKind, Result};
 #[cfg(feature = "host")]
-pub use file::{read_text, write_file};
+pub use file::{ending, read_text, write_file};
 pub use shown::{one_line, printable, printable_json};
 
 /// The version of the library: part of every FMU's GUID.

@@ -4,8 +4,8 @@ use super::tire::as_toml;
 use super::{check_outputs, print, warn};
 use latsch::recording::read_settings;
 use latsch::road_file::{self, Lanes, Writing};
-use latsch::tir::{Kind, create_super_elastic, settings};
-use latsch::{Error, Result, VERSION, write_file};
+use latsch::tir::{Document, Kind, Units, create_super_elastic, settings};
+use latsch::{Error, Result, VERSION, ending, write_file};
 use std::path::{Path, PathBuf};
 
 /// Convert a road file, or the property file of a super-elastic tire, into another format
@@ -33,7 +33,7 @@ pub struct Args {
     /// Step along the road of an OpenCRG file [m] [default: the one in which all points lie]
     #[arg(long, value_name = "D")]
     increment: Option<f64>,
-    /// A file of the kind that is written, of which everything but the road, or the tire's values, is kept
+    /// A file of the kind that is written (.rdf of METHOD 'USER', or .tir), of which everything but the road, or the tire's values, is kept
     #[arg(long, value_name = "F.rdf|F.tir")]
     like: Option<PathBuf>,
     /// Write a .rdf as Adams reads it (poly_line), also for a road of one track
@@ -59,19 +59,10 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-fn ending(path: &Path) -> String {
-    path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
-}
-
 fn road(args: &Args) -> Result<Vec<String>> {
     let mut road = road_file::read(&args.input, &Lanes { left: args.left, right: args.right })?;
     road.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    let mut lost = std::mem::take(&mut road.lost);
-    let same = args.like.as_deref().is_some_and(|like| same_file(like, &args.input));
-    if same {
-        // the file is its own model: what is beside the road is kept
-        lost.clear();
-    }
+    let mut lost = Vec::new();
     if let Some(tolerance) = args.tolerance {
         if !(tolerance > 0.0 && tolerance.is_finite()) {
             return Err(Error::call("--tolerance is a height in m, above 0: 0.0005 for half a millimetre"));
@@ -90,13 +81,26 @@ fn road(args: &Args) -> Result<Vec<String>> {
     Ok(lost)
 }
 
-fn same_file(one: &Path, other: &Path) -> bool {
-    matches!((one.canonicalize(), other.canonicalize()), (Ok(a), Ok(b)) if a == b)
-}
-
 fn tire(args: &Args) -> Result<Vec<String>> {
-    if args.left.is_some() || args.right.is_some() || args.tolerance.is_some() || args.increment.is_some() {
-        return Err(Error::call("--left, --right, --tolerance and --increment are about roads"));
+    for (given, option) in [
+        (args.left.is_some(), "--left"),
+        (args.right.is_some(), "--right"),
+        (args.tolerance.is_some(), "--tolerance"),
+        (args.increment.is_some(), "--increment"),
+        (args.adams, "--adams"),
+    ] {
+        if given {
+            return Err(Error::call(format!("{option} is about roads, and a .tir is a tire; leave it out")));
+        }
+    }
+    if let Some(like) = &args.like
+        && (ending(&args.output) != "tir" || ending(like) != "tir")
+    {
+        return Err(Error::call(format!(
+            "--like {}: a .tir is made like another .tir, and {} is written",
+            like.display(),
+            args.output.display()
+        )));
     }
     match (ending(&args.input).as_str(), ending(&args.output).as_str()) {
         ("tir", "toml") => {
@@ -118,7 +122,12 @@ fn tire(args: &Args) -> Result<Vec<String>> {
         ("toml", "tir") => {
             let own = read_settings(Some(&args.input))?;
             if let Some(like) = &args.like {
-                let mut document = latsch::tir::Document::open(like)?;
+                let mut document = Document::open(like)?;
+                let mut notes = Vec::new();
+                Units::of(&document, &mut notes)?;
+                // a unit that the file does not name is one that somebody may have meant otherwise
+                notes.retain(|note| note.contains("does not name the unit"));
+                notes.iter().for_each(|note| warn(note));
                 let (_, lost) = latsch::tir::change(&mut document, &own)?;
                 write_file(&args.output, document.bytes())?;
                 return Ok(lost);

@@ -60,8 +60,9 @@ impl Given {
             for note in &road.notes {
                 eprintln!("note: {}", one_line(note));
             }
-            if !road.lost.is_empty() {
-                eprintln!("note: {}: not used: {}", path.display(), one_line(&road.lost.join("; ")));
+            let left_out: Vec<&str> = road.left_out().map(String::as_str).collect();
+            if !left_out.is_empty() {
+                eprintln!("note: {}: not used: {}", path.display(), one_line(&left_out.join("; ")));
             }
             let edges = road.edges();
             if edges > 0 && interface.is_some_and(|i| i.name.starts_with(SuperElastic::NAME)) {

@@ -3,11 +3,11 @@
 use super::given::over;
 use super::{check_outputs, print, warn};
 use latsch::fmi::Entry;
-use latsch::model::{Settings, Value};
+use latsch::model::Settings;
 use latsch::recording::read_settings;
 use latsch::shipped::MODELS;
 use latsch::tir::{Document, Kind, TireFile, change, settings};
-use latsch::{Error, Result, write_file};
+use latsch::{Error, Result, ending, write_file};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -46,8 +46,7 @@ pub fn run(args: &Args) -> Result<()> {
     let read_files: Vec<&Path> =
         std::iter::once(&args.file).chain(&args.parameters).map(PathBuf::as_path).collect();
     check_outputs(&[output], &read_files)?;
-    let ending = output.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    match ending.as_str() {
+    match ending(output).as_str() {
         "toml" => write_file(output, as_toml(&over(tire, own), kind).as_bytes())?,
         "tir" => {
             let mut document = Document::open(&args.file)?;
@@ -71,15 +70,12 @@ pub(super) fn as_toml(settings: &Settings, kind: Kind) -> String {
     let table = Entry::find(MODELS, &format!("{}-tire", kind.name())).map(|entry| (entry.table)());
     let mut text = String::from("[parameters]\n");
     for setting in &settings.values {
-        let value = match &setting.value {
-            Value::Text(text) => toml::Value::String(text.clone()).to_string(),
-            other => other.to_string(),
-        };
         let variable = table.iter().flat_map(|table| &table.variables).find(|v| v.name == setting.name);
         let about = variable.map(|v| match &v.unit {
             Some(unit) => format!(" # {} [{unit}]", v.description),
             None => format!(" # {}", v.description),
         });
+        let value = setting.value.to_toml();
         let _ = writeln!(text, "{} = {value}{}", setting.name, about.unwrap_or_default());
     }
     text

@@ -31,8 +31,7 @@ pub fn read_system(path: &Path) -> Result<SystemFile> {
     let name = path.display().to_string();
     let io = |e: String| Error::file(format!("{name} cannot be read: {e}"));
     let folder = path.parent().unwrap_or(Path::new(""));
-    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    match ending.as_str() {
+    match crate::ending(path).as_str() {
         "toml" => {
             let text = bounded::read_text(path, MAX_TEXT).map_err(io)?;
             Ok(SystemFile { plan: parse_toml(&text, &name, folder)?, _folder: None })

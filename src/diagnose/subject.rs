@@ -134,8 +134,7 @@ impl Subject {
     /// No such model or file, settings that do not fit.
     pub fn load(model: &str, settings: &Settings) -> Result<Self> {
         let path = Path::new(model);
-        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        let (base, factory): (Base, Factory) = match ending.as_str() {
+        let (base, factory): (Base, Factory) = match crate::ending(path).as_str() {
             "fmu" => {
                 let file = path.to_path_buf();
                 let load = move || -> Result<Box<dyn Slave>> { Ok(Box::new(ImportedFmu::load(&file)?)) };

@@ -205,7 +205,7 @@ fn carrier(
 fn carrier_file(interface: &Interface, settings: &Settings) -> Result<String> {
     let mut text = format!(
         "model = {}\nversion = \"{}\"\noriginal = true # the model is the FMU in the folder {ORIGINAL}\n",
-        value_text(&Value::Text(interface.name.clone())),
+        Value::Text(interface.name.clone()).to_toml(),
         crate::VERSION
     );
     let values: BTreeMap<usize, Value> = settings.check(interface)?.into_iter().collect();
@@ -217,7 +217,7 @@ fn carrier_file(interface: &Interface, settings: &Settings) -> Result<String> {
         }
         for (index, value) in lines {
             let variable = &interface.variables[*index];
-            let _ = writeln!(text, "{} = {}{}", key(&variable.name), value_text(value), meaning(variable));
+            let _ = writeln!(text, "{} = {}{}", key(&variable.name), value.to_toml(), meaning(variable));
         }
     }
     Ok(text)
@@ -313,12 +313,4 @@ of one communication step. The derivative of an output that an effect changes is
 communication step. Directional derivatives are not offered.</p>\n",
     );
     Ok(html)
-}
-
-/// A value in TOML.
-fn value_text(value: &Value) -> String {
-    match value {
-        Value::Text(text) => toml::Value::String(text.clone()).to_string(),
-        other => other.to_string(),
-    }
 }

@@ -209,10 +209,7 @@ impl Settings {
                 let variable = &interface.variables[index];
                 let value = set.get(&index).or(variable.start.as_ref());
                 let Some(value) = value else { continue };
-                let value = match value {
-                    Value::Text(t) => toml::Value::String(t.clone()).to_string(),
-                    other => other.to_string(),
-                };
+                let value = value.to_toml();
                 let unit = variable.unit.as_deref().map(|u| format!(" [{u}]")).unwrap_or_default();
                 let _ = writeln!(text, "{} = {value} # {}{unit}", key(&variable.name), variable.description);
             }
@@ -232,6 +229,14 @@ fn fitted(value: &toml::Value) -> std::result::Result<&toml::Value, String> {
 }
 
 impl Value {
+    /// The value as TOML writes it: [`parse`](Settings::parse) reads the same.
+    pub fn to_toml(&self) -> String {
+        match self {
+            Value::Text(text) => toml::Value::String(text.clone()).to_string(),
+            other => other.to_string(),
+        }
+    }
+
     /// The value in a TOML file: a number, a switch or a text.
     ///
     /// # Errors

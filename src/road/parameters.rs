@@ -293,12 +293,20 @@ impl RoadParameters {
         Ok(Some(spacing))
     }
 
+    /// The steps of `road_friction`: from the place \[m\] of each on, its factor \[1\]; none where it is 1 everywhere.
+    ///
+    /// # Errors
+    /// A text that cannot be read, places that do not increase, a negative factor; the message names parameter and pair.
+    pub fn friction_steps(&self) -> Result<Vec<[f64; 2]>> {
+        patches("road_friction", &self.friction)
+    }
+
     /// The friction factor.
     pub(super) fn friction(&self) -> Result<Friction> {
-        let left = patches("road_friction", &self.friction)?;
+        let left = Patches::new(&self.friction_steps()?);
         let right = match self.friction_right.trim() {
             "" => None,
-            text => Some(patches("road_friction_right", text)?),
+            text => Some(Patches::new(&patches("road_friction_right", text)?)),
         };
         let variation = (self.friction_deviation > 0.0).then(|| {
             Variation::new(self.friction_deviation, self.friction_correlation_length, self.friction_seed)
@@ -335,7 +343,7 @@ fn profile_points(name: &str, text: &str) -> Result<Vec<[f64; 2]>> {
 }
 
 /// Reads the steps of a friction factor from the parameter `name`.
-fn patches(name: &str, text: &str) -> Result<Patches> {
+fn patches(name: &str, text: &str) -> Result<Vec<[f64; 2]>> {
     let steps = pairs(name, text, LARGEST_PLACE)?;
     let fail = |i: usize, message: String| Err(Error::variable(format!("{name}: pair {}: {message}", i + 1)));
     if steps.len() > MAX_POINTS {
@@ -349,5 +357,5 @@ fn patches(name: &str, text: &str) -> Result<Patches> {
             return fail(i, format!("s = {s} m comes after {} m; s has to increase", steps[i - 1][0]));
         }
     }
-    Ok(Patches::new(&steps))
+    Ok(steps)
 }

@@ -1,6 +1,6 @@
 //! Two-dimensional roads of Adams (`METHOD = '2D'`), as its manual and those of other programs that read them describe the keys.
 
-use super::profile::{RoadProfile, beyond_points, checked};
+use super::profile::{LARGEST_PLACE, RoadProfile, beyond_points, checked};
 use super::rdf::{File, beside_the_road, missing};
 use crate::tir::{number_text, shown};
 use crate::{Error, Result};
@@ -199,7 +199,7 @@ pub(super) fn read(file: &File) -> Result<RoadProfile> {
         if mu < 0.0 {
             return Err(Error::file(format!("{name}: [PARAMETERS] MU = {mu} must not be negative")));
         }
-        road.friction = vec![[-1e6, mu]];
+        road.friction = vec![[-LARGEST_PLACE, mu]];
     }
     let turned = optional(file, "ROTATION_ANGLE_XY_PLANE", file.units.angle)?;
     if turned != 0.0 {
@@ -249,6 +249,32 @@ fn positive(file: &File, key: &str, value: f64) -> Result<()> {
     }
 }
 
+/// `MU`, which holds everywhere, of a friction that begins and changes at places, and what it does not say of that.
+fn one_friction(steps: &[[f64; 2]]) -> (f64, Option<String>) {
+    let Some([from, factor]) = steps.first().copied() else { return (1.0, None) };
+    if steps.iter().any(|[_, other]| *other != factor) {
+        let lost = "the friction factor, which changes along the road: MU is one number for all of it, and 1 is written";
+        return (1.0, Some(lost.into()));
+    }
+    // before the first place it is 1
+    if factor == 1.0 || from <= -LARGEST_PLACE {
+        (factor, None)
+    } else if from <= 0.0 {
+        // all that a wheel meets on its way forward
+        (
+            factor,
+            Some(format!(
+                "where the friction factor {factor} begins, at {from} m: MU holds before that, too"
+            )),
+        )
+    } else {
+        let lost = format!(
+            "the friction factor {factor} from {from} m on: MU is one number for all of the road, and 1 is written"
+        );
+        (1.0, Some(lost))
+    }
+}
+
 /// A road as `poly_line`.
 ///
 /// # Errors
@@ -260,25 +286,16 @@ pub(super) fn write(road: &RoadProfile) -> Result<(Vec<u8>, Vec<String>)> {
     text += "[UNITS]\n LENGTH = 'meter'\n FORCE  = 'newton'\n ANGLE  = 'radian'\n MASS   = 'kg'\n TIME   = 'sec'\n";
     text += "[MODEL]\n METHOD        = '2D'\n FUNCTION_NAME = 'ARC901'\n ROAD_TYPE     = 'poly_line'\n";
     text += "[PARAMETERS]\n OFFSET                  = 0.0\n ROTATION_ANGLE_XY_PLANE = 0.0\n";
-    let mut beyond = road.clone();
-    let everywhere = match road.friction[..] {
-        [] => 1.0,
-        [[_, factor]] => factor,
-        _ => f64::NAN,
-    };
-    if everywhere.is_finite() {
-        beyond.friction.clear();
-    }
-    let _ = writeln!(
-        text,
-        " MU                      = {}",
-        text_of(if everywhere.is_finite() { everywhere } else { 1.0 })
-    );
+    let (mu, friction_lost) = one_friction(&road.friction);
+    let _ = writeln!(text, " MU                      = {}", text_of(mu));
     text += "(XZ_DATA)\n{ x z_left z_right }\n";
     for [x, left, right] in road.rows()? {
         let _ = writeln!(text, " {} {} {}", text_of(x), text_of(left), text_of(right));
     }
-    let mut lost = beyond_points(&beyond, "poly_line");
+    let mut points_only = road.clone();
+    points_only.friction.clear();
+    let mut lost = beyond_points(&points_only, "poly_line");
+    lost.extend(friction_lost);
     if road.right.is_some() {
         lost.push(format!(
             "the distance of the tracks, {} m: such a file has no key for it",

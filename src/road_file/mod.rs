@@ -19,7 +19,8 @@ mod settings;
 pub use crg::Lanes;
 pub use profile::{MAX_POINTS_READ, RoadProfile};
 
-use crate::{Error, Result, bounded, write_file};
+use crate::tir::MAX_BYTES;
+use crate::{Error, Result, bounded, ending, write_file};
 use std::path::Path;
 
 /// The endings of road files, without dots.
@@ -36,14 +37,32 @@ pub struct Writing<'a> {
     pub adams: bool,
 }
 
-/// The ending of a file in small letters.
-fn ending(path: &Path) -> String {
-    path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
-}
-
-/// Whether the file's name is that of a road file.
-pub fn is_one(path: &Path) -> bool {
-    ENDINGS.contains(&ending(path).as_str())
+impl Writing<'_> {
+    /// Checks that what is asked for means something to the format of a file.
+    fn check(&self, path: &Path) -> Result<()> {
+        let own = ending(path);
+        for (given, option, fits) in [
+            (self.increment.is_some(), "--increment is the step of an OpenCRG file (.crg)", "crg"),
+            (self.like.is_some(), "--like is for a .rdf of METHOD = 'USER'", "rdf"),
+            (self.adams, "--adams is for a .rdf", "rdf"),
+        ] {
+            if given && own != fits {
+                return Err(Error::call(format!("{}: {option}; leave it out", path.display())));
+            }
+        }
+        match self.like {
+            Some(like) if ending(like) != "rdf" => Err(Error::call(format!(
+                "--like {}: {} is made like another .rdf, and that is none",
+                like.display(),
+                path.display()
+            ))),
+            Some(like) if self.adams => Err(Error::call(format!(
+                "--adams writes a file of METHOD = '2D', and --like {} keeps one of METHOD = 'USER'; leave one of them out",
+                like.display()
+            ))),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Reads the road file at `path`; `lanes` says where across an OpenCRG road the tracks are.
@@ -67,23 +86,37 @@ pub fn read(path: &Path, lanes: &Lanes) -> Result<RoadProfile> {
     }
 }
 
-/// Writes a road to `path` and returns what the format does not hold of it.
+/// Writes a road to `path` and returns what does not survive: of the file that it was read from, and of the road what the format
+/// does not hold. A file that is made like the one that was read keeps what that has beside the road.
 ///
 /// # Errors
-/// An ending that is none of [`ENDINGS`]; a road that the format cannot hold; a file that cannot be written.
+/// An ending that is none of [`ENDINGS`]; something of `writing` that the format does not know; a road that the format cannot hold;
+/// a file that cannot be written.
 pub fn write(path: &Path, road: &RoadProfile, writing: &Writing<'_>) -> Result<Vec<String>> {
     let name = path.display().to_string();
-    let (bytes, lost) = match ending(path).as_str() {
+    writing.check(path)?;
+    let (bytes, beyond) = match ending(path).as_str() {
         "rdf" => rdf::write(road, writing, &name)?,
         "crg" => crg::write(road, writing.increment)?,
         "csv" => profile::write_csv(road)?,
-        "toml" => settings::write(road, &name)?,
+        "toml" => settings::write(road)?,
         _ => {
             return Err(Error::call(format!("{name}: a road file ends in .{}", ENDINGS.join(", ."))));
         }
     };
+    let mut lost: Vec<String> = match writing.like.filter(|like| same_file(like, Path::new(&road.source))) {
+        // the file itself, byte for byte
+        Some(like) if bytes_of(like, MAX_BYTES as u64)? == bytes => Vec::new(),
+        Some(_) => road.lost.clone(),
+        None => road.left_out().cloned().collect(),
+    };
+    lost.extend(beyond);
     write_file(path, &bytes)?;
     Ok(lost)
+}
+
+fn same_file(one: &Path, other: &Path) -> bool {
+    matches!((one.canonicalize(), other.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// The bytes of a file that may be long.

@@ -11,7 +11,7 @@ pub const MAX_POINTS_READ: usize = 10_000_000;
 
 /// The least distance of two points that make no vertical edge, and the largest coordinate \[m\], as roads of models have them.
 pub(super) const LEAST_DISTANCE: f64 = 1e-5;
-const LARGEST_PLACE: f64 = 1e6;
+pub(super) const LARGEST_PLACE: f64 = 1e6;
 
 /// Heights along one or two tracks, straight lines between points, level before the first and behind the last. Two points at the
 /// same place are a vertical edge.
@@ -33,8 +33,10 @@ pub struct RoadProfile {
     pub spacing: f64,
     /// "s factor" \[m, 1\]: from s on the friction is multiplied by the factor.
     pub friction: Vec<[f64; 2]>,
-    /// What the file has and this has not: a sentence each.
+    /// What the file says of the road and this does not: a sentence each.
     pub lost: Vec<String>,
+    /// What the file has beside the road, such as a header: a file that is made like it keeps that.
+    pub beside: Vec<String>,
     /// What the user should know of how the file was read.
     pub notes: Vec<String>,
 }
@@ -49,6 +51,11 @@ impl RoadProfile {
     pub(super) fn tracks(&self) -> impl Iterator<Item = (&'static str, &Vec<[f64; 2]>)> {
         let name = if self.right.is_some() { "left" } else { "road" };
         std::iter::once((name, &self.left)).chain(self.right.iter().map(|right| ("right", right)))
+    }
+
+    /// All that the file has and this has not.
+    pub fn left_out(&self) -> impl Iterator<Item = &String> {
+        self.lost.iter().chain(&self.beside)
     }
 
     /// Vertical edges: two points at one place with different heights.

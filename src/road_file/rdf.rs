@@ -2,7 +2,7 @@
 
 use super::profile::{RoadProfile, beyond_points, checked};
 use super::{Writing, adams};
-use crate::tir::{Document, Entry, Units, Value, number, number_text, shown};
+use crate::tir::{Document, Units, number, number_text, shown};
 use crate::{Error, Result};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -13,22 +13,28 @@ pub(super) struct File {
     pub units: Units,
     pub road_type: String,
     pub type_line: usize,
+    /// What the user should know of its units.
+    notes: Vec<String>,
 }
 
 impl File {
     /// # Errors
     /// No road file; no unit of length, without which a road may be a thousand times too high.
     fn of(document: Document) -> Result<Self> {
-        let units = Units::of(&document, &mut Vec::new())?;
+        let mut notes = Vec::new();
+        let units = Units::of(&document, &mut notes)?;
+        // a road has lengths, which are asked for, and angles; its units of force, mass and time change nothing
+        notes.retain(|note| note.contains("unit of angle"));
         if document.get("UNITS", "LENGTH").is_none() {
             return Err(Error::file(format!(
                 "{}: [UNITS] has no LENGTH: write LENGTH = 'mm' or 'meter' below [UNITS]",
                 document.name()
             )));
         }
-        let (road_type, type_line) = word(&document, "MODEL", "ROAD_TYPE")
+        let (road_type, type_line) = document
+            .word("MODEL", "ROAD_TYPE")
             .ok_or_else(|| missing(&document, "MODEL", "ROAD_TYPE", "'flat' or 'poly'"))?;
-        Ok(Self { document, units, road_type: road_type.to_ascii_lowercase(), type_line })
+        Ok(Self { document, units, road_type: road_type.to_ascii_lowercase(), type_line, notes })
     }
 
     pub fn name(&self) -> &str {
@@ -37,26 +43,10 @@ impl File {
 
     /// A number of the file, in its units.
     pub fn number(&self, section: &str, key: &str) -> Result<Option<f64>> {
-        let all = self.document.all(section, key);
-        let Some(entry) = all.first() else { return Ok(None) };
-        if let Some(other) = all.iter().find(|other| other.value != entry.value) {
-            return Err(Error::file(format!(
-                "{}: [{section}] {key} has another value than in line {}; leave one of them out",
-                self.document.place(other.line),
-                entry.line
-            )));
-        }
-        let place = self.document.place(entry.line);
-        match &entry.value {
-            Value::Number(number) if number.is_finite() => Ok(Some(*number)),
-            Value::Empty => Ok(None),
-            Value::Number(_) => {
-                Err(Error::file(format!("{place}: [{section}] {key} is too large for a number")))
-            }
-            Value::Text(text) | Value::Word(text) => Err(Error::file(format!(
-                "{place}: [{section}] {key} is '{}', which is no number",
-                shown(text.as_bytes())
-            ))),
+        let called = format!("[{section}] {key}");
+        match self.document.only(section, key, &called)? {
+            Some(entry) => self.document.number(&entry, &called),
+            None => Ok(None),
         }
     }
 
@@ -101,14 +91,6 @@ impl File {
     pub fn metres(&self, value: f64) -> f64 {
         metres(value, self.units.length)
     }
-
-    /// Notes of the document, with their places.
-    pub fn document_notes(&self) -> impl Iterator<Item = String> {
-        self.document.notes().into_iter().map(|note| match note.line {
-            0 => format!("{}: {}", self.name(), note.message),
-            line => format!("{}: {}", self.document.place(line), note.message),
-        })
-    }
 }
 
 pub(super) fn missing(document: &Document, section: &str, key: &str, form: &str) -> Error {
@@ -121,21 +103,14 @@ pub(super) fn missing(document: &Document, section: &str, key: &str, form: &str)
     Error::file(format!("{}: {what}; add {key} = {form}", document.name()))
 }
 
-/// A text of the file in its own capitals, with its line.
-pub(super) fn word(document: &Document, section: &str, key: &str) -> Option<(String, usize)> {
-    match document.get(section, key)? {
-        Entry { value: Value::Text(text) | Value::Word(text), line, .. } => Some((text, line)),
-        _ => None,
-    }
-}
-
 pub(super) fn read(path: &Path) -> Result<RoadProfile> {
     of_document(Document::open(path)?)
 }
 
 /// The road of a document.
 pub(super) fn of_document(document: Document) -> Result<RoadProfile> {
-    let (method, line) = word(&document, "MODEL", "METHOD")
+    let (method, line) = document
+        .word("MODEL", "METHOD")
         .ok_or_else(|| missing(&document, "MODEL", "METHOD", "'USER' or '2D'"))?;
     match method.to_ascii_uppercase().as_str() {
         "USER" => of_source(&File::of(document)?),
@@ -230,6 +205,7 @@ fn of_source(file: &File) -> Result<RoadProfile> {
 pub(super) fn beside_the_road(file: &File, used: &[&str], model: &[&str], road: &mut RoadProfile) {
     let mut others: Vec<String> = Vec::new();
     let (mut graphics, mut about) = (false, false);
+    let beside = &mut road.beside;
     for entry in file.document.entries() {
         match entry.section {
             "UNITS" => {}
@@ -240,24 +216,31 @@ pub(super) fn beside_the_road(file: &File, used: &[&str], model: &[&str], road: 
             section => others.push(format!("[{section}] {}", entry.key)),
         }
     }
+    for section in file.document.tables() {
+        if !used.contains(&section) && !matches!(section, "UNITS" | "MDI_HEADER" | "GRAPHICS") {
+            others.push(format!("[{section}] with its rows"));
+        }
+    }
     if about {
-        road.lost.push("[MDI_HEADER] with its comments".into());
+        beside.push("[MDI_HEADER] with its comments".into());
     }
     if graphics {
-        road.lost.push("[GRAPHICS]: how the road is drawn".into());
+        beside.push("[GRAPHICS]: how the road is drawn".into());
     }
     if !others.is_empty() {
         let count = others.len();
         others.truncate(20);
         let more = if count > 20 { format!(" and {} more", count - 20) } else { String::new() };
-        road.lost.push(format!("keys that are not known: {}{more}", others.join(", ")));
+        beside.push(format!("keys that are not known: {}{more}", others.join(", ")));
     }
-    road.notes.extend(file.document_notes());
+    road.notes.extend(file.notes.iter().cloned().chain(file.document.told()));
 }
 
 /// How `[OFFSET]` moves the road's frame: turned first, then shifted.
 struct Offset {
+    /// In the plane, in the direction of the road and to the left of that.
     along: f64,
+    aside: f64,
     up: f64,
     pitch: f64,
     yaw: f64,
@@ -286,7 +269,13 @@ impl Offset {
         if pitch.abs() >= 1.5 {
             return Err(Error::file(format!("{}: [OFFSET] BETHA stands the road upright", file.name())));
         }
-        Ok(Self { along: x * yaw.cos() + y * yaw.sin(), up: z, pitch, yaw })
+        let (sin, cos) = yaw.sin_cos();
+        Ok(Self { along: x * cos + y * sin, aside: y * cos - x * sin, up: z, pitch, yaw })
+    }
+
+    /// Whether it does more than to turn the road about z.
+    fn moves(&self) -> bool {
+        [self.along, self.aside, self.up, self.pitch].iter().any(|x| *x != 0.0)
     }
 
     fn moved(&self, [x, z]: [f64; 2]) -> [f64; 2] {
@@ -326,9 +315,7 @@ pub(super) fn write(road: &RoadProfile, writing: &Writing<'_>, name: &str) -> Re
     text += &rows_of(road, 1.0, name)?;
     text += "[OFFSET]\n X     = 0.0\n Y     = 0.0\n Z     = 0.0\n ALPHA = 0.0\n BETHA = 0.0\n";
     let _ = writeln!(text, " GAMMA = {}", number_text(road.direction).unwrap_or_default());
-    let mut without_direction = road.clone();
-    without_direction.direction = 0.0;
-    Ok((text.into_bytes(), beyond_points(&without_direction, "such a file")))
+    Ok((text.into_bytes(), beyond_points_and_direction(road)))
 }
 
 /// The rows x y z of a road in units of so many metres.
@@ -361,12 +348,14 @@ fn in_unit(value: f64, unit: f64) -> f64 {
         .unwrap_or(quotient)
 }
 
-/// A file like another one, with the points of a road in place of its own; no byte is changed where they are the same.
+/// A file like another one, with points and direction of a road in place of its own; no byte is changed where they are the same.
 fn write_like(road: &RoadProfile, like: &Path) -> Result<(Vec<u8>, Vec<String>)> {
     let mut document = Document::open(like)?;
     let there = of_document(document.clone())?;
+    let file = File::of(document.clone())?;
     let name = like.display();
-    if document.rows("PROFILE").next().is_none() {
+    let of_source = document.word("MODEL", "METHOD").is_some_and(|(m, _)| m.eq_ignore_ascii_case("USER"));
+    if !of_source || document.rows("PROFILE").next().is_none() {
         return Err(Error::file(format!(
             "{name}: it has no rows of [PROFILE] to replace; name a file of METHOD = 'USER'"
         )));
@@ -380,24 +369,30 @@ fn write_like(road: &RoadProfile, like: &Path) -> Result<(Vec<u8>, Vec<String>)>
             road.source
         )));
     }
-    if there.left != road.left {
-        let file = File::of(document.clone())?;
-        let offset = Offset::of(&file)?;
-        if offset.pitch != 0.0 || offset.along != 0.0 || offset.up != 0.0 {
-            return Err(Error::file(format!(
-                "{name}: its [OFFSET] moves the points; set it to 0 in a file that others are made like"
-            )));
+    let mut lost = Vec::new();
+    let (moved, turned) = (there.left != road.left, there.direction != road.direction);
+    if (moved || turned) && Offset::of(&file)?.moves() {
+        return Err(Error::file(format!(
+            "{name}: its [OFFSET] moves the points; set X, Y, Z and BETHA to 0 in a file that others are made like"
+        )));
+    }
+    if moved {
+        let rows = rows_of(road, file.units.length, like.to_string_lossy().as_ref())?;
+        if document.set_rows("PROFILE", "", &rows)? {
+            lost.push(format!("comments between the rows of [PROFILE] in {name}"));
         }
-        document.set_rows(
-            "PROFILE",
-            "",
-            &rows_of(road, file.units.length, like.to_string_lossy().as_ref())?,
-        )?;
         document.set_text("MODEL", "ROAD_TYPE", "poly")?;
     }
-    let mut beyond = road.clone();
-    if beyond.direction == there.direction {
-        beyond.direction = 0.0;
+    if turned {
+        document.set_number("OFFSET", "GAMMA", in_unit(road.direction, file.units.angle))?;
     }
-    Ok((document.bytes().to_vec(), beyond_points(&beyond, "such a file")))
+    lost.extend(beyond_points_and_direction(road));
+    Ok((document.bytes().to_vec(), lost))
+}
+
+/// What such a file does not hold of a road: its direction is `GAMMA`.
+fn beyond_points_and_direction(road: &RoadProfile) -> Vec<String> {
+    let mut without_direction = road.clone();
+    without_direction.direction = 0.0;
+    beyond_points(&without_direction, "such a file")
 }

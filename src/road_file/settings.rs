@@ -87,10 +87,7 @@ pub(super) fn read(path: &Path) -> Result<RoadProfile> {
         4 | 7 | 8 => parameters.spacing,
         _ => 0.0,
     };
-    if !parameters.friction.trim().is_empty() {
-        road.friction = pairs(&parameters.friction)
-            .ok_or_else(|| Error::file(format!("{source}: road_friction cannot be read")))?;
-    }
+    road.friction = parameters.friction_steps().map_err(at)?;
     if !parameters.friction_right.trim().is_empty() {
         road.lost.push("road_friction_right: a friction of its own on the right".into());
     }
@@ -103,29 +100,10 @@ pub(super) fn read(path: &Path) -> Result<RoadProfile> {
     Ok(road)
 }
 
-fn pairs(text: &str) -> Option<Vec<[f64; 2]>> {
-    text.trim()
-        .trim_end_matches(';')
-        .split(';')
-        .map(|pair| {
-            let mut words = pair.split_whitespace().map(|word| word.parse::<f64>().ok());
-            match (words.next()??, words.next()??, words.next()) {
-                (s, factor, None) => Some([s, factor]),
-                _ => None,
-            }
-        })
-        .collect()
-}
-
-pub(super) fn write(road: &RoadProfile, name: &str) -> Result<(Vec<u8>, Vec<String>)> {
-    let _ = name;
+pub(super) fn write(road: &RoadProfile) -> Result<(Vec<u8>, Vec<String>)> {
     let mut text = String::from("[parameters]\n");
     for setting in road.settings()?.values {
-        let value = match &setting.value {
-            Value::Text(text) => toml::Value::String(text.clone()).to_string(),
-            other => other.to_string(),
-        };
-        let _ = writeln!(text, "{} = {value}", setting.name);
+        let _ = writeln!(text, "{} = {}", setting.name, setting.value.to_toml());
     }
     Ok((text.into_bytes(), Vec::new()))
 }

@@ -84,7 +84,7 @@ fn the_road_of_the_source_is_read_in_two_units_and_with_rows_of_two() {
     }
     // what the model has no place for is named
     for word in ["[MDI_HEADER]", "[GRAPHICS]", "[OWN] KEPT"] {
-        assert!(road.lost.iter().any(|lost| lost.contains(word)), "{word}: {:?}", road.lost);
+        assert!(road.left_out().any(|lost| lost.contains(word)), "{word}: {road:?}");
     }
     let metres = CLEAT
         .replace("'mm'", "'meter'")
@@ -134,6 +134,98 @@ fn a_road_of_the_source_comes_back_with_every_byte_but_its_points() {
     let after = after.split_once("[OFFSET]").unwrap().1;
     assert!(text.starts_with(before) && text.ends_with(after) && text.contains(" 550 0.0 10\n"), "{text}");
     assert_eq!(read(&out, &Lanes::default()).unwrap().left, road.left);
+}
+
+#[test]
+fn a_file_like_another_one_has_the_direction_of_the_road() {
+    let folder = Folder::new();
+    let out = folder.0.path().join("out.rdf");
+    let turned = CLEAT.replace("GAMMA=0.0", "GAMMA=30");
+    // from another direction, from none, and with no line for it
+    for (like, direction) in [
+        (CLEAT.to_string(), 0.25),
+        (turned.clone(), 0.25),
+        (turned.clone(), 0.0),
+        (CLEAT.replace("GAMMA=0.0\n", ""), -0.1),
+        (CLEAT.split_once("[OFFSET]").unwrap().0.to_string(), 0.5),
+    ] {
+        let like = folder.file("like.rdf", like);
+        let writing = Writing { like: Some(&like), ..Writing::default() };
+        let mut road = RoadProfile::of("r", rdf(CLEAT).unwrap().left);
+        road.direction = direction;
+        for z in [0.005, 0.01] {
+            road.left[2][1] = z;
+            let lost = write(&out, &road, &writing).unwrap();
+            assert!(lost.iter().all(|lost| !lost.contains("direction")), "{lost:?}");
+            let back = read(&out, &Lanes::default()).unwrap();
+            assert_eq!((back.direction, &back.left), (direction, &road.left));
+        }
+    }
+    // an offset that would move points, seen along the new direction, is refused
+    let like = folder.file("like.rdf", CLEAT.replace("Y=0.0", "Y=500"));
+    let mut road = rdf(CLEAT).unwrap();
+    road.direction = 0.25;
+    let message =
+        write(&out, &road, &Writing { like: Some(&like), ..Writing::default() }).unwrap_err().to_string();
+    assert!(message.contains("[OFFSET]"), "{message}");
+    // rows in a file of Adams mean nothing, so that points put there would be lost
+    let like = folder.file(
+        "adams.rdf",
+        "[UNITS]\nLENGTH='m'\nANGLE='rad'\n[MODEL]\nMETHOD='2D'\nROAD_TYPE='flat'\n[PROFILE]\n0 0\n1 0\n",
+    );
+    let message =
+        write(&out, &road, &Writing { like: Some(&like), ..Writing::default() }).unwrap_err().to_string();
+    assert!(message.contains("METHOD = 'USER'"), "{message}");
+}
+
+#[test]
+fn what_is_lost_beside_a_road_is_told_unless_the_file_is_kept() {
+    let folder = Folder::new();
+    let like = folder.file("like.rdf", CLEAT.replace("500 0.0 0.0", "500 3.0 0.0"));
+    let out = folder.0.path().join("out.rdf");
+    let mut road = read(&like, &Lanes::default()).unwrap();
+    let told = |road: &RoadProfile, out: &Path, like: Option<&Path>| -> String {
+        write(out, road, &Writing { like, ..Writing::default() }).unwrap().join("; ")
+    };
+    // the file itself
+    assert_eq!(told(&road, &out, Some(&like)), "");
+    // its rows are others: what stands in them and between them goes, what stands beside them stays
+    road.left[2][1] = 0.01;
+    let lost = told(&road, &out, Some(&like));
+    assert!(lost.contains("y of [PROFILE]") && lost.contains("comments between the rows"), "{lost}");
+    assert!(!lost.contains("[MDI_HEADER]") && !lost.contains("KEPT"), "{lost}");
+    // like another file, or in another format, nothing of it stays
+    let other = folder.file("other.rdf", CLEAT);
+    for lost in [told(&road, &out, Some(&other)), told(&road, &folder.0.path().join("out.csv"), None)] {
+        for word in ["y of [PROFILE]", "[MDI_HEADER]", "[GRAPHICS]", "[OWN] KEPT"] {
+            assert!(lost.contains(word), "{word}: {lost}");
+        }
+    }
+}
+
+#[test]
+fn what_a_format_does_not_know_is_refused() {
+    let folder = Folder::new();
+    let like = folder.file("like.rdf", CLEAT);
+    let road = rdf(CLEAT).unwrap();
+    let plain = Writing::default();
+    for (name, writing, words) in [
+        ("out.csv", Writing { adams: true, ..plain.clone() }, &["out.csv", "--adams", ".rdf"][..]),
+        ("out.toml", Writing { increment: Some(0.1), ..plain.clone() }, &["out.toml", "--increment", ".crg"]),
+        ("out.rdf", Writing { increment: Some(0.1), ..plain.clone() }, &["out.rdf", "--increment", ".crg"]),
+        ("out.crg", Writing { like: Some(&like), ..plain.clone() }, &["out.crg", "--like", ".rdf"]),
+        (
+            "out.rdf",
+            Writing { like: Some(Path::new("x.tir")), ..plain.clone() },
+            &["--like x.tir", "out.rdf"],
+        ),
+        ("out.rdf", Writing { like: Some(&like), adams: true, ..plain.clone() }, &["--adams", "--like"]),
+    ] {
+        let path = folder.0.path().join(name);
+        let message = write(&path, &road, &writing).unwrap_err().to_string();
+        assert!(words.iter().all(|word| message.contains(word)), "{message} lacks one of {words:?}");
+        assert!(!path.exists(), "{name}");
+    }
 }
 
 #[test]
@@ -213,6 +305,52 @@ fn roads_of_adams_are_what_their_keys_say() {
     ] {
         refused(adams(kind, parameters), words);
     }
+}
+
+/// MU of an Adams file holds everywhere: a friction that begins or changes somewhere must not become one that holds everywhere.
+#[test]
+fn a_friction_that_is_not_the_same_everywhere_is_told_when_adams_has_one_number() {
+    let folder = Folder::new();
+    let out = folder.0.path().join("out.rdf");
+    let writing = Writing { adams: true, ..Writing::default() };
+    let mut road = RoadProfile::of("r", vec![[0.0, 0.0], [1.0, 0.01]]);
+    for (friction, mu, words) in [
+        (vec![[-1e6, 0.8]], 0.8, None),
+        (vec![[5.0, 0.5]], 1.0, Some("0.5 from 5 m on")),
+        (vec![[-2.0, 0.5]], 0.5, Some("begins, at -2 m")),
+        (vec![[-1e6, 0.8], [3.0, 0.8]], 0.8, None),
+        (vec![[-1e6, 0.8], [3.0, 0.4]], 1.0, Some("changes along the road")),
+        (vec![[3.0, 1.0]], 1.0, None),
+        (vec![], 1.0, None),
+    ] {
+        road.friction = friction;
+        let lost = write(&out, &road, &writing).unwrap();
+        let back = read(&out, &Lanes::default()).unwrap();
+        let expected = if mu == 1.0 { vec![] } else { vec![[-1e6, mu]] };
+        assert_eq!(back.friction, expected, "{:?}", road.friction);
+        let told: Vec<&String> = lost.iter().filter(|lost| lost.contains("friction")).collect();
+        match words {
+            None => assert!(told.is_empty(), "{told:?}"),
+            Some(words) => assert!(told.len() == 1 && told[0].contains(words), "{told:?}"),
+        }
+    }
+}
+
+#[test]
+fn an_angle_without_a_unit_is_told() {
+    let road = rdf(&CLEAT.replace("ANGLE='degree'\n", "").replace("GAMMA=0.0", "GAMMA=0.5")).unwrap();
+    assert_eq!(road.direction, 0.5);
+    assert!(
+        road.notes.iter().any(|note| note.contains("unit of angle; it is taken as radian")),
+        "{:?}",
+        road.notes
+    );
+    // units that no number of a road has are no matter
+    let road = rdf(&changed(CLEAT, "MASS='kg'\nTIME='sec'\n", "")).unwrap();
+    assert!(road.notes.is_empty(), "{:?}", road.notes);
+    let plank = "[UNITS]\nLENGTH='mm'\n[MODEL]\nMETHOD='2D'\nROAD_TYPE='plank'\n[PARAMETERS]\nHEIGHT=20\nSTART=1000\nLENGTH=100\nDIRECTION=0.5\n";
+    let road = rdf(plank).unwrap();
+    assert!(road.notes.iter().any(|note| note.contains("unit of angle")), "{:?}", road.notes);
 }
 
 // ---- OpenCRG
@@ -376,6 +514,34 @@ fn modifiers_change_heights_and_others_are_listed() {
     }
 }
 
+/// u of a file is where its author counts from, x of a road where the wheel starts: who goes from one to the other is told.
+#[test]
+fn a_road_that_does_not_begin_at_0_is_told() {
+    let folder = Folder::new();
+    let lanes = Lanes { left: Some(0.0), right: None };
+    let road = RoadProfile::of("r", vec![[-8.0, 0.0], [0.0, 0.0], [1.0, 0.01]]);
+    let path = folder.0.path().join("r.crg");
+    let lost = write(&path, &road, &Writing::default()).unwrap();
+    assert!(
+        lost.iter().any(|lost| lost.contains("x = -8 m") && lost.contains("8 m farther ahead")),
+        "{lost:?}"
+    );
+    let back = read(&path, &lanes).unwrap();
+    assert_eq!(back.left.last(), Some(&[9.0, 0.01]));
+    assert!(back.notes.iter().any(|note| note.contains("u = -8 m of the file is x = 0")), "{:?}", back.notes);
+    let at_0 = RoadProfile::of("r", vec![[0.0, 0.0], [1.0, 0.01]]);
+    assert!(write(&path, &at_0, &Writing::default()).unwrap().is_empty());
+    // only the line for viewers says it
+    let text = String::from_utf8_lossy(&crg("LDFI", "", None)).into_owned();
+    let text = changed(
+        &changed(&text, "REFERENCE_LINE_START_U = 3.0\n", ""),
+        "reference_line_end_u = 7",
+        "reference_line_end_u = 4",
+    );
+    let notes = folder.read("u.crg", text, &lanes).unwrap().notes;
+    assert!(notes.iter().any(|note| note.contains("begins at 3 m")), "{notes:?}");
+}
+
 #[test]
 fn a_file_may_refer_to_another_one() {
     let folder = Folder::new();
@@ -472,7 +638,7 @@ proptest! {
         road.right = right;
         for ending in ["csv", "rdf", "toml"] {
             let path = folder.0.path().join(format!("r.{ending}"));
-            let done = write(&path, &road, &Writing { adams, ..Writing::default() });
+            let done = write(&path, &road, &Writing { adams: adams && ending == "rdf", ..Writing::default() });
             if ending == "rdf" && !adams && road.right.is_none() && road.left.windows(2).any(|pair| pair[0][0] == pair[1][0]) {
                 prop_assert!(done.unwrap_err().to_string().contains("vertical edges"));
                 continue;

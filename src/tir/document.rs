@@ -1,7 +1,7 @@
 //! The text of a tire property file without loss, and where its values are.
 
 use crate::{Error, Result};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 /// The most bytes that a tire property file may have: a hundred times the longest that is met.
@@ -27,6 +27,8 @@ pub struct Document {
     items: Vec<Item>,
     /// The items with this section and key, in the order of the file.
     index: BTreeMap<(String, String), Vec<usize>>,
+    /// The sections that have rows of numbers.
+    tables: Vec<usize>,
     notes: Vec<Note>,
     left_out: usize,
 }
@@ -109,6 +111,7 @@ impl Document {
             sections: vec![String::new()],
             items: Vec::new(),
             index: BTreeMap::new(),
+            tables: Vec::new(),
             notes: Vec::new(),
             left_out: 0,
         };
@@ -149,6 +152,24 @@ impl Document {
         self.sections.iter().skip(1).map(String::as_str)
     }
 
+    /// The names of the sections that have rows of numbers, each once, in capitals.
+    pub(crate) fn tables(&self) -> BTreeSet<&str> {
+        self.tables.iter().filter_map(|i| self.sections.get(*i)).map(String::as_str).collect()
+    }
+
+    /// A note on the sections whose rows no tire uses, but for those that are `told` elsewhere.
+    pub(super) fn unused_tables(&self, told: &[&str]) -> Option<String> {
+        let others: Vec<String> = self
+            .tables()
+            .into_iter()
+            .filter(|section| !told.contains(section))
+            .map(|section| format!("[{section}]"))
+            .collect();
+        let more = if others.len() > 20 { ", ..." } else { "" };
+        let first = others.get(..20).unwrap_or(&others).join(", ");
+        (!others.is_empty()).then(|| format!("{}: rows that are not used stand in {first}{more}", self.name))
+    }
+
     /// All assignments in the order of the file.
     pub fn entries(&self) -> impl Iterator<Item = Entry<'_>> {
         self.items.iter().map(|item| self.entry(item))
@@ -167,6 +188,56 @@ impl Document {
     pub fn get(&self, section: &str, key: &str) -> Option<Entry<'_>> {
         let item = self.items.get(*self.found(section, key).first()?)?;
         Some(self.entry(item))
+    }
+
+    /// The text of a key in its own capitals, with its line; `None` where it is none.
+    pub(crate) fn word(&self, section: &str, key: &str) -> Option<(String, usize)> {
+        match self.get(section, key)? {
+            Entry { value: Value::Text(text) | Value::Word(text), line, .. } => Some((text, line)),
+            _ => None,
+        }
+    }
+
+    /// The assignment to a key that messages call `called`.
+    ///
+    /// # Errors
+    /// It stands there several times with different values.
+    pub(crate) fn only(&self, section: &str, key: &str, called: &str) -> Result<Option<Entry<'_>>> {
+        let all = self.all(section, key);
+        let Some(entry) = all.first() else { return Ok(None) };
+        match all.iter().find(|other| other.value != entry.value) {
+            None => Ok(Some(entry.clone())),
+            Some(other) => Err(Error::file(format!(
+                "{}: {called} has another value than in line {}; leave one of them out",
+                self.place(other.line),
+                entry.line
+            ))),
+        }
+    }
+
+    /// The number of an assignment that messages call `called`, in the units of the file; `None` where nothing is assigned.
+    ///
+    /// # Errors
+    /// A text, or a number that is too large.
+    pub(crate) fn number(&self, entry: &Entry<'_>, called: &str) -> Result<Option<f64>> {
+        let place = self.place(entry.line);
+        match &entry.value {
+            Value::Number(number) if number.is_finite() => Ok(Some(*number)),
+            Value::Empty => Ok(None),
+            Value::Number(_) => Err(Error::file(format!("{place}: {called} is too large for a number"))),
+            Value::Text(text) | Value::Word(text) => Err(Error::file(format!(
+                "{place}: {called} is '{}', which is no number",
+                shown(text.as_bytes())
+            ))),
+        }
+    }
+
+    /// The notes as sentences with their places.
+    pub(crate) fn told(&self) -> impl Iterator<Item = String> {
+        self.notes().into_iter().map(|note| match note.line {
+            0 => format!("{}: {}", self.name, note.message),
+            line => format!("{}: {}", self.place(line), note.message),
+        })
     }
 
     /// The lines of a section that are neither assignments nor headers, comments or quoted texts: the rows of its tables, and
@@ -198,16 +269,20 @@ impl Document {
         })
     }
 
-    /// Puts other lines in the place of the rows of a table, from its first row to its last; what stands between them goes, too.
+    /// Puts other lines in the place of the rows of a table, from its first row to its last; what stands between and behind them
+    /// goes, too. Returns whether that were more than rows: comments, say.
     ///
     /// # Errors
     /// The table has no rows; the document would become too long.
-    pub fn set_rows(&mut self, section: &str, table: &str, rows: &str) -> Result<()> {
-        let found: Vec<Range<usize>> =
-            self.rows(section).filter(|row| row.table == table).map(|row| row.range).collect();
+    pub fn set_rows(&mut self, section: &str, table: &str, rows: &str) -> Result<bool> {
+        let of_table = || self.rows(section).filter(|row| row.table == table);
+        let in_rows: usize = of_table().map(|row| visible(row.text)).sum();
+        let found: Vec<Range<usize>> = of_table().map(|row| row.range).collect();
         let (Some(first), Some(last)) = (found.first(), found.last()) else {
             return Err(Error::file(format!("{}: [{section}] has no rows to replace", self.name)));
         };
+        let replaced = self.bytes.get(first.start..last.end).unwrap_or_default();
+        let more = visible(replaced) > in_rows;
         let end_of_line = self.end_of_line();
         let mut bytes = self.bytes.get(..first.start).unwrap_or_default().to_vec();
         for row in rows.lines() {
@@ -216,7 +291,7 @@ impl Document {
         }
         bytes.extend_from_slice(self.bytes.get(last.end..).unwrap_or_default());
         *self = Self::parse(bytes, &self.name)?;
-        Ok(())
+        Ok(more)
     }
 
     /// Where a line is: `file.tir:12`.
@@ -424,6 +499,8 @@ impl Document {
                             shown(code)
                         )
                     });
+                } else if self.tables.last() != Some(&(self.sections.len() - 1)) {
+                    self.tables.push(self.sections.len() - 1);
                 }
             }
         }
@@ -502,6 +579,11 @@ fn comment_start(text: &[u8]) -> usize {
     }
     // a quote that is never closed hides no comment
     if quoted { text.iter().position(|b| matches!(b, b'$' | b'!')).unwrap_or(text.len()) } else { text.len() }
+}
+
+/// How many bytes are no blanks.
+fn visible(text: &[u8]) -> usize {
+    text.iter().filter(|b| !b.is_ascii_whitespace()).count()
 }
 
 fn ends_line(bytes: &[u8]) -> bool {

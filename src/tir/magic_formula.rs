@@ -33,6 +33,9 @@ pub struct Reading {
 /// Sections whose keys say something about the file, not about the tire.
 const ABOUT: &[&str] = &["MDI_HEADER", "UNITS"];
 
+/// Sections with tables of vertical forces.
+const CURVES: &[&str] = &["DEFLECTION_LOAD_CURVE", "BOTTOMING_CURVE"];
+
 /// Keys that do not change the forces of this model, or that [`model`] looks at.
 const MODEL_KEYS: &[&str] =
     &["FITTYP", "PROPERTY_FILE_FORMAT", "TYRESIDE", "USE_MODE", "FE_METHOD", "FUNCTION_NAME"];
@@ -145,14 +148,15 @@ pub fn read(document: &Document) -> Result<Reading> {
         }
         unused.push(format!("[{}] {}", entry.section, entry.key));
     }
-    for table in ["DEFLECTION_LOAD_CURVE", "BOTTOMING_CURVE"] {
-        if document.sections().any(|section| section == table) {
+    for table in CURVES {
+        if document.sections().any(|section| section == *table) {
             notes.push(format!(
                 "{}: the table in [{table}] is not used; the vertical force is VERTICAL_STIFFNESS times deflection",
                 document.name()
             ));
         }
     }
+    notes.extend(document.unused_tables(CURVES));
     if coefficients.rbx1 == 0.0 || coefficients.rby1 == 0.0 {
         notes.push(format!(
             "{}: RBX1 or RBY1 is 0 or missing, so that slip in one direction does not reduce the force in the other; \
@@ -183,10 +187,7 @@ pub fn read(document: &Document) -> Result<Reading> {
             ));
         }
     }
-    for note in document.notes() {
-        let place = if note.line == 0 { document.name().to_string() } else { document.place(note.line) };
-        notes.push(format!("{place}: {}", note.message));
-    }
+    notes.extend(document.told());
     let side = side(document, &mut notes);
     Ok(Reading { coefficients, side, missing, unused, notes })
 }
@@ -262,10 +263,6 @@ pub fn create(coefficients: &Coefficients, side: Option<Side>, name: &str, title
 
 /// Refuses what is not version 5.2 of the Magic Formula.
 fn model(document: &Document, notes: &mut Vec<String>) -> Result<()> {
-    let words = |key: &str| match document.get("MODEL", key) {
-        Some(Entry { value: Value::Text(text) | Value::Word(text), line, .. }) => Some((text, line)),
-        _ => None,
-    };
     let fittyp = match document.get("MODEL", "FITTYP") {
         Some(Entry { value: Value::Number(number), line, .. }) => Some((number, line)),
         Some(Entry { value: Value::Empty, .. }) | None => None,
@@ -293,7 +290,7 @@ fn model(document: &Document, notes: &mut Vec<String>) -> Result<()> {
         };
         return Err(Error::file(format!("{place}: {what}")));
     }
-    match words("PROPERTY_FILE_FORMAT") {
+    match document.word("MODEL", "PROPERTY_FILE_FORMAT") {
         Some((format, _)) if FORMATS.iter().any(|f| f.eq_ignore_ascii_case(&format)) => {}
         Some((format, _)) if fittyp.is_some() && OPEN.iter().any(|f| f.eq_ignore_ascii_case(&format)) => {}
         None if fittyp.is_some() => {}
@@ -312,7 +309,7 @@ fn model(document: &Document, notes: &mut Vec<String>) -> Result<()> {
             )));
         }
     }
-    if let Some((method, line)) = words("FE_METHOD")
+    if let Some((method, line)) = document.word("MODEL", "FE_METHOD")
         && method.eq_ignore_ascii_case("YES")
     {
         notes.push(format!(
@@ -367,16 +364,8 @@ fn only_entry<'a>(
     field: &Field,
     notes: &mut Vec<String>,
 ) -> Result<Option<Entry<'a>>> {
-    let Some(entry) = find(document, field) else { return Ok(None) };
-    let all = document.all(entry.section, entry.key);
-    if let Some(other) = all.iter().find(|e| e.value != entry.value) {
-        return Err(Error::file(format!(
-            "{}: {} has another value than in line {}; leave one of them out",
-            document.place(other.line),
-            field.name,
-            entry.line
-        )));
-    }
+    let Some(found) = find(document, field) else { return Ok(None) };
+    let Some(entry) = document.only(found.section, field.name, field.name)? else { return Ok(None) };
     if entry.section != field.section {
         notes.push(format!(
             "{}: {} stands in [{}] instead of [{}]; it is used all the same",

@@ -31,6 +31,49 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// Whether models with this tire have a parameter of that name from it.
+    fn has(self, name: &str) -> bool {
+        match self {
+            Self::MagicFormula => FIELDS.iter().any(|field| field.name == name),
+            Self::SuperElastic => super_elastic::has(name),
+        }
+    }
+
+    /// What of some settings is no parameter of this tire, for whom a file of it is written.
+    ///
+    /// # Errors
+    /// Parameters of another tire, or none of this one: such a file would have other values than those that are meant.
+    fn foreign(self, own: &Settings, document: &str) -> Result<Option<String>> {
+        let title = self.title();
+        let (known, others): (Vec<&Setting>, Vec<&Setting>) =
+            own.values.iter().partition(|setting| self.has(&setting.name));
+        let other_kind = match self {
+            Self::MagicFormula => Self::SuperElastic,
+            Self::SuperElastic => Self::MagicFormula,
+        };
+        if let Some(setting) = others.iter().find(|setting| other_kind.has(&setting.name)) {
+            return Err(Error::call(format!(
+                "{}: {} is a parameter of a {}, and {document} is the file of a {title}; name one of the same tire",
+                setting.place,
+                setting.name,
+                other_kind.title()
+            )));
+        }
+        let Some(first) = others.first() else { return Ok(None) };
+        if known.is_empty() {
+            return Err(Error::call(format!(
+                "{}: {} and all others there are no parameters of a {title}, of which {document} is the file; name parameters of that tire",
+                first.place, first.name
+            )));
+        }
+        let names: Vec<&str> = others.iter().take(20).map(|setting| setting.name.as_str()).collect();
+        let more = match others.len() - names.len() {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        Ok(Some(format!("what is no parameter of a {title}: {}{more}", names.join(", "))))
+    }
+
     /// What a document is of: the super-elastic tire if it calls `TYR501`, otherwise the Magic Formula, of which
     /// [`read`] says whether it is one that is modelled.
     pub fn of(document: &Document) -> Self {
@@ -162,14 +205,17 @@ fn magic_formula_settings(document: &Document) -> Result<(Settings, Vec<String>)
     Ok((Settings { values, ..Settings::default() }, notes))
 }
 
-/// Writes parameters of a model into a document of its tire, in the document's units, and changes nothing else. Parameters that
-/// are not the tire's are left aside. Returns how many values differ from what was there, and what the format has no place for.
+/// Writes parameters of a model into a document of its tire, in the document's units, and changes nothing else. Returns how many
+/// values differ from what was there, and what the format has no place for, names that are not the tire's among it.
 ///
 /// # Errors
-/// A value that the tire does not take, with its place; a document that cannot be read.
+/// Parameters of another tire than the document's, or none of that; a value that the tire does not take, with its place; a document
+/// that cannot be read.
 pub fn change(document: &mut Document, own: &Settings) -> Result<(usize, Vec<String>)> {
-    match Kind::of(document) {
-        Kind::SuperElastic => super_elastic::write(own, document),
+    let kind = Kind::of(document);
+    let foreign = kind.foreign(own, document.name())?;
+    let (count, mut lost) = match kind {
+        Kind::SuperElastic => super_elastic::write(own, document)?,
         Kind::MagicFormula => {
             let mut coefficients = read(document)?.coefficients;
             for setting in &own.values {
@@ -186,9 +232,11 @@ pub fn change(document: &mut Document, own: &Settings) -> Result<(usize, Vec<Str
                 };
                 (field.set)(&mut coefficients, value);
             }
-            Ok((magic_formula::write(&coefficients, document)?, Vec::new()))
+            (magic_formula::write(&coefficients, document)?, Vec::new())
         }
-    }
+    };
+    lost.extend(foreign);
+    Ok((count, lost))
 }
 
 /// A property file of the super-elastic tire from parameters of a model, those that are not given with their defaults. Returns
@@ -205,7 +253,7 @@ pub fn create_super_elastic(
     let mut document = super_elastic::create(name, title)?;
     // the rubber's mass is written on top of it
     document.set_number("RIM", "WEIGHT_RIM", rim_mass.unwrap_or(0.0))?;
-    let (_, mut lost) = super_elastic::write(own, &mut document)?;
+    let (_, mut lost) = change(&mut document, own)?;
     if rim_mass.is_none() {
         lost.push(
             "the mass of the rim: it is in the hub's, so WEIGHT_RIM is 0 and WEIGHT is the rubber's".into(),

@@ -109,11 +109,12 @@ const ABOUT: &[(&str, &str)] = &[
 /// Whether a document is of this tire: it calls the routine TYR501, with or without the name of a library before it, and has no
 /// version of the Magic Formula.
 pub(super) fn is_one(document: &Document) -> bool {
-    let routine = ["FUNCTION_NAME", "FUNKTION_NAME"].iter().find_map(|key| word(document, "MODEL", key));
+    let routine = ["FUNCTION_NAME", "FUNKTION_NAME"].iter().find_map(|key| document.word("MODEL", key));
     let called = routine.is_some_and(|(name, _)| {
         name.rsplit("::").next().is_some_and(|name| name.eq_ignore_ascii_case("TYR501"))
     });
-    let user = word(document, "MODEL", "PROPERTY_FILE_FORMAT")
+    let user = document
+        .word("MODEL", "PROPERTY_FILE_FORMAT")
         .is_none_or(|(format, _)| format.eq_ignore_ascii_case("USER"));
     called && user && document.get("MODEL", "FITTYP").is_none()
 }
@@ -178,6 +179,7 @@ pub(super) fn read(document: &Document) -> Result<(Settings, Vec<String>)> {
         ));
     }
     curve(document, &mut notes)?;
+    notes.extend(document.unused_tables(&[]));
     slip_stiffness(document, &mut notes);
     let unused = unused(document, &used, &mut notes);
     if !unused.is_empty() {
@@ -188,10 +190,7 @@ pub(super) fn read(document: &Document) -> Result<(Settings, Vec<String>)> {
             unused.join(", ")
         ));
     }
-    for note in document.notes() {
-        let place = if note.line == 0 { document.name().to_string() } else { document.place(note.line) };
-        notes.push(format!("{place}: {}", note.message));
-    }
+    notes.extend(document.told());
     Ok((Settings { values, ..Settings::default() }, notes))
 }
 
@@ -207,10 +206,8 @@ pub(super) fn write(own: &Settings, document: &mut Document) -> Result<(usize, V
     let mut lost = Vec::new();
     let mut exponent = None;
     for setting in &own.values {
-        let Some(info) = infos.iter().find(|info| info.name == setting.name) else { continue };
-        if info.causality != Causality::Parameter {
-            continue;
-        }
+        // of others the caller says so
+        let Some(info) = infos.iter().find(|info| is_parameter(info, &setting.name)) else { continue };
         let value = info.accept_quantity(&setting.value).map_err(|e| e.at(&setting.place))?;
         let wanted = match value {
             model::Value::Real(value) => value,
@@ -315,6 +312,15 @@ pub(super) fn create(name: &str, title: &str) -> Result<Document> {
     Ok(document)
 }
 
+/// Whether models with this tire have a parameter of that name from it.
+pub(super) fn has(name: &str) -> bool {
+    infos().iter().any(|info| is_parameter(info, name))
+}
+
+fn is_parameter(info: &VariableInfo, name: &str) -> bool {
+    info.name == name && info.causality == Causality::Parameter
+}
+
 /// The tire's variables.
 fn infos() -> Vec<VariableInfo> {
     SuperElastic::rows().infos()
@@ -361,14 +367,6 @@ fn at_one_millimetre(units: &Units, exponent: f64) -> f64 {
     units.force * libm::pow(1e-3 / units.length, exponent)
 }
 
-/// A text of the file, with its line.
-fn word(document: &Document, section: &str, key: &str) -> Option<(String, usize)> {
-    match document.get(section, key)? {
-        Entry { value: Value::Text(text) | Value::Word(text), line, .. } => Some((text, line)),
-        _ => None,
-    }
-}
-
 /// An entry: in its section, or else in the only other section that has the key.
 fn find<'a>(document: &'a Document, section: &str, key: &str) -> Option<Entry<'a>> {
     // keys that mean something else elsewhere
@@ -387,32 +385,20 @@ fn number<'a>(
     key: &str,
     notes: &mut Vec<String>,
 ) -> Result<Option<(Entry<'a>, f64)>> {
-    let Some(entry) = find(document, section, key) else { return Ok(None) };
+    let Some(found) = find(document, section, key) else { return Ok(None) };
+    let Some(entry) = document.only(found.section, key, key)? else { return Ok(None) };
     let place = document.place(entry.line);
-    if let Some(other) = document.all(entry.section, key).iter().find(|e| e.value != entry.value) {
-        return Err(Error::file(format!(
-            "{}: {key} has another value than in line {}; leave one of them out",
-            document.place(other.line),
-            entry.line
-        )));
-    }
     if entry.section != section {
         notes.push(format!(
             "{place}: {key} stands in [{}] instead of [{section}]; it is used all the same",
             entry.section
         ));
     }
-    match &entry.value {
-        Value::Number(number) if number.is_finite() => Ok(Some((entry.clone(), *number))),
-        Value::Number(_) => Err(Error::file(format!("{place}: {key} is too large for a number"))),
-        Value::Empty => {
-            notes.push(format!("{place}: {key} is empty, as if it were not there"));
-            Ok(None)
-        }
-        Value::Text(text) | Value::Word(text) => {
-            Err(Error::file(format!("{place}: {key} is '{}', which is no number", shown(text.as_bytes()))))
-        }
+    let number = document.number(&entry, key)?;
+    if number.is_none() {
+        notes.push(format!("{place}: {key} is empty, as if it were not there"));
     }
+    Ok(number.map(|number| (entry, number)))
 }
 
 fn required<'a>(document: &'a Document, (section, key): (&str, &str)) -> Result<(Entry<'a>, f64)> {
@@ -445,7 +431,7 @@ fn assignment(
 
 /// Refuses another law of contact than the one that is modelled.
 fn contact_model(document: &Document) -> Result<()> {
-    match word(document, "CONTACT_COEFFICIENTS", "CONTACT_MODEL") {
+    match document.word("CONTACT_COEFFICIENTS", "CONTACT_MODEL") {
         Some((name, line)) if !name.eq_ignore_ascii_case("fml_imp") => Err(Error::file(format!(
             "{}: CONTACT_MODEL is '{}'; modelled is 'fml_imp', a one-sided spring with a power of the penetration",
             document.place(line),
@@ -464,7 +450,7 @@ fn curve(document: &Document, notes: &mut Vec<String>) -> Result<()> {
         ),
         None => String::new(),
     };
-    match word(document, "PARAMETER", "RADIAL_NONLINEAR") {
+    match document.word("PARAMETER", "RADIAL_NONLINEAR") {
         Some((text, line)) if text.eq_ignore_ascii_case("yes") => {
             notes.push(format!(
                 "{}: RADIAL_NONLINEAR is 'yes', but such a file carries no curve: the constants RADIAL_STIFFNESS and RADIAL_DAMPING hold at every load and speed until --parameters brings stiffness_law with stiffness_points or an exponent, and damping_law likewise{without}",

@@ -159,7 +159,7 @@ fn writing_changes_values_only_and_says_what_has_no_key() {
     ]);
     let mut own = own;
     own.values[2].value = Model::Integer(1);
-    let (count, lost) = write(&own, &mut d).unwrap();
+    let (count, lost) = change(&mut d, &own).unwrap();
     assert_eq!(count, 4);
     let expected = text
         .replace("RADIAL_STIFFNESS = 122", "RADIAL_STIFFNESS = 151.105")
@@ -167,7 +167,8 @@ fn writing_changes_values_only_and_says_what_has_no_key() {
         .replace("COR_FACTOR_RSTIFF = 2.1", "COR_FACTOR_RSTIFF = 1.5")
         .replace("OWN_KEY = 7\n", "OWN_KEY = 7\nNUM_CP                   = 1\n");
     assert_eq!(String::from_utf8_lossy(d.bytes()), expected);
-    assert_eq!(lost.len(), 2, "{lost:?}");
+    assert_eq!(lost.len(), 3, "{lost:?}");
+    assert_eq!(lost[2], "what is no parameter of a super-elastic tire: hub_mass");
     assert!(
         lost[0].starts_with("relaxing_stiffness = 50000") && lost[1].starts_with("stiffness_factor = 1.5")
     );
@@ -175,6 +176,47 @@ fn writing_changes_values_only_and_says_what_has_no_key() {
     assert_eq!(value(&back, "element_radial_stiffness"), 151_105.0);
     assert_eq!(value(&back, "contact_points"), 1.0);
     assert!((value(&back, "rubber_mass") - 20.0).abs() < 1e-14);
+}
+
+/// Values of another tire would all be left aside, and the file would be that of a tire that nobody meant.
+#[test]
+fn a_file_of_another_tire_is_refused() {
+    let magic = Document::parse(
+        "[UNITS]\nLENGTH='m'\nFORCE='N'\nANGLE='rad'\nMASS='kg'\nTIME='s'\n[MODEL]\nFITTYP=6\n",
+        "mf.tir",
+    );
+    let (radial, pacejka, rig) = (("element_radial_stiffness", 1.5e5), ("PDX1", 1.1), ("hub_mass", 200.0));
+    for (mut d, own, words) in [
+        (
+            document(PRINTED),
+            &[pacejka, rig][..],
+            &["p.toml:2", "PDX1", "Magic Formula", "se.tir", "super-elastic"][..],
+        ),
+        (document(PRINTED), &[radial, pacejka], &["PDX1"]),
+        (
+            magic.unwrap(),
+            &[radial],
+            &["element_radial_stiffness", "super-elastic tire", "mf.tir", "Magic Formula"],
+        ),
+        (document(PRINTED), &[rig], &["p.toml:2", "hub_mass", "se.tir", "super-elastic"]),
+    ] {
+        let before = d.bytes().to_vec();
+        let message = change(&mut d, &settings(own)).unwrap_err().to_string();
+        assert!(words.iter().all(|word| message.contains(word)), "{message} lacks one of {words:?}");
+        assert_eq!(d.bytes(), before);
+    }
+    // nor is a tire with nothing but defaults made of it
+    let message = create_super_elastic(&settings(&[pacejka]), None, "new.tir", "").unwrap_err().to_string();
+    assert!(message.contains("PDX1") && message.contains("new.tir"), "{message}");
+    // no values are no other tire's
+    assert_eq!(change(&mut document(PRINTED), &Settings::default()).unwrap(), (0, vec![]));
+}
+
+#[test]
+fn a_table_that_is_not_used_is_told() {
+    let (_, notes) =
+        read(&document(&format!("{PRINTED}[SHAPE]\n{{radial width}}\n1.0 0.0\n0.9 1.0\n"))).unwrap();
+    assert!(notes.iter().any(|note| note == "se.tir: rows that are not used stand in [SHAPE]"), "{notes:?}");
 }
 
 #[test]

@@ -313,7 +313,12 @@ fn oddities_are_noted_with_file_and_line() {
         ),
         ("VXLOW =1\t\t", "?", "test.tir:17: '?' is no assignment, table or comment"),
         ("VXLOW =1\t\t", "A='b", "test.tir:17: a text has no closing quote"),
-        ("[SHAPE]", "[BOTTOMING_CURVE]", "test.tir: the table in [BOTTOMING_CURVE] is not used"),
+        (
+            "[SHAPE]",
+            "[BOTTOMING_CURVE]",
+            "test.tir: the table in [BOTTOMING_CURVE] is not used; the vertical force",
+        ),
+        ("VXLOW =1\t\t", "", "test.tir: rows that are not used stand in [SHAPE]"),
     ] {
         let notes = read(&document(&changed(from, to))).unwrap().notes;
         assert!(notes.iter().any(|n| n.starts_with(what)), "{what}: {notes:?}");

@@ -197,3 +197,32 @@ def test_opencrg_that_is_written_is_read_by_another_reader(tmp_path):
     # a coarser step is off, and that is said
     done = latsch("convert", road, tmp_path / "coarse.crg", "--increment", "0.2")
     assert "off by up to" in done.stdout, done.stdout
+
+
+@pytest.mark.quick
+def test_options_that_a_format_does_not_know_are_refused(tmp_path):
+    tire, road, values = tmp_path / "se.tir", tmp_path / "cleat.rdf", tmp_path / "p.toml"
+    tire.write_text(TIRE)
+    road.write_text(ROAD)
+    values.write_text("[parameters]\nelement_radial_stiffness = 1.5e5\nhub_mass = 200\n")
+    for source, target, option, words in (
+        (road, "x.csv", ("--adams",), ("--adams", ".rdf")),
+        (road, "x.rdf", ("--increment", "0.1"), ("--increment", ".crg")),
+        (road, "x.crg", ("--like", road), ("--like", ".rdf")),
+        (road, "x.rdf", ("--like", tire), ("--like", "se.tir", ".rdf")),
+        (tire, "x.toml", ("--adams",), ("--adams", "roads")),
+        (tire, "x.toml", ("--like", tire), ("--like", "x.toml")),
+        (values, "x.tir", ("--like", road), ("--like", "cleat.rdf", ".tir")),
+    ):
+        done = latsch("convert", source, tmp_path / target, *option)
+        assert done.returncode == 2 and not (tmp_path / target).exists(), done.stdout
+        assert all(word in done.stderr for word in words), done.stderr
+    # names that are no parameter of the tire are listed, those of another tire refused
+    done = latsch("convert", values, tmp_path / "x.tir", "--like", tire)
+    assert done.returncode == 0 and "hub_mass" in done.stdout, done.stderr
+    values.write_text("[parameters]\nPDX1 = 1.1\n")
+    done = latsch("convert", values, tmp_path / "y.tir", "--like", tire)
+    assert done.returncode == 2 and all(word in done.stderr for word in ("p.toml:2", "PDX1", "se.tir")), done.stderr
+    # a file that is its own model survives as it is
+    done = latsch("convert", road, tmp_path / "x.rdf", "--like", road)
+    assert "everything survives" in done.stdout and (tmp_path / "x.rdf").read_bytes() == road.read_bytes(), done.stdout

@@ -73,6 +73,8 @@ pub(super) struct Header {
     pub file: Option<(String, usize)>,
     pub format: Option<Format>,
     pub channels: Vec<Channel>,
+    /// Where the reference line begins by `U:` of `$KD_DEFINITION` \[m\], which is for viewers.
+    pub begin: Option<f64>,
     pub comments: bool,
     pub notes: Vec<String>,
     /// Where the data begin; the line before them.
@@ -164,7 +166,10 @@ impl Header {
             };
         }
         let Some(rest) = text.strip_prefix("D:").or(text.strip_prefix("d:")) else {
-            // U: is for viewers only
+            // U: name, unit, begin, step
+            if text.starts_with(['U', 'u']) {
+                self.begin = text.split(',').nth(2).and_then(|begin| begin.trim().parse().ok());
+            }
             return Ok(());
         };
         let (what, unit) = rest.split_once(',').unwrap_or((rest, ""));

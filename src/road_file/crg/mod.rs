@@ -370,6 +370,13 @@ impl<'a> Road<'a> {
                 "$ROAD_CRG has no REFERENCE_LINE_INCREMENT, nor is there an end to compute it from".into(),
             );
         };
+        let said = track.u.len() == count || self.key("REFERENCE_LINE_START_U").is_some();
+        if let Some(begin) = self.header.begin.filter(|begin| *begin != 0.0 && !said) {
+            road.notes.push(format!(
+                "{}: U: of $KD_DEFINITION begins at {begin} m, but no REFERENCE_LINE_START_U does; the first cross section is x = 0",
+                self.name
+            ));
+        }
         if let Some(end) = end {
             let expected = ((end - start) / step).round();
             if steps < expected {

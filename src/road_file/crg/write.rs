@@ -70,6 +70,13 @@ pub(in crate::road_file) fn write(
         text.push('\n');
     }
     let mut lost = beyond_points(road, "OpenCRG here");
+    if first != 0.0 {
+        lost.push(format!(
+            "where the wheel starts, x = 0: the first point at x = {first} m is u = {first} m of the file, and who takes where u begins for x = 0, as latsch does, has the road {} m {}",
+            first.abs(),
+            if first < 0.0 { "farther ahead" } else { "nearer" }
+        ));
+    }
     let off = tracks
         .iter()
         .zip(&written)
