@@ -18,6 +18,13 @@ pub struct Conditions {
     pub repeats: Vec<Recording>,
 }
 
+impl Conditions {
+    /// Anything is asked for.
+    pub fn is_any(&self) -> bool {
+        self.low_pass.is_some() || self.swing.is_some() || !self.repeats.is_empty()
+    }
+}
+
 /// How far a channel is from its measurement. Errors are simulation less measurement.
 #[derive(Debug, Clone)]
 pub struct Difference {
@@ -114,14 +121,12 @@ pub fn low_pass(recording: &Recording, frequency: f64) -> Result<Recording> {
                     first += 1;
                 }
                 let within = (first..time.len()).take_while(|i| time[*i] <= time[k] + REACH * width);
-                let (sum, weights) = within.filter(|i| values[*i].is_finite()).fold(
-                    (0.0, 0.0),
-                    |(sum, weights), i| {
+                let (sum, weights) =
+                    within.filter(|i| values[*i].is_finite()).fold((0.0, 0.0), |(sum, weights), i| {
                         let part = (time[i] - time[k]) / width;
                         let weight = stands(i) * (-0.5 * part * part).exp();
                         (sum + weight * values[i], weights + weight)
-                    },
-                );
+                    });
                 if values[k].is_finite() { sum / weights } else { values[k] }
             })
             .collect()
@@ -129,6 +134,24 @@ pub fn low_pass(recording: &Recording, frequency: f64) -> Result<Recording> {
     let channels = recording.channels.iter();
     let channels = channels.map(|c| Channel { values: smoothed(&c.values), ..c.clone() }).collect();
     Ok(Recording { channels, time: time.clone(), source: recording.source.clone() })
+}
+
+/// Both recordings behind the same [`low_pass`]; of the simulation those channels that were measured.
+///
+/// # Errors
+/// As there.
+pub fn behind_low_pass(
+    simulated: &Recording,
+    measured: &Recording,
+    frequency: f64,
+) -> Result<[Recording; 2]> {
+    let mut smoothed = low_pass(simulated, frequency)?;
+    for (channel, raw) in smoothed.channels.iter_mut().zip(&simulated.channels) {
+        if !measured.has(&channel.name) {
+            channel.values.clone_from(&raw.values);
+        }
+    }
+    Ok([smoothed, low_pass(measured, frequency)?])
 }
 
 /// Compares every measured channel with the simulated one of its name, at the times of the measurement; low-passes are behind both.
@@ -179,8 +202,7 @@ fn difference(
     let (peak, varies) = (largest(&course), deviation(&course));
     let ((low, high), (own_low, own_high)) = (extent(column(2)), extent(column(1)));
     let swing = conditions.swing.map(|[from, to]| {
-        let within: Vec<[f64; 3]> =
-            pairs.iter().copied().filter(|[t, ..]| (from..=to).contains(t)).collect();
+        let within: Vec<[f64; 3]> = pairs.iter().copied().filter(|[t, ..]| (from..=to).contains(t)).collect();
         both_swing(&within)
     });
     let repeated = repeated(&pairs, &own.unit, name, &conditions.repeats)?;

@@ -45,6 +45,9 @@ impl Tire for Ball {
         self.window = road.window(0.0)?;
         Ok(())
     }
+    fn share_parameters(&mut self, of: &Self) {
+        self.stiffness = of.stiffness;
+    }
     fn radius(&self) -> f64 {
         0.3
     }

@@ -1,5 +1,6 @@
 //! `latsch cosimulate`: a wired system of models and FMUs.
 
+use super::compared::{Compared, sides};
 use super::{check_outputs, print, warn};
 use indicatif::{ProgressBar, ProgressStyle};
 use latsch::cosimulate::{
@@ -7,7 +8,7 @@ use latsch::cosimulate::{
 };
 use latsch::model::{Kind, Value};
 use latsch::recording::{Recording, profile_value, read_recording, write_recording};
-use latsch::report::{simulation_report, write_html};
+use latsch::report::{Beside, simulation_report, write_html};
 use latsch::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -64,6 +65,8 @@ pub struct Args {
     /// and compared beside this one
     #[arg(long, value_name = "F.csv")]
     replay: Option<PathBuf>,
+    #[command(flatten)]
+    compared: Compared,
 }
 
 pub fn run(args: &Args) -> Result<()> {
@@ -72,6 +75,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut files = plan.files();
     files.push(&args.system);
     files.extend(args.replay.as_deref());
+    files.extend(args.compared.read());
     let outputs: Vec<&Path> =
         std::iter::once(&args.output).chain(&args.report).map(PathBuf::as_path).collect();
     check_outputs(&outputs, &files)?;
@@ -81,6 +85,7 @@ pub fn run(args: &Args) -> Result<()> {
     plan.iterate = args.iterate.unwrap_or(plan.iterate);
     plan.halvings = args.halvings.unwrap_or(plan.halvings);
     let replay = args.replay.as_deref().map(read_recording).transpose()?;
+    let conditions = args.compared.conditions()?;
     let mut system = plan.load()?;
     for assignment in &args.set {
         set(&mut system, assignment).map_err(|e| e.at(format!("--set {assignment}")))?;
@@ -110,12 +115,13 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(report) = &args.report {
         let facts = facts(&system, &experiment, &outcome, &opened, &warnings);
         let measured = replay.as_ref().map(|r| comparable(r, &outcome.recording, &opened));
+        let (simulated, measured) = sides(&outcome.recording, measured, &conditions)?;
         let title = args.system.file_stem().unwrap_or_default().to_string_lossy();
         let page = simulation_report(
             &title,
             "A co-simulated system. An input is what the component had until the communication point.",
-            &outcome.recording,
-            measured.as_ref(),
+            &simulated,
+            measured.as_ref().map(|measured| Beside { measured, conditions: &conditions }),
             &[],
             &facts,
         );

@@ -2,6 +2,7 @@
 
 mod characterize;
 mod check;
+mod compared;
 mod convert;
 mod cosimulate;
 mod demo;

@@ -1,15 +1,17 @@
 //! `latsch simulate`: a model or FMU along recorded inputs.
 
+use super::compared::{Compared, sides};
 use super::given::Given;
 use super::{check_outputs, files_in, print, warn};
 use indicatif::{ProgressBar, ProgressStyle};
+use latsch::comparison::Conditions;
 use latsch::fmi::import::ImportedFmu;
 use latsch::fmi::{Entry, guid};
 use latsch::model::{Causality, Interface, Kind, Model, Native, Settings, Slave, Value};
 use latsch::recording::{
     Recording, add_noise, profile_value, read_recording, read_settings, recording_endings, write_recording,
 };
-use latsch::report::{PatchFrame, patch_caption, simulation_report, write_html};
+use latsch::report::{Beside, PatchFrame, patch_caption, simulation_report, write_html};
 use latsch::rig::RingBrushFlatTrack;
 use latsch::shipped::MODELS;
 use latsch::simulate::{
@@ -64,6 +66,8 @@ pub struct Args {
     /// Page with plots to write
     #[arg(long, value_name = "F.html")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    compared: Compared,
 }
 
 pub fn run(args: &Args) -> Result<()> {
@@ -79,11 +83,14 @@ pub fn run(args: &Args) -> Result<()> {
 /// Runs what `--inputs` names, or the model without any.
 fn one_file(args: &Args) -> Result<()> {
     let mut read: Vec<&Path> = vec![Path::new(&args.model)];
-    read.extend(args.inputs.iter().map(PathBuf::as_path).chain(args.given.read()));
+    read.extend(
+        args.inputs.iter().map(PathBuf::as_path).chain(args.given.read()).chain(args.compared.read()),
+    );
     let outputs: Vec<&Path> =
         std::iter::once(&args.output).chain(&args.report).map(PathBuf::as_path).collect();
     check_outputs(&outputs, &read)?;
     let inputs = args.inputs.as_deref().map(|file| read_inputs(args, file)).transpose()?;
+    let conditions = args.compared.conditions()?;
     let given = given(args)?;
     let Ran { subject, experiment, mut outcome, notes } =
         one_run(args, &given, inputs.as_ref(), &Settings::default())?;
@@ -92,7 +99,7 @@ fn one_file(args: &Args) -> Result<()> {
     sense(args, interface, std::slice::from_mut(&mut outcome.recording));
     write_recording(&args.output, &selected(interface, &outcome.recording, args.all))?;
     if let Some(report) = &args.report {
-        let page = subject.report(&experiment, &outcome)?;
+        let page = subject.report(&experiment, &outcome, &conditions)?;
         write_html(report, &page)?;
     }
     finish(&args.output, outcome)
@@ -328,11 +335,16 @@ impl Subject {
         outcome
     }
 
-    /// The page of a run.
+    /// The page of a run, which is compared with recorded outputs, if there are any, under these conditions.
     ///
     /// # Errors
-    /// As [`simulate`].
-    pub fn report(&self, experiment: &Experiment<'_>, outcome: &Outcome) -> Result<String> {
+    /// As [`simulate`], and as [`sides`].
+    pub fn report(
+        &self,
+        experiment: &Experiment<'_>,
+        outcome: &Outcome,
+        conditions: &Conditions,
+    ) -> Result<String> {
         let interface = self.slave.interface();
         let schedule = experiment.schedule(interface)?;
         let mut facts = vec![
@@ -360,11 +372,12 @@ impl Subject {
             None => Vec::new(),
         };
         let measured = experiment.inputs.map(|r| measured(interface, r)).filter(|r| !r.channels.is_empty());
+        let (simulated, measured) = sides(&outcome.recording, measured, conditions)?;
         Ok(simulation_report(
             &interface.name,
             &interface.description,
-            &outcome.recording,
-            measured.as_ref(),
+            &simulated,
+            measured.as_ref().map(|measured| Beside { measured, conditions }),
             &frames,
             &facts,
         ))

@@ -359,7 +359,8 @@ fn swings(section: Section, [from, to]: [f64; 2], differences: &[Difference]) ->
 
 /// What repeated recordings say about the errors.
 fn repeats(section: Section, differences: &[Difference]) -> Section {
-    let mut table = Table::new(&["channel", "unit", "RMS error to the mean run", "a run to it", "ratio", "says"]);
+    let mut table =
+        Table::new(&["channel", "unit", "RMS error to the mean run", "a run to it", "ratio", "says"]);
     let mut runs = 0;
     for difference in differences {
         let Some(repeated) = difference.repeated else { continue };
@@ -585,7 +586,8 @@ mod tests {
             cells: vec![crate::tire::Cell::default()],
             ..PatchFrame::default()
         };
-        let html = simulation_report(bad, bad, &run, Some(beside(&run)), &[frame], &[(bad.into(), bad.into())]);
+        let html =
+            simulation_report(bad, bad, &run, Some(beside(&run)), &[frame], &[(bad.into(), bad.into())]);
         assert!(!html.contains("<script>"));
         assert!(html.contains("&lt;script&gt;alert(1)"));
     }

@@ -3,6 +3,7 @@
 import json
 import os
 import pty
+import re
 import shutil
 import subprocess
 import zipfile
@@ -474,3 +475,68 @@ def test_values_with_units_in_both_spellings(tmp_path):
         assert read_results(tmp_path / "o.csv")["path_speed"][0] == pytest.approx(15, rel=1e-12)
     done = latsch("simulate", MODEL, "--set", "slip=0", "--set", "slip=0.1", "--output", tmp_path / "o.csv")
     assert done.returncode == 2 and "twice" in done.stderr
+
+
+def test_a_page_compares_peaks_oscillations_and_repeats_behind_one_low_pass(tmp_path):
+    """A wheel that is pushed swings with 2 pi / sqrt(k/m - (c/2m)^2), and a period on it has exp(-c T/2m) of its amplitude."""
+    push = tmp_path / "push.csv"
+    push.write_text("time [s],force [N]\n0,1000\n0.5,1000\n0.501,2000\n2.5,2000\n")
+    model, mass = "linear-hydropulse", 600.0
+
+    def swing(stiffness, damping):
+        rate = damping / (2 * mass)
+        period = 2 * np.pi / np.sqrt(stiffness / mass - rate**2)
+        return period, rate * period
+
+    def settings(stiffness, damping):
+        values = {"wheel_mass": mass, "command_actuators": 0, "vertical_stiffness": stiffness, "vertical_damping": damping}
+        return [x for name, value in values.items() for x in ("--set", f"{name}={value}")]
+
+    runs = []
+    for seed in (1, 2, 3):
+        runs.append(tmp_path / f"run{seed}.csv")
+        done = latsch(
+            "simulate", model, "--inputs", push, *settings(5e5, 1400), "--step", 2e-3, "--noise", 0.01,
+            "--seed", seed, "--output", runs[-1],
+        )
+        assert done.returncode == 0, done.stderr
+    page = tmp_path / "page.html"
+
+    def compare(*arguments, stiffness=5.5e5, damping=1700):
+        return latsch(
+            "simulate", model, "--inputs", runs[0], "--ignore", "actual_force", *settings(stiffness, damping), "--step",
+            2e-3, "--output", tmp_path / "out.csv", "--report", page, *arguments,
+        )
+
+    def rows(name):
+        """Cells of the page's tables in rows that begin with a channel, behind the name."""
+        text = page.read_text()
+        cells = [re.findall(r"<td[^>]*>(.*?)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", text, re.S)]
+        return [row[1:] for row in cells if row and row[0] == name]
+
+    done = compare("--low-pass", 40, "--swing", "0.6:2.4", "--repeat", runs[1], "--repeat", runs[2])
+    assert done.returncode == 0, done.stderr
+    assert "half of the power at 40 Hz" in page.read_text()
+    found = next(row for row in rows("piston_position") if "±" in row[1])
+    (period, decrement), (own, own_decrement) = swing(5e5, 1400), swing(5.5e5, 1700)
+    assert float(found[0]) == pytest.approx(own, rel=3e-3)
+    assert float(found[2]) == pytest.approx(100 * (own / period - 1), abs=0.3)
+    assert float(found[3]) == pytest.approx(own_decrement, rel=0.02)
+    assert float(found[5]) == pytest.approx(100 * (own_decrement / decrement - 1), abs=2.5)
+    assert any("farther off than runs are" in row[-1] for row in rows("piston_position"))
+    # the run's own parameters are as near as its repeats
+    assert compare("--repeat", runs[1], "--repeat", runs[2], stiffness=5e5, damping=1400).returncode == 0
+    assert any("as near as one run" in row[-1] for row in rows("piston_position"))
+
+    # what cannot be compared is said
+    for arguments, words in [
+        (("--swing", "2:1"), "FROM before TO"),
+        (("--low-pass", 900), "half of the sampling rate"),
+        (("--repeat", tmp_path / "none.csv"), "none.csv"),
+    ]:
+        done = compare(*arguments)
+        assert done.returncode == 2 and words in done.stderr, done.stderr
+    done = latsch(
+        "simulate", model, "--inputs", push, "--output", tmp_path / "out.csv", "--report", page, "--low-pass", 40,
+    )
+    assert done.returncode == 2 and "named like an output" in done.stderr

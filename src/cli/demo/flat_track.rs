@@ -1,6 +1,7 @@
 //! A tire on its rig: the FMU, a rig programme through it, a page.
 
 use crate::cli::simulate::{Subject, selected};
+use latsch::comparison::Conditions;
 use latsch::fmi::archive::ModelLibrary;
 use latsch::model::{Model, Settings};
 use latsch::recording::{parse_csv, write_csv};
@@ -28,5 +29,5 @@ pub fn run(folder: &Path, library: &ModelLibrary) -> Result<()> {
         return Err(error);
     }
     write_csv(&folder.join("results.csv"), &selected(subject.slave.interface(), &outcome.recording, false))?;
-    write_html(&folder.join("index.html"), &subject.report(&experiment, &outcome)?)
+    write_html(&folder.join("index.html"), &subject.report(&experiment, &outcome, &Conditions::default())?)
 }
