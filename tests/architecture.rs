@@ -61,6 +61,7 @@ const ORDER: &[(&str, &str)] = &[
     ),
     ("fit", "stats model effect"),
     ("characteristic", "stats model recording fit"),
+    ("comparison", "stats recording characteristic"),
     ("identify", "stats model fmi fmi/entry shipped recording"),
     (
         "diagnose",

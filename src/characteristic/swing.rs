@@ -2,7 +2,7 @@
 
 use super::laws::Known;
 use crate::fit::{Options, Problem, Unknown, least_squares};
-use crate::stats::{mean, redundancy, root_mean_square};
+use crate::stats::{deviation, mean, redundancy, root_mean_square};
 use crate::{Error, Result};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
@@ -28,7 +28,7 @@ pub struct Oscillation {
 /// The free oscillation that values `step` seconds apart are.
 ///
 /// # Errors
-/// Nothing swings, or too few oscillations or samples of one.
+/// Nothing swings, an oscillation explains less than half of what varies, or too few oscillations or samples of one.
 pub fn oscillation(values: &[f64], step: f64) -> Result<Oscillation> {
     let start = guess(values, step)
         .ok_or_else(|| Error::numeric("nothing swings to and fro: there are no two turns about a level"))?;
@@ -44,6 +44,10 @@ pub fn oscillation(values: &[f64], step: f64) -> Result<Oscillation> {
     let ([_, cos, sin], _) = swing
         .linear([delta, omega])
         .ok_or_else(|| Error::numeric("the oscillation cannot be told from a level"))?;
+    let left = root_mean_square(residuals);
+    if 2.0 * left * left >= deviation(values).powi(2) {
+        return Err(Error::numeric("an oscillation explains less than half of what varies"));
+    }
     let (period, amplitude) = (TAU / omega, cos.hypot(sin));
     let decrement = delta * period;
     let of_decrement = period * of_delta.hypot(delta * of_omega / omega);
@@ -51,7 +55,7 @@ pub fn oscillation(values: &[f64], step: f64) -> Result<Oscillation> {
         period: Known { value: period, half_width: period * of_omega / omega },
         decrement: Known { value: decrement, half_width: of_decrement },
         amplitude,
-        residual: root_mean_square(residuals) / amplitude,
+        residual: left / amplitude,
     })
 }
 
@@ -171,5 +175,7 @@ mod tests {
         assert!((found.residual / 0.01 - 1.0).abs() < 0.2, "{}", found.residual);
         assert!(oscillation(&values[..60], step).is_err(), "half an oscillation");
         assert!(oscillation(&[1.0; 500], step).is_err(), "nothing");
+        let noise: Vec<f64> = (0..500).map(|_| random.normal()).collect();
+        assert!(oscillation(&noise, step).is_err(), "noise");
     }
 }

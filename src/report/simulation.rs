@@ -296,7 +296,7 @@ fn errors_table(differences: &[Difference]) -> Table {
         "RMS error",
         "bias",
         "largest error",
-        "RMS error / peak [%]",
+        "RMS / peak [%]",
         "highest",
         "lowest",
         "R²",
@@ -322,17 +322,19 @@ fn errors_table(differences: &[Difference]) -> Table {
 fn swings(section: Section, [from, to]: [f64; 2], differences: &[Difference]) -> Section {
     let mut table = Table::new(&[
         "channel",
-        "period simulated [s]",
-        "measured [s]",
-        "error [%]",
-        "decrement simulated",
+        "period [s]",
         "measured",
         "error [%]",
-        "left of the measured amplitude [%]",
+        "decrement",
+        "measured",
+        "error [%]",
+        "rest [%]",
     ]);
     let mut notes = vec![format!(
-        "Free oscillations from {from} to {to} s, fitted as level + amplitude exp(-δt) cos(ωt + φ); the decrement is the logarithm of amplitudes a period apart. ± is half a 95 % interval of the measured value."
+        "Free oscillations from {from} to {to} s, fitted as level + amplitude exp(-δt) cos(ωt + φ); the decrement is the logarithm of amplitudes a period apart. ± is half a 95 % interval of the measured value; the rest is what the fit leaves of the measured amplitude."
     )];
+    // why, and the channels of which that is so
+    let mut without: Vec<(String, Vec<&str>)> = Vec::new();
     for difference in differences {
         match &difference.swing {
             Some(Ok([own, there])) => {
@@ -349,10 +351,14 @@ fn swings(section: Section, [from, to]: [f64; 2], differences: &[Difference]) ->
                     number(100.0 * there.residual),
                 ]);
             }
-            Some(Err(e)) => notes.push(format!("{}: no free oscillation: {e}.", difference.name)),
+            Some(Err(e)) => match without.iter_mut().find(|(why, _)| *why == e.to_string()) {
+                Some((_, names)) => names.push(&difference.name),
+                None => without.push((e.to_string(), vec![&difference.name])),
+            },
             None => {}
         }
     }
+    notes.extend(without.iter().map(|(why, names)| format!("Not told of {}: {why}.", names.join(", "))));
     let section = if table.is_empty() { section } else { section.with(table.html()) };
     notes.iter().fold(section, |section, note| section.with(Html::note(note)))
 }
@@ -363,7 +369,10 @@ fn repeats(section: Section, differences: &[Difference]) -> Section {
         Table::new(&["channel", "unit", "RMS error to the mean run", "a run to it", "ratio", "says"]);
     let mut runs = 0;
     for difference in differences {
-        let Some(repeated) = difference.repeated else { continue };
+        // nothing varies: there is nothing to say
+        let Some(repeated) = difference.repeated.filter(|r| r.scatter > 0.0 || r.common > 0.0) else {
+            continue;
+        };
         runs = repeated.runs;
         let says = match repeated.gate() {
             Gate::NotRepeatable => "nothing: runs differ by more than they have in common",
