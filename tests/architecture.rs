@@ -67,11 +67,11 @@ const ORDER: &[(&str, &str)] = &[
         "diagnose",
         "page stats model effect fmi fmi/entry fmi/import shipped recording simulate cosimulate fit",
     ),
-    ("report", "page stats model tire rig recording characteristic identify diagnose"),
+    ("report", "page stats model tire rig recording characteristic comparison identify diagnose"),
     (
         "cli",
         "page stats model tire tir road_file rig control effect fmi fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \
-         recording simulate cosimulate characteristic identify diagnose report",
+         recording simulate cosimulate characteristic comparison identify diagnose report",
     ),
 ];
 
