@@ -64,6 +64,9 @@ pub mod temporary;
 #[cfg(feature = "host")]
 pub mod tir;
 pub mod tire;
+#[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
+pub mod tire_function;
 
 pub use error::{Error, ErrorKind, Result};
 #[cfg(feature = "host")]

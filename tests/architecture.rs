@@ -54,6 +54,8 @@ const ORDER: &[(&str, &str)] = &[
     ("shipped", "tire rig control fmi fmi/entry"),
     ("recording", "stats model road"),
     ("road_file", "model road tir recording"),
+    ("tire_function", "model road mechanics tire tir rig road_file"),
+    ("fmi/tire_function", "tire_function fmi/float fmi/panics fmi/pointers"),
     ("simulate", "stats model recording"),
     (
         "cosimulate",

@@ -31,6 +31,8 @@ mod resources;
 #[cfg(all(unix, feature = "host"))]
 pub(crate) mod signal;
 mod state;
+#[cfg(feature = "host")]
+pub mod tire_function;
 
 pub use entry::{Entry, guid};
 pub use state::Function;

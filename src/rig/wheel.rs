@@ -240,6 +240,11 @@ impl<T: Tire> Wheel<T> {
         self.hub.energy(&self.hub_parameters)
     }
 
+    /// Tire, rim and road.
+    pub fn rolling(&self) -> &Rolling<T> {
+        &self.tire
+    }
+
     /// The tire on its rim.
     pub fn mounted(&self) -> &Mounted<T> {
         &self.tire.mounted
