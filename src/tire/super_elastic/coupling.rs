@@ -60,6 +60,7 @@ impl Coupled {
     }
 
     /// What acts on an element, with this.
+    #[inline]
     pub fn with(&self, radial: &Radial) -> Radial {
         Radial {
             stiffness: radial.stiffness + self.stiffness,

@@ -58,6 +58,7 @@ impl Friction {
 impl Radial {
     /// The distance at which all is in balance without the road, for what mass and damper take at a distance, from a place nearby. Friction
     /// sticks, or slips to the side on which it could not hold: all else rises with the distance.
+    #[inline]
     fn free(&self, moving: &impl Fn(f64) -> f64, per: f64, near: f64) -> f64 {
         let Friction { stiffness, limit, force, distance } = self.friction;
         let rest = moving(near) + self.base + self.stiffness * near;
@@ -195,6 +196,7 @@ impl Ray<'_> {
     }
 
     /// True if it is far above the road, as most elements are: its lowest point is one of the outer ones.
+    #[inline]
     fn is_above(&self, track: &impl Track, distance: f64) -> bool {
         let [cos, sin] = self.along;
         let farthest = self.offsets.last().map_or(0.0, |offset| offset.abs());

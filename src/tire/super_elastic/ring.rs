@@ -88,6 +88,7 @@ struct End {
 
 impl Rubber<'_> {
     /// The share that is left of the force that relaxes after a time, and that of a change within it.
+    #[inline]
     fn relaxation(&self, time: f64) -> (f64, f64) {
         let p = self.parameters;
         if p.relaxing_stiffness == 0.0 {
@@ -98,6 +99,7 @@ impl Rubber<'_> {
     }
 
     /// What acts on an element within a step, `time` after its beginning, at a sine and a spin speed.
+    #[inline]
     fn radial(&self, ring: &Ring, n: usize, rim: &RimInPlane, along: [f64; 2], time: f64) -> Radial {
         let (p, prepared) = (self.parameters, self.prepared);
         let m = prepared.mass;
@@ -140,6 +142,7 @@ impl Rubber<'_> {
 
     /// Takes what the rubber of an element remembers to the end of a step of `time` seconds, at the distance there; returns what
     /// the rubber pulls it with, and the power that it takes.
+    #[inline]
     fn remember(&self, ring: &mut Ring, n: usize, radial: &Radial, reached: &Reached, time: f64) -> End {
         let p = self.parameters;
         let Coefficients { stiffness, damping } = self.coefficients;
@@ -171,6 +174,7 @@ pub(super) fn along(prepared: &Prepared, n: usize, (sin, cos): (f64, f64)) -> [f
     [x * cos + z * sin, z * cos - x * sin]
 }
 
+#[inline]
 fn ray<'a>(rubber: &Rubber<'a>, rim: &RimInPlane, along: [f64; 2]) -> Ray<'a> {
     Ray {
         along,
@@ -184,6 +188,7 @@ fn ray<'a>(rubber: &Rubber<'a>, rim: &RimInPlane, along: [f64; 2]) -> Ray<'a> {
 }
 
 /// Where an element goes if nothing changes.
+#[inline]
 fn ahead(from: &Place, h: f64) -> f64 {
     from.distance + h * (from.speed + h * from.acceleration)
 }
@@ -233,6 +238,7 @@ impl<T: Track> Stage<'_, T> {
     }
 
     /// Where an element gets, with what acts on it besides the road.
+    #[inline]
     fn reach(&self, ring: &Ring, n: usize, from: &Place, felt: &Coupled, guess: f64) -> (Radial, Reached) {
         let along = self.along(n);
         let radial = self.rubber.radial(ring, n, self.rim, along, self.time);
@@ -440,6 +446,7 @@ impl Ring {
 }
 
 impl Sums {
+    #[inline]
     fn add(&mut self, rubber: &Rubber<'_>, rim: &RimInPlane, along: [f64; 2], at: &Reached, end: &End) {
         let (m, g) = (rubber.prepared.mass, rubber.parameters.gravity);
         let (r, v, spin) = (at.distance, at.speed, rim.spin);
