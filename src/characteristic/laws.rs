@@ -1,7 +1,7 @@
 //! Curves through points: laws of force over deflection, and power laws over load and speed, with intervals.
 
 use crate::fit::{Options, Problem, Unknown, least_squares};
-use crate::stats::chance::student;
+use crate::stats::chance::student_beyond;
 use crate::stats::{about_mean, redundancy};
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector};
@@ -201,15 +201,7 @@ pub fn fit_form(form: Form, deflection: &[f64], force: &[f64]) -> Result<FormFit
 
 /// The factor by which a standard error of `dof` degrees of freedom is half a 95 % interval (Student).
 pub fn student_factor(dof: f64) -> f64 {
-    if dof < 1.0 {
-        return f64::INFINITY;
-    }
-    let (mut low, mut high) = (1.0, 13.0);
-    for _ in 0..60 {
-        let t = 0.5 * (low + high);
-        if student(t, dof) > 0.05 { low = t } else { high = t }
-    }
-    0.5 * (low + high)
+    if dof < 1.0 { f64::INFINITY } else { student_beyond(0.05, dof) }
 }
 
 /// The mean of values with half its 95 % interval; without one for a single value.

@@ -5,6 +5,17 @@ pub fn student(t: f64, dof: f64) -> f64 {
     incomplete_beta(dof / 2.0, 0.5, dof / (dof + t * t))
 }
 
+/// The `t` beyond which Student's t with `dof` degrees of freedom is with a probability: by how much a standard error is to be
+/// multiplied for half an interval. Up to 1000, which is more than anything of 1 % has.
+pub fn student_beyond(probability: f64, dof: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1e3);
+    for _ in 0..60 {
+        let t = 0.5 * (low + high);
+        if student(t, dof) > probability { low = t } else { high = t }
+    }
+    0.5 * (low + high)
+}
+
 /// Probability that a ratio of mean squares with `above` and `below` degrees of freedom exceeds `ratio`.
 pub fn fisher(ratio: f64, above: f64, below: f64) -> f64 {
     incomplete_beta(below / 2.0, above / 2.0, below / (below + above * ratio.max(0.0)))
@@ -74,6 +85,10 @@ mod tests {
         near(student(-4.586_894, 10.0), 0.001);
         near(student(12.7062, 1.0), 0.05);
         near(student(0.0, 7.0), 1.0);
+        // a table's
+        assert!((student_beyond(0.05, 10.0) - 2.228_139).abs() < 1e-6);
+        assert!((student_beyond(0.1, 4.0) - 2.131_847).abs() < 1e-6);
+        assert!((student_beyond(0.05, 1.0) - 12.706_205).abs() < 1e-6);
         near(fisher(3.325_835, 5.0, 10.0), 0.05);
         near(fisher(5.636_3, 5.0, 10.0), 0.01);
         // one degree above is Student's

@@ -5,7 +5,7 @@ use super::evidence::Read;
 use super::search::{Asked, Search};
 use crate::identify::readings::Readings;
 use crate::identify::registry::Numbers;
-use crate::stats::chance::student;
+use crate::stats::chance::student_beyond;
 use crate::stats::mean;
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector};
@@ -51,12 +51,7 @@ impl Scatter {
 
 /// Student's t for half an interval.
 pub(super) fn side(freedom: f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1e3);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if student(middle, freedom) > 1.0 - PROBABILITY { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
+    student_beyond(1.0 - PROBABILITY, freedom)
 }
 
 /// An error that several readings have in common.
