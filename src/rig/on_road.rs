@@ -58,6 +58,15 @@ impl Ground for OnRoad<'_> {
         Point { friction: point.friction * self.friction, ..point }
     }
 
+    #[inline]
+    fn relief(&self, x: f64, y: f64, share: f64) -> (f64, [f64; 2]) {
+        let place = self.place(share);
+        match self.road.drum_curvature() == 0.0 {
+            true => self.road.relief(place[0] + x, place[1] + y),
+            false => self.road.relief_on_drum(place[0], x, place[1] + y).1,
+        }
+    }
+
     fn highest(&self) -> f64 {
         self.road.highest()
     }

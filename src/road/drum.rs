@@ -59,25 +59,33 @@ impl Road {
     /// The road at x \[m\] from the drum's crest, at which the place s is, and at y across; x along s. Obstacles stand on the
     /// drum's radii.
     pub fn on_drum(&self, s: f64, x: f64, y: f64) -> Point {
+        let (place, (height, slope)) = self.relief_on_drum(s, x, y);
+        Point { height, slope, friction: self.at(place, y).friction }
+    }
+
+    /// Place on the road, and height and slopes of [`on_drum`](Self::on_drum) there.
+    pub fn relief_on_drum(&self, s: f64, x: f64, y: f64) -> (f64, (f64, [f64; 2])) {
         let radius = 1.0 / self.curvature;
         let beside = |out: f64| libm::asin((x / out).clamp(-FARTHEST, FARTHEST));
         let mut angle = beside(radius);
-        let mut on = self.at(self.within_turn(s + radius * angle), y);
+        let mut place = self.within_turn(s + radius * angle);
+        let (mut height, mut slope) = self.relief(place, y);
         for _ in 0..ROUNDS {
-            let next = beside(radius + on.height);
+            let next = beside(radius + height);
             if next == angle {
                 break;
             }
             angle = next;
-            on = self.at(self.within_turn(s + radius * angle), y);
+            place = self.within_turn(s + radius * angle);
+            (height, slope) = self.relief(place, y);
         }
-        let out = radius + on.height;
-        let by_angle = radius * on.slope[0];
+        let out = radius + height;
+        let by_angle = radius * slope[0];
         let (sin, cos) = libm::sincos(angle);
         // out cos - radius, without the difference of radii
-        let height = on.height * cos + round(self.curvature, radius * sin).0;
-        let slope = (by_angle * cos - out * sin) / (by_angle * sin + out * cos);
-        Point { height, slope: [slope, on.slope[1]], friction: on.friction }
+        let over = height * cos + round(self.curvature, radius * sin).0;
+        let along = (by_angle * cos - out * sin) / (by_angle * sin + out * cos);
+        (place, (over, [along, slope[1]]))
     }
 }
 

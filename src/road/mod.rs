@@ -176,8 +176,16 @@ impl Road {
     /// The road as it is at x and y \[m\].
     pub fn at(&self, x: f64, y: f64) -> Point {
         let (s, t) = self.place(x, y);
+        let (height, slope) = self.relief(x, y);
+        Point { height, slope, friction: self.friction.mean(s, t, 0.0) }
+    }
+
+    /// Height \[m\] and slopes of [`at`](Self::at) without the friction: what each of many contact points asks for.
+    #[inline]
+    pub fn relief(&self, x: f64, y: f64) -> (f64, [f64; 2]) {
+        let (s, t) = self.place(x, y);
         let ([height, slope, _], across) = self.between_tracks(t, |profile, _| profile.at(s));
-        Point { height, slope: self.slope(slope, across), friction: self.friction.mean(s, t, 0.0) }
+        (height, self.slope(slope, across))
     }
 
     /// A height that it nowhere exceeds \[m\]: what is above touches nothing. Infinite where none is known, as of an irregular road and

@@ -30,6 +30,12 @@ pub trait Ground {
     /// The road as it is at x and y \[m\], seen from the point below the rim's centre, at a share of the step.
     fn point(&self, x: f64, y: f64, share: f64) -> Point;
 
+    /// Height \[m\] and slopes of [`point`](Self::point).
+    fn relief(&self, x: f64, y: f64, share: f64) -> (f64, [f64; 2]) {
+        let Point { height, slope, .. } = self.point(x, y, share);
+        (height, slope)
+    }
+
     /// A height that no point of the road exceeds \[m\]: infinite if none is known.
     fn highest(&self) -> f64 {
         f64::INFINITY

@@ -141,8 +141,8 @@ pub(super) struct Along<'a, G> {
 impl<G: Ground> Track for Along<'_, G> {
     fn at(&self, x: f64) -> (f64, f64) {
         let [cos, sin] = self.heading;
-        let point = self.ground.point(x * cos, x * sin, self.share);
-        (point.height, point.slope[0] * cos + point.slope[1] * sin)
+        let (height, slope) = self.ground.relief(x * cos, x * sin, self.share);
+        (height, slope[0] * cos + slope[1] * sin)
     }
 
     fn highest(&self) -> f64 {

@@ -282,8 +282,12 @@ impl Tire for SuperElastic {
         let road = ("the road", f64::INFINITY);
         let touching = f64::from(touching_at_rest(p, &self.prepared, 0.9 * p.radius));
         let relaxing = p.relaxing_stiffness + p.friction_stiffness;
-        let radial =
-            touching * (self.state.coefficients.stiffness.max(p.stiffness * p.stiffness_factor) + relaxing);
+        // what holds at loads up to twice the reference
+        let held = |loads: f64| {
+            p.coefficients(&self.prepared, loads * p.reference_load, p.reference_speed).stiffness
+        };
+        let stiffest = self.state.coefficients.stiffness.max(held(1.0)).max(held(2.0));
+        let radial = touching * (stiffest + relaxing);
         let along = p.slip_stiffness / p.relaxation_length;
         let square = p.radius * p.radius;
         [
