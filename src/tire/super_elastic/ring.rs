@@ -194,23 +194,12 @@ fn ahead(from: &Place, h: f64) -> f64 {
 }
 
 /// Where the last stage of a step begins, a time after its start, from what was reached at the first one.
-fn between(start: &Place, first: &impl Moving, time: f64) -> Place {
-    let Place { speed, acceleration, .. } = first.place();
+fn between(start: &Place, first: &Place, time: f64) -> Place {
+    let Place { speed, acceleration, .. } = *first;
     Place { distance: start.distance + time * speed, speed: start.speed + time * acceleration, acceleration }
 }
 
-/// What has a place on a ray.
-trait Moving {
-    fn place(&self) -> Place;
-}
-
-impl Moving for Place {
-    fn place(&self) -> Place {
-        *self
-    }
-}
-
-impl Moving for Reached {
+impl Reached {
     fn place(&self) -> Place {
         Place { distance: self.distance, speed: self.speed, acceleration: self.acceleration }
     }
@@ -315,7 +304,7 @@ impl Ring {
             let start = self.place(n);
             let stage = Stage { rubber, rim: &rim[0], turned: turned[0], track: &tracks[0], time: h, h };
             let (_, first) = stage.reach(self, n, &start, &alone, ahead(&start, h));
-            let from = between(&start, &first, dt - h);
+            let from = between(&start, &first.place(), dt - h);
             let stage = Stage { rubber, rim: &rim[1], turned: turned[1], track: &tracks[1], time: dt, h };
             let (radial, last) = stage.reach(self, n, &from, &alone, ahead(&from, h));
             self.arrive(&mut sums, &stage, n, &radial, &last);
