@@ -26,7 +26,13 @@ const CASES: [Case; 7] = [
     Case { title: "wheel", model: WHEEL, elements: 105.0, points: 1.0, more: &[] },
     Case { title: "wheel", model: WHEEL, elements: 105.0, points: 3.0, more: &[] },
     Case { title: "wheel", model: WHEEL, elements: 1000.0, points: 1.0, more: &[] },
-    Case { title: "coupled", model: WHEEL, elements: 45.0, points: 3.0, more: &[("coupling", 3.0)] },
+    Case {
+        title: "coupled",
+        model: WHEEL,
+        elements: 45.0,
+        points: 3.0,
+        more: &[("coupling", 3.0), ("rim_force", 2.0)],
+    },
     Case {
         title: "truck",
         model: "super-elastic-counterbalance-truck",

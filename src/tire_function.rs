@@ -5,7 +5,7 @@
 //! [committed](TireFunction::commit) from there to the time asked for. The same committed states and the same motion give the same
 //! bits.
 
-use crate::mechanics::Motion;
+use crate::mechanics::{Motion, rotation_z};
 use crate::model::{Native, Settings};
 use crate::rig::{OnRoad, Wheel};
 use crate::road::Road;
@@ -17,6 +17,7 @@ use crate::tire::{Mounted, Tire};
 use crate::{Error, Result};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::VecDeque;
+use std::f64::consts::TAU;
 use std::path::Path;
 
 /// Committed states that a host can go back to: the stages of a step that it repeats, and some steps.
@@ -49,13 +50,20 @@ pub struct Posture {
     pub wheel_speed: f64,
 }
 
-/// What the tire puts on the wheel carrier, in the road's axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// What the tire puts on the wheel carrier, in the road's axes: without what masses take that ride on the rim, which the host's wheel has
+/// to carry, with their weight.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
     /// Force \[N\].
     pub force: Vector3<f64>,
     /// Moment about the wheel's centre \[N.m\].
     pub moment: Vector3<f64>,
+    /// What the host's wheel has to be heavier by \[kg\], without weight of its own: that is in the force.
+    pub carried_mass: f64,
+    /// What it has to have more of inertia about its axis \[kg.m²\].
+    pub carried_inertia: f64,
+    /// What the host should know of the start.
+    pub warning: Option<String>,
     /// Force and moment in H axes: x in the wheel's heading, z up.
     pub in_heading: [Vector3<f64>; 2],
     /// How much lower the wheel's centre is over the road than the tire's radius without load \[m\].
@@ -118,32 +126,34 @@ pub trait TireFunction: Send {
     /// A motion that is none or outside of the tire's validity, a time before all that is kept.
     fn evaluate(&mut self, posture: &Posture) -> Result<Answer>;
 
-    /// The step that ended at a time has succeeded. From now on nothing is committed but by this.
+    /// The step that ended with a motion has succeeded. From now on nothing is committed but by this.
     ///
     /// # Errors
-    /// Nothing was evaluated at that time.
-    fn commit(&mut self, time: f64) -> Result<()>;
+    /// As [`evaluate`](Self::evaluate).
+    fn commit(&mut self, posture: &Posture) -> Result<()>;
 }
 
-/// The tire of a property file on the road of a road file, or on a level one.
+/// The tire of a property file on the road of a road file, or on a level one, and what the user should know of how they were read.
 ///
 /// # Errors
 /// A file that cannot be used.
-pub fn open(property: &Path, road: Option<&Path>) -> Result<Box<dyn TireFunction>> {
+pub fn open(property: &Path, road: Option<&Path>) -> Result<(Box<dyn TireFunction>, Vec<String>)> {
     let file = tir::settings(property)?;
-    let mut settings = file.settings;
+    let (mut settings, mut notes) = (file.settings, file.notes);
     if let Some(road) = road {
-        let lanes = Lanes { left: None, right: None };
-        settings.values.extend(road_file::read(road, &lanes)?.settings()?.values);
+        let profile = road_file::read(road, &Lanes { left: None, right: None })?;
+        settings.values.extend(profile.settings()?.values);
+        notes.extend(profile.left_out().map(|left_out| format!("{}: not used: {left_out}", road.display())));
+        notes.extend(profile.notes);
     }
-    Ok(match file.kind {
+    let function: Box<dyn TireFunction> = match file.kind {
         Kind::SuperElastic => Box::new(Function::<SuperElastic>::new(&settings)?),
         Kind::MagicFormula => Box::new(Function::<MagicFormula>::new(&settings)?),
-    })
+    };
+    Ok((function, notes))
 }
 
 /// The tire at a time.
-#[derive(Clone)]
 struct State<T> {
     time: f64,
     place: Vector3<f64>,
@@ -155,10 +165,18 @@ struct Function<T> {
     tire: Mounted<T>,
     road: Road,
     committed: VecDeque<State<T>>,
-    /// The last evaluation, and the committed state that it began from.
-    trial: Option<(usize, State<T>)>,
+    /// The last evaluation.
+    trial: Option<Trial<T>>,
     /// The host says which steps count.
     is_told: bool,
+}
+
+/// What came of a motion.
+struct Trial<T> {
+    posture: Posture,
+    /// The committed state that it began from.
+    from: usize,
+    state: State<T>,
 }
 
 impl<T: Tire> Function<T> {
@@ -181,7 +199,7 @@ impl<T: Tire> Function<T> {
 
     /// The state at the motion's time, from the last committed one that is not behind it.
     fn tried(&self, posture: &Posture) -> Result<(usize, State<T>)> {
-        let rim = posture.motion()?;
+        let mut rim = posture.motion()?;
         let to = [posture.place.x, posture.place.y];
         let is_not_behind =
             |state: &State<T>| state.time <= posture.time || Self::same(state.time, posture.time);
@@ -199,7 +217,17 @@ impl<T: Tire> Function<T> {
         let last = &self.committed[from];
         let mut mounted = last.mounted.clone();
         let length = posture.time - last.time;
+        // a host may count angles from 0 in every turn
+        let before = &last.mounted.rim;
+        for axis in 1..3 {
+            let expected = before.angles[axis] + 0.5 * length * (before.rates[axis] + rim.rates[axis]);
+            rim.angles[axis] += TAU * ((expected - rim.angles[axis]) / TAU).round();
+        }
         if Self::same(last.time, posture.time) {
+            if last.place == posture.place && *before == rim {
+                // what it was committed with
+                return Ok((from, State { time: last.time, place: last.place, mounted }));
+            }
             mounted.step(&rim, &OnRoad::at(&self.road, to, 1.0), 0.0)?;
         } else {
             let steps = (length / T::STEP - SAME_TIME).ceil().max(1.0);
@@ -228,7 +256,7 @@ impl<T: Tire> Function<T> {
 
     /// Makes the trial a committed state, in place of those behind the one that it began from.
     fn accept(&mut self) {
-        let Some((from, state)) = self.trial.take() else { return };
+        let Some(Trial { from, state, .. }) = self.trial.take() else { return };
         self.committed.truncate(from + 1);
         if self.committed.back().is_some_and(|last| Self::same(last.time, state.time)) {
             // the same time again: the motion that it is left with
@@ -244,36 +272,41 @@ impl<T: Tire> Function<T> {
 impl<T: Tire> TireFunction for Function<T> {
     fn evaluate(&mut self, posture: &Posture) -> Result<Answer> {
         let is_next = |time: f64| posture.time > time && !Self::same(posture.time, time);
-        if !self.is_told && self.trial.as_ref().is_some_and(|(_, trial)| is_next(trial.time)) {
+        if !self.is_told && self.trial.as_ref().is_some_and(|trial| is_next(trial.state.time)) {
             self.accept();
         }
-        let tried = self.tried(posture)?;
-        let mounted = &tried.1.mounted;
-        let on_rim = mounted.tire.on_rim();
+        let (from, state) = self.tried(posture)?;
+        let mounted = &state.mounted;
+        let (on_rim, carried) = (mounted.tire.on_rim(), mounted.tire.carried());
+        let axis = posture.carrier.column(1).into_owned();
+        // what their accelerations take is in force and moment
+        let force = on_rim.force + carried.acceleration * carried.mass;
+        let moment = on_rim.moment + axis * (carried.spin_acceleration * carried.inertia);
+        let heading = rotation_z(-mounted.rim.angles.z);
         let place = posture.place;
         let under = self.road.mean(mounted.tire.window(), place.x, place.y).height;
         let answer = Answer {
-            force: on_rim.force,
-            moment: on_rim.moment,
-            in_heading: [mounted.force, mounted.moment],
+            force,
+            moment,
+            carried_mass: carried.mass,
+            carried_inertia: carried.inertia,
+            warning: if self.committed.is_empty() { mounted.warning() } else { None },
+            in_heading: [heading * force, heading * moment],
             deflection: mounted.tire.radius() - (place.z - under),
             energy_loss: mounted.tire.energy_loss(),
         };
-        self.trial = Some(tried);
+        self.trial = Some(Trial { posture: *posture, from, state });
         Ok(answer)
     }
 
-    fn commit(&mut self, time: f64) -> Result<()> {
-        self.is_told = true;
-        match &self.trial {
-            Some((_, trial)) if Self::same(trial.time, time) => {
-                self.accept();
-                Ok(())
-            }
-            _ => Err(Error::call(format!(
-                "a step that ended at {time} s is said to have succeeded, and the last evaluation was not for that time"
-            ))),
+    fn commit(&mut self, posture: &Posture) -> Result<()> {
+        if self.trial.as_ref().is_none_or(|trial| trial.posture != *posture) {
+            let (from, state) = self.tried(posture)?;
+            self.trial = Some(Trial { posture: *posture, from, state });
         }
+        self.accept();
+        self.is_told = true;
+        Ok(())
     }
 }
 
@@ -298,15 +331,11 @@ impl Way {
         let velocity = |a: &Vector3<f64>, va: &Vector3<f64>, b: &Vector3<f64>, vb: &Vector3<f64>| {
             (b - a) * (6.0 * s * rest / h) + va * (rest * (1.0 - 3.0 * s)) + vb * (s * (3.0 * s - 2.0))
         };
-        // over the short way round: a heading has no turns
-        let mut angles = to.angles;
-        let turns = ((from.angles.z - to.angles.z) / std::f64::consts::TAU).round();
-        angles.z += turns * std::f64::consts::TAU;
         let rim = Motion {
             position: place(&from.position, &from.velocity, &to.position, &to.velocity),
             velocity: velocity(from_place, &from.velocity, to_place, &to.velocity),
-            angles: place(&from.angles, &from.rates, &angles, &to.rates),
-            rates: velocity(&from.angles, &from.rates, &angles, &to.rates),
+            angles: place(&from.angles, &from.rates, &to.angles, &to.rates),
+            rates: velocity(&from.angles, &from.rates, &to.angles, &to.rates),
         };
         let place = place(from_place, &from.velocity, to_place, &to.velocity);
         (Motion { position: Vector3::new(0.0, 0.0, place.z), ..rim }, place)
@@ -316,7 +345,7 @@ impl Way {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::{rotation_x, rotation_y, rotation_z};
+    use crate::mechanics::{rotation_x, rotation_y};
 
     fn posture(carrier: Matrix3<f64>) -> Posture {
         Posture {

@@ -236,7 +236,7 @@ fn tmeasy_carries_its_load_and_refuses_curves_that_are_none() {
 
     // in order at both loads, and not below: a parabola and lines that fall through 0
     type Set = fn(&mut TmEasy);
-    let low: [(Set, &str); 4] = [
+    let low: [(Set, &str); 5] = [
         (
             |tire| tire.curves[0].peak.twice = 4.1 * tire.curves[0].peak.once,
             "x_peak_2 has to be less than four",
@@ -244,6 +244,10 @@ fn tmeasy_carries_its_load_and_refuses_curves_that_are_none() {
         (|tire| tire.curves[1].peak_slip = at(0.2, 0.41), "y_peak_slip_2 has to be less than twice"),
         (|tire| tire.curves[0].sliding_slip = at(0.2, 0.399), "x_sliding_slip falls below x_peak_slip"),
         (|tire| tire.trail.end = at(0.6, 1.1), "trail_end_slip"),
+        (
+            |tire| (tire.curves[0].peak, tire.curves[0].sliding) = (at(6000.0, 12000.0), at(5900.0, 8000.0)),
+            "x_sliding is more than x_peak at little load",
+        ),
     ];
     for (change, expected) in low {
         let mut tire = sedan();

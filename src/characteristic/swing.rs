@@ -1,6 +1,6 @@
 //! A free oscillation: x = zero + A exp(-delta t) cos(w t + phi), fitted as a whole.
 
-use super::laws::Known;
+use super::laws::{Known, student_factor};
 use crate::fit::{Options, Problem, Unknown, least_squares};
 use crate::stats::{deviation, mean, redundancy, root_mean_square};
 use crate::{Error, Result};
@@ -11,6 +11,9 @@ use std::f64::consts::TAU;
 pub(super) const LEAST_SWINGS: f64 = 1.5;
 /// Samples of an oscillation, at least: a parabola through a turn is then right to a percent.
 pub(super) const LEAST_SAMPLES: f64 = 8.0;
+
+/// Degrees of freedom of which Student's t is the normal distribution, that intervals of fits are made with.
+const MANY: f64 = 1e6;
 
 /// A free oscillation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +36,12 @@ pub fn oscillation(values: &[f64], step: f64) -> Result<Oscillation> {
     let start = guess(values, step)
         .ok_or_else(|| Error::numeric("nothing swings to and fro: there are no two turns about a level"))?;
     let swing = Swing { values, step };
-    let ([delta, omega], [of_delta, of_omega], residuals) = swing.fit(start)?;
+    let ([delta, omega], half, residuals) = swing.fit(start)?;
+    // those of the fit are of many samples; five numbers were taken from these
+    let independent = residuals.len() as f64 / redundancy(&residuals).max(1.0);
+    let left = (independent - 5.0).max(1.0);
+    let wider = student_factor(left) / student_factor(MANY) * (independent / left).max(1.0).sqrt();
+    let [of_delta, of_omega] = half.map(|half| half * wider);
     let (samples, swings) = (TAU / omega / step, values.len() as f64 * step * omega / TAU);
     if samples < LEAST_SAMPLES || swings < LEAST_SWINGS {
         return Err(Error::numeric(format!(

@@ -115,6 +115,7 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(report) = &args.report {
         let facts = facts(&system, &experiment, &outcome, &opened, &warnings);
         let measured = replay.as_ref().map(|r| comparable(r, &outcome.recording, &opened));
+        let measured = measured.filter(|r| !r.channels.is_empty());
         let (simulated, measured) = sides(&outcome.recording, measured, &conditions)?;
         let title = args.system.file_stem().unwrap_or_default().to_string_lossy();
         let page = simulation_report(

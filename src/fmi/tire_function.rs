@@ -30,7 +30,7 @@ pub const DIFF: c_int = 5;
 pub const ENDSIM: c_int = 99;
 
 /// Values of `varinf` in an answer.
-pub const VARINF: usize = 8;
+pub const VARINF: usize = 10;
 
 /// A tire between calls.
 pub struct CTire {
@@ -66,7 +66,8 @@ pub struct CForces {
     pub force: [f64; 3],
     /// About the wheel's centre, road axes \[N.m\].
     pub torque: [f64; 3],
-    /// Force and moment in H axes, deflection \[m\], energy lost in the contact \[J\].
+    /// Force and moment in H axes, deflection \[m\], energy lost in the contact \[J\], mass \[kg\] and inertia \[kg.m²\] that the host's wheel
+    /// has to carry.
     pub varinf: [f64; VARINF],
 }
 
@@ -88,13 +89,24 @@ impl CMotion {
 impl From<Answer> for CForces {
     fn from(answer: Answer) -> Self {
         let [force, moment] = answer.in_heading;
-        let varinf =
-            [force.x, force.y, force.z, moment.x, moment.y, moment.z, answer.deflection, answer.energy_loss];
+        let varinf = [
+            force.x,
+            force.y,
+            force.z,
+            moment.x,
+            moment.y,
+            moment.z,
+            answer.deflection,
+            answer.energy_loss,
+            answer.carried_mass,
+            answer.carried_inertia,
+        ];
         Self { force: answer.force.into(), torque: answer.moment.into(), varinf }
     }
 }
 
-/// The function: 0 if all went well; otherwise a message says what was wrong, and forces are left as they were.
+/// The function: 0 if all went well, and the message is empty or says what the user should know; otherwise it says what was wrong, and
+/// forces are left as they were.
 ///
 /// # Safety
 /// `tire` points to a pointer that is null or came from this function and was not freed, and which no other thread uses; files are null or
@@ -119,15 +131,16 @@ pub unsafe fn tire(
         // SAFETY: the caller's promise: null, or from Box::into_raw below.
         let known = unsafe { place.as_mut() };
         match (job, known) {
-            (INQUIRE, _) => Ok(()),
+            (INQUIRE, _) => Ok(None),
             (INIT, None) => {
                 // SAFETY: the caller's promise.
                 let (property, road) =
                     unsafe { (text(property, "the property file")?, text(road, "the road file")?) };
                 let property = property.ok_or_else(|| Error::call("INIT needs a property file"))?;
                 let files = (PathBuf::from(property), road.filter(|r| !r.is_empty()).map(PathBuf::from));
-                *place = Box::into_raw(Box::new(CTire { function: opened(&files)?, files }));
-                Ok(())
+                let (function, notes) = opened(&files)?;
+                *place = Box::into_raw(Box::new(CTire { function, files }));
+                Ok(joined(&notes))
             }
             (INIT, Some(_)) => {
                 Err(Error::call("this tire is there already: ENDSIM frees it, RESET reads its files again"))
@@ -138,43 +151,50 @@ pub unsafe fn tire(
                     // SAFETY: from Box::into_raw, and no longer known to the host.
                     drop(unsafe { Box::from_raw(was) });
                 }
-                Ok(())
+                Ok(None)
             }
             (NORMAL | RESET | SSTEP | DIFF, None) => Err(Error::call("there is no tire yet: INIT makes one")),
             (RESET, Some(known)) => {
-                known.function = opened(&known.files)?;
-                Ok(())
+                let (function, notes) = opened(&known.files)?;
+                known.function = function;
+                Ok(joined(&notes))
             }
             (NORMAL | SSTEP | DIFF, Some(known)) => {
                 // SAFETY: the caller's promise.
                 let motion =
                     unsafe { motion.as_ref() }.ok_or_else(|| Error::call("the motion is a null pointer"))?;
                 if job == SSTEP {
-                    return known.function.commit(motion.time);
+                    return known.function.commit(&motion.posture()).map(|()| None);
                 }
                 // SAFETY: the caller's promise.
                 let forces =
                     unsafe { forces.as_mut() }.ok_or_else(|| Error::call("the forces are a null pointer"))?;
-                *forces = known.function.evaluate(&motion.posture())?.into();
-                Ok(())
+                let answer = known.function.evaluate(&motion.posture())?;
+                let warning = answer.warning.clone();
+                *forces = answer.into();
+                Ok(warning)
             }
             (job, _) => Err(Error::call(format!("there is no job {job}; there are 0 to 5 and 99"))),
         }
     }));
     drop(settings);
-    let error = match done {
-        Ok(Ok(())) => return 0,
-        Ok(Err(error)) => error,
-        Err(_) => Error::fmu(panics::about()),
+    let (status, said) = match done {
+        Ok(Ok(said)) => (0, said.unwrap_or_default()),
+        Ok(Err(error)) => (1, error.to_string()),
+        Err(_) => (1, Error::fmu(panics::about()).to_string()),
     };
     // SAFETY: the caller's promise.
     if let Ok(message) = unsafe { array_mut(message.cast::<u8>(), size, "characters of the message") } {
-        write(&one_line(&error.to_string()), message);
+        write(&one_line(&said), message);
     }
-    1
+    status
 }
 
-fn opened((property, road): &(PathBuf, Option<PathBuf>)) -> Result<Box<dyn TireFunction>> {
+fn joined(notes: &[String]) -> Option<String> {
+    (!notes.is_empty()).then(|| notes.join("; "))
+}
+
+fn opened((property, road): &(PathBuf, Option<PathBuf>)) -> Result<(Box<dyn TireFunction>, Vec<String>)> {
     open(property, road.as_deref().map(Path::new))
 }
 

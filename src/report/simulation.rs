@@ -367,17 +367,22 @@ fn swings(section: Section, [from, to]: [f64; 2], differences: &[Difference]) ->
 fn repeats(section: Section, differences: &[Difference]) -> Section {
     let mut table =
         Table::new(&["channel", "unit", "RMS error to the mean run", "a run to it", "ratio", "says"]);
-    let mut runs = 0;
+    let (mut runs, mut notes) = (0, Vec::new());
     for difference in differences {
-        // nothing varies: there is nothing to say
-        let Some(repeated) = difference.repeated.filter(|r| r.scatter > 0.0 || r.common > 0.0) else {
-            continue;
+        let repeated = match &difference.repeated {
+            // nothing varies: there is nothing to say
+            Some(Ok(repeated)) if repeated.scatter > 0.0 || repeated.common > 0.0 => repeated,
+            Some(Err(e)) => {
+                notes.push(e.to_string());
+                continue;
+            }
+            _ => continue,
         };
         runs = repeated.runs;
         let says = match repeated.gate() {
-            Gate::NotRepeatable => "nothing: runs differ by more than they have in common",
-            Gate::Within => "as near as one run is to the others",
-            Gate::Beyond => "farther off than runs are from each other",
+            Gate::Beyond => "farther off than a run",
+            Gate::NotRepeatable => "little: runs differ by more than their mean varies",
+            Gate::Within => "no farther off than a run",
         };
         table = table.row([
             difference.name.clone(),
@@ -389,12 +394,13 @@ fn repeats(section: Section, differences: &[Difference]) -> Section {
         ]);
     }
     if table.is_empty() {
-        return section;
+        return notes.iter().fold(section, |section, note| section.with(Html::note(note)));
     }
     let about = format!(
-        "{runs} recordings of the same run, taken at the same times since their start as they are: the standard deviation of a run about their mean is what a simulation cannot be asked to be nearer than."
+        "{runs} recordings of the same run, at the times that they have. A run to the mean: the standard deviation of a run about the mean of all."
     );
-    section.with(table.html()).with(Html::note(&about))
+    let section = section.with(table.html()).with(Html::note(&about));
+    notes.iter().fold(section, |section, note| section.with(Html::note(note)))
 }
 
 /// Channels that share a plot.

@@ -1,6 +1,7 @@
 //! A wheel that stands.
 
 use super::{FLAT, rim, settled, single, tire};
+use latsch::road::Road;
 use latsch::tire::{Plane, Tire, Vertical};
 
 /// Check 24: 663 kg on elements of 151.105 N/mm with one contact point.
@@ -78,8 +79,12 @@ fn coupled_elements_carry_what_their_energy_says() {
         assert!(force > 1.01 * last, "{coupling}: {force} {last}");
         last = force;
     }
+    let mut printed = tire(|_| ());
+    printed.parameters.coupling = 2;
+    let message = printed.mount(&Road::default()).unwrap_err().to_string();
+    assert!(message.contains("rim_force = exact"), "{message}");
     let stiff = tire(|p| {
-        p.elements = 300;
+        (p.elements, p.rim_force) = (300, 2);
         (p.coupling, p.coupling_stiffness, p.bending_stiffness) = (3, 1e10, 1e7);
     });
     let message = stiff.stationary(&rim(0.214, 0.0, 0.0), Vertical::Height(0.214), 1.0).unwrap_err();

@@ -130,6 +130,15 @@ impl Curve {
                 peak_slip.without_load()
             )));
         }
+        // a share of the load, the maximum less sliding is a line over it: in order at no load and at twice the nominal one is so between
+        let at_little = |force: &AtTwoLoads| 4.0 * force.once - force.twice;
+        if at_little(sliding) > at_little(peak) {
+            return Err(Error::variable(format!(
+                "{axis}_sliding is more than {axis}_peak at little load: four times the first less the second is {} and {} N",
+                at_little(sliding),
+                at_little(peak)
+            )));
+        }
         for (load, pick) in [("the nominal load", 0), ("twice the nominal load", 1)] {
             let at = |value: &AtTwoLoads| if pick == 0 { value.once } else { value.twice };
             if at(sliding_slip) <= at(peak_slip) {

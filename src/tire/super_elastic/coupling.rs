@@ -151,6 +151,12 @@ impl Coupling {
         felt
     }
 
+    /// Stiffness that an element of a round wheel has by its neighbours \[N/m\].
+    pub fn of_a_round_wheel(&self) -> f64 {
+        // a chord is longer by the sine of half the angle for each of its ends
+        self.around[0] * (1.0 - self.cos) + 6.0 * self.bending[0]
+    }
+
     /// Energy of all springs \[J\], and the power that all dampers take \[W\].
     pub fn energy(&self, places: &[Place]) -> (f64, f64) {
         let (mut energy, mut loss) = (0.0, 0.0);

@@ -250,6 +250,12 @@ impl Parameters {
                 self.element_thickness, self.radius
             )));
         }
+        // the radial sum has no place for what neighbours put into the rays' guides: half of the load with stiff ones
+        if self.coupling > 1 && self.rim_force != 2 {
+            return Err(Error::variable(
+                "coupling needs rim_force = exact: neighbours put forces into the rays' guides, which the printed sum of radial forces leaves out",
+            ));
+        }
         let pitch = TAU / f64::from(self.elements);
         if self.gap_angle >= pitch {
             return Err(Error::variable(format!(

@@ -218,7 +218,8 @@ struct Stage<'a, T> {
 /// Sweeps over coupled elements until all are in balance: each leaves a share of what the one before left, the coupling's over that of
 /// an element with its mass.
 const MOST_SWEEPS: usize = 400;
-/// A balance is found when no element moves by more in a sweep \[m\]: times a stiffness of 1e6 N/m, a thousandth of a newton.
+/// A balance is found when no element moves by more in a sweep \[m\]: at a stiffness of 1e6 N/m the last sweep changes a force by a
+/// thousandth of a newton. What is left is as much as that over the share by which sweeps shrink.
 const SETTLED: f64 = 1e-9;
 
 impl<T: Track> Stage<'_, T> {

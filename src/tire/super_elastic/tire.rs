@@ -1,5 +1,6 @@
 //! The super-elastic tire as rigs see it.
 
+use super::coupling::Coupling;
 use super::element::{Along, GAMMA};
 use super::parameters::{Parameters, Prepared};
 use super::ring::{Coefficients, RimInPlane, Ring, Rubber, Sums, along};
@@ -287,7 +288,8 @@ impl Tire for SuperElastic {
             p.coefficients(&self.prepared, loads * p.reference_load, p.reference_speed).stiffness
         };
         let stiffest = self.state.coefficients.stiffness.max(held(1.0)).max(held(2.0));
-        let radial = touching * (stiffest + relaxing);
+        let neighbours = Coupling::new(p, &self.prepared).map_or(0.0, |coupling| coupling.of_a_round_wheel());
+        let radial = touching * (stiffest + relaxing + neighbours);
         let along = p.slip_stiffness / p.relaxation_length;
         let square = p.radius * p.radius;
         [
