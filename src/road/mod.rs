@@ -88,11 +88,17 @@ pub struct Road {
     friction: Friction,
     /// Of the drum that it is wound around \[1/m\]; 0: of none.
     curvature: f64,
-    /// A height that it nowhere exceeds \[m\].
-    highest: f64,
+    /// A height that it nowhere exceeds \[m\]; none where none is known.
+    highest: Option<f64>,
 }
 
 clone_in_place!(Road { along, aside, half_width, left, right, friction, curvature, highest });
+
+/// The height that both tracks nowhere exceed \[m\], if it is known.
+fn highest(left: &Profile, right: Option<&Profile>) -> Option<f64> {
+    let left = left.highest()?;
+    right.map_or(Some(left), |right| Some(left.max(right.highest()?)))
+}
 
 /// The road at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,7 +136,7 @@ impl Default for Road {
             right: None,
             friction: Friction::default(),
             curvature: 0.0,
-            highest: 0.0,
+            highest: Some(0.0),
         }
     }
 }
@@ -160,9 +166,8 @@ impl Road {
             3 => (Profile::default(), Some(profile)),
             _ => (profile, other),
         };
-        let of_right = right.as_ref().map_or(f64::NEG_INFINITY, Profile::highest);
         Ok(Self {
-            highest: left.highest().max(of_right),
+            highest: highest(&left, right.as_ref()),
             along: [cos, sin],
             aside: p.lateral_position,
             half_width: 0.5 * p.track_width,
@@ -191,7 +196,7 @@ impl Road {
     /// A height that it nowhere exceeds \[m\]: what is above touches nothing. Infinite where none is known, as of an irregular road and
     /// inside of a drum.
     pub fn highest(&self) -> f64 {
-        if self.curvature < 0.0 { f64::INFINITY } else { self.highest }
+        self.highest.filter(|_| self.curvature >= 0.0).unwrap_or(f64::INFINITY)
     }
 
     /// What [`mean`](Self::mean) needs for a raised-cosine window of the length L \[m\]; 0: a point.
@@ -236,7 +241,7 @@ impl Road {
             && self.right.as_ref().is_none_or(Profile::is_whole)
             && self.friction.is_whole()
             && self.curvature.is_finite()
-            && !self.highest.is_nan();
+            && self.highest == highest(&self.left, self.right.as_ref());
         if whole { Ok(()) } else { Err(Error::numeric("the saved road is damaged")) }
     }
 

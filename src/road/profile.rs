@@ -22,10 +22,9 @@ impl Profile {
         sum([height, slope, 0.0], self.versine.at(s), self.irregular.at(s))
     }
 
-    /// A height that it nowhere exceeds \[m\]; infinite where there is an irregular road, of which none is known.
-    pub(super) fn highest(&self) -> f64 {
-        let irregular = if self.irregular.len() == 0 { 0.0 } else { f64::INFINITY };
-        self.polyline.highest() + self.versine.highest() + irregular
+    /// A height that it nowhere exceeds \[m\]; none where there is an irregular road.
+    pub(super) fn highest(&self) -> Option<f64> {
+        (self.irregular.len() == 0).then(|| self.polyline.highest() + self.versine.highest())
     }
 
     /// Mean height over a window of `length` about `s`, its slope and curvature.
