@@ -84,10 +84,18 @@ const CASES: &[Case] = &[
         start: &[],
         inputs: |t| vec![("force", 4000.0 + 1500.0 * (9.0 * t).sin())],
     },
+    // a wheel that brakes at a speed at which many bristles come and go within a step; of one that rolls free single ones let go
     Case {
         models: &["-drum"],
         start: &[("road_kind", 1.0)],
-        inputs: |t| vec![("drum_speed", 3.0 + 0.5 * (4.0 * t).sin())],
+        inputs: |t| {
+            let pressed = 800.0 * ramp(t, 0.05, 0.2) * (1.0 + 0.3 * (9.0 * t).sin());
+            vec![
+                ("drum_speed", 15.0 + 2.5 * (4.0 * t).sin()),
+                ("brake_torque", pressed),
+                ("pivot_torque", 500.0 * (8.0 * t).sin()),
+            ]
+        },
     },
     Case {
         models: &["-counterbalance-truck"],
