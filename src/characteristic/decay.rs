@@ -7,7 +7,7 @@
 use super::laws::{Known, linear, mean_of};
 use super::series::Even;
 use super::swing::{LEAST_SAMPLES, LEAST_SWINGS, Swing, guess};
-use crate::stats::{Line, deviation, mean, quantile};
+use crate::stats::{Line, deviation, mean, quantile, root_mean_square};
 use crate::{Error, Result};
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -211,7 +211,7 @@ pub fn analyse(even: &Even, impacts: Impacts) -> Result<Decay> {
         .linear([delta, omega])
         .ok_or_else(|| Error::numeric("the oscillation cannot be told from a level"))?;
     let amplitude = cos.hypot(sin);
-    let spread = (residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len() as f64).sqrt();
+    let spread = root_mean_square(residuals);
     // each period by itself, from the same start: what periods scatter
     let each: Vec<[f64; 2]> = aligned
         .iter()
