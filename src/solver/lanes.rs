@@ -147,16 +147,16 @@ pub fn log2<S: Simd>(simd: S, x: f64x4<S>) -> f64x4<S> {
     let m = is_large.select(m * 0.5, m);
     let exponent = is_large.select(exponent + 1.0, exponent);
     let s = (m - 1.0) / (m + 1.0);
-    const SERIES: [f64; 10] = {
-        let mut series = [0.0; 10];
+    const SERIES: [f64; 11] = {
+        let mut series = [0.0; 11];
         let mut n = 0;
-        while n < 10 {
+        while n < 11 {
             series[n] = 2.0 * std::f64::consts::LOG2_E / (2.0 * n as f64 + 1.0);
             n += 1;
         }
         series
     };
-    exponent + s * polynomial(simd, &SERIES, s * s)
+    exponent + s * polynomial_of_eleven(&SERIES, s * s)
 }
 
 /// [`exp2`] of one number.

@@ -35,6 +35,10 @@ pub struct Touch {
     pub by_penetration: f64,
     /// Its derivative by the speed at which the point leaves \[N.s/m\].
     pub by_leaving: f64,
+    /// The second derivative by the penetration at a constant speed \[N/m²\].
+    pub by_penetration_twice: f64,
+    /// The derivative of [`by_leaving`](Self::by_leaving) by the penetration \[N.s/m²\].
+    pub by_both: f64,
     /// The elastic part \[N\].
     pub elastic: f64,
 }
@@ -51,17 +55,28 @@ impl Contact {
     /// The same with the elastic part that belongs to the penetration, which is positive.
     #[inline]
     pub(super) fn touch_at(&self, elastic: f64, penetration: f64, leaving: f64) -> Touch {
-        let s = (penetration / self.full_damping).min(1.0);
-        let damper = self.damping * s * s * (3.0 - 2.0 * s);
+        let per = 1.0 / self.full_damping;
+        let s = penetration * per;
+        let (damper, rate, rate_rate) = match s < 1.0 {
+            true => (
+                self.damping * s * s * (3.0 - 2.0 * s),
+                self.damping * 6.0 * s * (1.0 - s) * per,
+                self.damping * (6.0 - 12.0 * s) * per * per,
+            ),
+            false => (self.damping, 0.0, 0.0),
+        };
         let force = elastic - damper * leaving;
         if force <= 0.0 {
             return Touch { elastic, ..Touch::default() };
         }
-        let damper_rate = if s < 1.0 { self.damping * 6.0 * s * (1.0 - s) / self.full_damping } else { 0.0 };
+        let per = 1.0 / penetration;
+        let slope = self.exponent * elastic * per;
         Touch {
             force,
-            by_penetration: self.exponent * elastic / penetration - damper_rate * leaving,
+            by_penetration: slope - rate * leaving,
             by_leaving: -damper,
+            by_penetration_twice: (self.exponent - 1.0) * slope * per - rate_rate * leaving,
+            by_both: -rate,
             elastic,
         }
     }
@@ -125,6 +140,11 @@ mod tests {
             assert!((touch.by_penetration / slope - 1.0).abs() < 1e-5);
             let slope = (by(0.0, 1e-6) - by(0.0, -1e-6)) / 2e-6;
             assert!((touch.by_leaving / slope - 1.0).abs() < 1e-5);
+            let at = |p: f64| PRINTED.touch(penetration + p, leaving);
+            let curve = (at(h).by_penetration - at(-h).by_penetration) / (2.0 * h);
+            assert!((touch.by_penetration_twice / curve - 1.0).abs() < 1e-5);
+            let rate = (at(h).by_leaving - at(-h).by_leaving) / (2.0 * h);
+            assert!((touch.by_both - rate).abs() < 1e-5 * (1.0 + rate.abs()));
             let work = (PRINTED.energy(penetration + h) - PRINTED.energy(penetration - h)) / (2.0 * h);
             assert!((work / PRINTED.touch(penetration, 0.0).force - 1.0).abs() < 1e-5);
         }

@@ -10,13 +10,13 @@ use crate::tire::Ground;
 /// 1 - 1 / sqrt(2): both stages are this share of a step implicit; the first one is at that share of it.
 pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
-/// Iterations for the place of an element in contact: Newton's method takes three to five, and where it would leave the range that the
+/// Iterations for the place of an element in contact: Halley's method takes two or three, and where it would leave the range that the
 /// place is known to be in, that is halved.
 const ITERATIONS: usize = 60;
-/// A change of the place over the penetration behind which Newton's method has no error that counts: it leaves the square of that, a
-/// hundred-millionth of the contact's force.
+/// A change of the place over the penetration behind which Halley's method has no error that counts: it leaves the cube of that, and
+/// what points of the same element bear of its force changes by no more than that.
 const CLOSE: f64 = 1e-4;
-/// Where Newton's method does not lead anywhere, a place is known well enough \[m\].
+/// Where that does not lead anywhere, a place is known well enough \[m\].
 const NARROW: f64 = 1e-11;
 /// A change that is rounding \[m\].
 const ROUNDING: f64 = 1e-15;
@@ -160,6 +160,8 @@ pub(super) struct Pressed {
     /// The part along the ray, and its derivative by the distance where the speed goes with it.
     pub along: f64,
     pub slope: f64,
+    /// The derivative of that.
+    pub curve: f64,
     /// Largest penetration \[m\].
     pub penetration: f64,
     /// Contact points that touch it.
@@ -270,7 +272,9 @@ impl Pressed {
         self.moment += touch.force * (arm[1] * normal[0] - arm[0] * normal[1]);
         self.along += touch.force * on_ray;
         // the penetration grows by - on_ray with the distance, the leaving speed by on_ray with the speed
-        self.slope += on_ray * on_ray * (touch.by_leaving * per_speed - touch.by_penetration);
+        let square = on_ray * on_ray;
+        self.slope += square * (touch.by_leaving * per_speed - touch.by_penetration);
+        self.curve += square * on_ray * (touch.by_penetration_twice - 2.0 * touch.by_both * per_speed);
         self.loss += spot.leaving() * (touch.elastic - touch.force);
     }
 
@@ -279,7 +283,7 @@ impl Pressed {
         if self.along == 0.0 {
             return self;
         }
-        let along = self.along + self.slope * by;
+        let along = self.along + (self.slope + 0.5 * self.curve * by) * by;
         let share = along / self.along;
         Self {
             along,
@@ -312,7 +316,7 @@ pub(super) fn reach(
     let per = 1.0 / h;
     let speed_at = |r: f64| (r - distance) * per;
     let acceleration_at = |r: f64| (speed_at(r) - speed) * per;
-    // what pulls it to the rim less what the mass needs; rises with r
+    // what pulls it to the rim and what the mass needs; rises with r
     let without_road = |r: f64| {
         let (friction, slope) = radial.friction.at(r);
         let force = radial.base + radial.stiffness * r + radial.damping * speed_at(r) + friction;
@@ -331,15 +335,28 @@ pub(super) fn reach(
     if ray.along[1] >= 0.0 {
         return reached(free, Pressed::default());
     }
-    let penetration = ray.penetration(track, free);
-    if penetration <= 0.0 {
+    if ray.is_above(track, free) {
         return reached(free, Pressed::default());
     }
     // the road pushes it in: the place is between there and where it touches no more
     let (mut low, mut high) = (f64::NEG_INFINITY, free);
-    let mut r = if guess < free { guess } else { free - penetration };
+    let mut touches = false;
+    let mut r = guess;
+    if guess >= free {
+        let penetration = ray.penetration(track, free);
+        if penetration <= 0.0 {
+            return reached(free, Pressed::default());
+        }
+        (touches, r) = (true, free - penetration);
+    }
     for _ in 0..ITERATIONS {
         let pressed = press(ray, track, contact, (r, speed_at(r)), per);
+        if pressed.points == 0 && !touches {
+            if ray.penetration(track, free) <= 0.0 {
+                return reached(free, Pressed::default());
+            }
+            touches = true;
+        }
         let (value, slope) = without_road(r);
         let (value, slope) = (value - pressed.along, slope - pressed.slope);
         if value > 0.0 {
@@ -347,7 +364,9 @@ pub(super) fn reach(
         } else {
             low = r
         }
-        let next = r - value / slope;
+        // Halley's method; Newton's where the curve would turn it round
+        let turned = 2.0 * slope * slope + value * pressed.curve;
+        let next = r - if turned > 0.0 { 2.0 * value * slope / turned } else { value / slope };
         if slope > 0.0 && (next - r).abs() <= ROUNDING {
             return reached(r, pressed);
         }
@@ -363,7 +382,7 @@ pub(super) fn reach(
             }
             r = 0.5 * (low + high);
         } else {
-            r = high - 2.0 * (free - high).max(penetration).max(1e-6);
+            r = high - 2.0 * (free - high).max(pressed.penetration).max(1e-6);
         }
     }
     reached(r, press(ray, track, contact, (r, speed_at(r)), per))

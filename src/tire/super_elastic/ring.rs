@@ -140,16 +140,27 @@ impl Rubber<'_> {
         }
     }
 
+    /// True if what it does depends on nothing but how it is pressed now.
+    fn forgets(&self) -> bool {
+        self.parameters.relaxing_stiffness == 0.0 && self.parameters.friction_force == 0.0
+    }
+
+    /// What spring and damper pull an element with, and the power that the damper takes.
+    #[inline]
+    fn spring(&self, at: &Reached) -> End {
+        let Coefficients { stiffness, damping } = self.coefficients;
+        End {
+            force: stiffness * (at.distance - self.prepared.free) + damping * at.speed,
+            loss: damping * at.speed * at.speed,
+        }
+    }
+
     /// Takes what the rubber of an element remembers to the end of a step of `time` seconds, at the distance there; returns what
     /// the rubber pulls it with, and the power that it takes.
     #[inline]
     fn remember(&self, ring: &mut Ring, n: usize, radial: &Radial, reached: &Reached, time: f64) -> End {
         let p = self.parameters;
-        let Coefficients { stiffness, damping } = self.coefficients;
-        let (mut force, mut loss) = (
-            stiffness * (reached.distance - self.prepared.free) + damping * reached.speed,
-            damping * reached.speed * reached.speed,
-        );
+        let End { mut force, mut loss } = self.spring(reached);
         if p.relaxing_stiffness > 0.0 {
             let (kept, new) = self.relaxation(time);
             let way = reached.distance - ring.distance[n];
@@ -262,6 +273,60 @@ impl<T: Track> Stage<'_, T> {
     }
 }
 
+/// A stage for elements that the road is far below, of rubber that forgets: the equation is a straight line, the same for all of them
+/// but for what pulls on them.
+struct Aloft {
+    /// One over the time that is implicit \[1/s\].
+    per: f64,
+    /// One over the slope of the force with the distance \[m/N\].
+    compliance: f64,
+    /// Force for the speed before, and for the way since then.
+    by_speed: f64,
+    by_way: f64,
+    /// Force of the spring without its mass, and what the rim's acceleration and gravity add along the ray \[N\].
+    sprung: f64,
+    pulled: [f64; 2],
+    /// Height that the middle of an element stays over by the thickness of its outer half, and half of its length \[m\].
+    clear: f64,
+    half_length: f64,
+}
+
+impl Aloft {
+    fn new(stage: &Stage<'_, impl Track>) -> Self {
+        let Stage { rubber, rim, .. } = stage;
+        let (m, per) = (rubber.prepared.mass, 1.0 / stage.h);
+        let Coefficients { stiffness, damping } = rubber.coefficients;
+        let by_speed = m * per;
+        let by_way = (by_speed + damping) * per;
+        Self {
+            per,
+            compliance: 1.0 / (by_way + stiffness - m * rim.spin * rim.spin),
+            by_speed,
+            by_way,
+            sprung: stiffness * rubber.prepared.free,
+            pulled: [m * rim.acceleration[0], m * (rim.acceleration[1] + rubber.parameters.gravity)],
+            clear: stage.track.highest() - rim.height,
+            half_length: rubber.prepared.offsets.last().map_or(0.0, |offset| offset.abs()),
+        }
+    }
+
+    /// Where an element gets; none if the road might touch it there.
+    #[inline]
+    fn reach(&self, stage: &Stage<'_, impl Track>, n: usize, from: &Place) -> Option<Reached> {
+        let [cos, sin] = stage.along(n);
+        let pulled = self.pulled[0] * cos + self.pulled[1] * sin;
+        let force = self.by_way * from.distance + self.by_speed * from.speed + self.sprung - pulled;
+        let distance = force * self.compliance;
+        let out = distance + 0.5 * stage.rubber.parameters.element_thickness;
+        if sin < 0.0 && out * sin - self.half_length * cos.abs() <= self.clear {
+            return None;
+        }
+        let speed = (distance - from.distance) * self.per;
+        let acceleration = (speed - from.speed) * self.per;
+        Some(Reached { distance, speed, acceleration, pressed: Pressed::default() })
+    }
+}
+
 impl Ring {
     /// Elements without load.
     pub(super) fn free(parameters: &Parameters, prepared: &Prepared) -> Self {
@@ -299,16 +364,31 @@ impl Ring {
             return self.step_coupled(&coupling, rubber, rim, tracks, dt);
         }
         let (h, alone) = (GAMMA * dt, Coupled::default());
-        let turned = [0, 1].map(|i| libm::sincos(rim[i].angle));
+        let stages = [(0, h), (1, dt)].map(|(i, time)| Stage {
+            rubber,
+            rim: &rim[i],
+            turned: libm::sincos(rim[i].angle),
+            track: &tracks[i],
+            time,
+            h,
+        });
+        let aloft = rubber.forgets().then(|| [Aloft::new(&stages[0]), Aloft::new(&stages[1])]);
         let mut sums = Sums::default();
         for n in 0..self.distance.len() {
             let start = self.place(n);
-            let stage = Stage { rubber, rim: &rim[0], turned: turned[0], track: &tracks[0], time: h, h };
-            let (_, first) = stage.reach(self, n, &start, &alone, ahead(&start, h));
+            if let Some([first, second]) = &aloft
+                && let Some(at) = first.reach(&stages[0], n, &start)
+                && let Some(last) = second.reach(&stages[1], n, &between(&start, &at.place(), dt - h))
+            {
+                let end = rubber.spring(&last);
+                (self.distance[n], self.speed[n], self.contact[n]) = (last.distance, last.speed, [0.0; 2]);
+                sums.add(rubber, stages[1].rim, stages[1].along(n), &last, &end);
+                continue;
+            }
+            let (_, first) = stages[0].reach(self, n, &start, &alone, ahead(&start, h));
             let from = between(&start, &first.place(), dt - h);
-            let stage = Stage { rubber, rim: &rim[1], turned: turned[1], track: &tracks[1], time: dt, h };
-            let (radial, last) = stage.reach(self, n, &from, &alone, ahead(&from, h));
-            self.arrive(&mut sums, &stage, n, &radial, &last);
+            let (radial, last) = stages[1].reach(self, n, &from, &alone, ahead(&from, h));
+            self.arrive(&mut sums, &stages[1], n, &radial, &last);
         }
         sums
     }
