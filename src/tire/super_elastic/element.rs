@@ -16,6 +16,8 @@ const ITERATIONS: usize = 60;
 /// A change of the place over the penetration behind which Halley's method has no error that counts: it leaves the cube of that, and
 /// what points of the same element bear of its force changes by no more than that.
 const CLOSE: f64 = 1e-4;
+/// The same where only the place is asked for and not the force there: the cube of this is a hundred-thousandth.
+const CLOSE_PLACE: f64 = 2e-2;
 /// Where that does not lead anywhere, a place is known well enough \[m\].
 const NARROW: f64 = 1e-11;
 /// A change that is rounding \[m\].
@@ -304,6 +306,15 @@ pub(super) struct Reached {
     pub pressed: Pressed,
 }
 
+/// What is asked for of an element.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Wanted {
+    /// The place that it reaches: the road's force is that nearby.
+    Place,
+    /// What the road does to it there, too.
+    Force,
+}
+
 /// Solves r = r0 + h v, v = v0 + h a(r, v) for an element, h > 0 seconds, with `guess` for the distance.
 pub(super) fn reach(
     radial: &Radial,
@@ -312,6 +323,7 @@ pub(super) fn reach(
     contact: &Contact,
     (distance, speed, h): (f64, f64, f64),
     guess: f64,
+    wanted: Wanted,
 ) -> Reached {
     let per = 1.0 / h;
     let speed_at = |r: f64| (r - distance) * per;
@@ -340,6 +352,7 @@ pub(super) fn reach(
     }
     // the road pushes it in: the place is between there and where it touches no more
     let (mut low, mut high) = (f64::NEG_INFINITY, free);
+    let close = if wanted == Wanted::Force { CLOSE } else { CLOSE_PLACE };
     let mut touches = false;
     let mut r = guess;
     if guess >= free {
@@ -371,7 +384,7 @@ pub(super) fn reach(
             return reached(r, pressed);
         }
         if next > low && next < high && slope > 0.0 {
-            if (next - r).abs() <= CLOSE * pressed.penetration + ROUNDING {
+            if (next - r).abs() <= close * pressed.penetration + ROUNDING {
                 return reached(next, pressed.moved(next - r));
             }
             r = next;

@@ -1,7 +1,7 @@
 //! All elements: what they do in a step, and what they put on the rim.
 
 use super::coupling::{Coupled, Coupling, Place, Places};
-use super::element::{Friction, GAMMA, Pressed, Radial, Ray, Reached, Track, press, reach};
+use super::element::{Friction, GAMMA, Pressed, Radial, Ray, Reached, Track, Wanted, press, reach};
 use super::parameters::{Parameters, Prepared};
 use crate::clone_in_place;
 use serde::{Deserialize, Serialize};
@@ -238,15 +238,33 @@ impl<T: Track> Stage<'_, T> {
         along(self.rubber.prepared, n, self.turned)
     }
 
+    /// A place of an element with the acceleration that the road's last force on it makes.
+    fn accelerated(&self, ring: &Ring, n: usize, place: Place) -> Place {
+        let along = self.along(n);
+        let radial = self.rubber.radial(ring, n, self.rim, along, 0.0);
+        let [x, z] = ring.contact[n];
+        let pulls = radial.base + radial.stiffness * place.distance + radial.damping * place.speed;
+        Place { acceleration: (x * along[0] + z * along[1] - pulls) / radial.mass, ..place }
+    }
+
     /// Where an element gets, with what acts on it besides the road.
     #[inline]
-    fn reach(&self, ring: &Ring, n: usize, from: &Place, felt: &Coupled, guess: f64) -> (Radial, Reached) {
+    fn reach(
+        &self,
+        ring: &Ring,
+        n: usize,
+        from: &Place,
+        felt: &Coupled,
+        guess: f64,
+        wanted: Wanted,
+    ) -> (Radial, Reached) {
         let along = self.along(n);
         let radial = self.rubber.radial(ring, n, self.rim, along, self.time);
         let coupled = felt.with(&radial);
         let ray = ray(self.rubber, self.rim, along);
         let contact = &self.rubber.prepared.contact;
-        let reached = reach(&coupled, &ray, self.track, contact, (from.distance, from.speed, self.h), guess);
+        let reached =
+            reach(&coupled, &ray, self.track, contact, (from.distance, from.speed, self.h), guess, wanted);
         (radial, reached)
     }
 
@@ -261,7 +279,8 @@ impl<T: Track> Stage<'_, T> {
             let mut moved = 0.0_f64;
             for n in 0..places.to.len() {
                 let felt = coupling.on(&places.to, n).about(&places.to[n]);
-                let (_, reached) = self.reach(ring, n, &places.from[n], &felt, places.to[n].distance);
+                let guess = places.to[n].distance;
+                let (_, reached) = self.reach(ring, n, &places.from[n], &felt, guess, Wanted::Force);
                 moved = moved.max((reached.distance - places.to[n].distance).abs());
                 places.to[n] = reached.place();
             }
@@ -385,9 +404,10 @@ impl Ring {
                 sums.add(rubber, stages[1].rim, stages[1].along(n), &last, &end);
                 continue;
             }
-            let (_, first) = stages[0].reach(self, n, &start, &alone, ahead(&start, h));
+            let guess = ahead(&stages[0].accelerated(self, n, start), h);
+            let (_, first) = stages[0].reach(self, n, &start, &alone, guess, Wanted::Place);
             let from = between(&start, &first.place(), dt - h);
-            let (radial, last) = stages[1].reach(self, n, &from, &alone, ahead(&from, h));
+            let (radial, last) = stages[1].reach(self, n, &from, &alone, ahead(&from, h), Wanted::Force);
             self.arrive(&mut sums, &stages[1], n, &radial, &last);
         }
         sums
@@ -418,7 +438,8 @@ impl Ring {
         let mut sums = Sums { unsettled: !settled, ..Sums::default() };
         for n in 0..self.distance.len() {
             let felt = coupling.on(&places.to, n).about(&places.to[n]);
-            let (radial, last) = stage.reach(self, n, &places.from[n], &felt, places.to[n].distance);
+            let guess = places.to[n].distance;
+            let (radial, last) = stage.reach(self, n, &places.from[n], &felt, guess, Wanted::Force);
             self.arrive(&mut sums, &stage, n, &radial, &last);
         }
         sums.loss += coupling.energy(&places.to).1;

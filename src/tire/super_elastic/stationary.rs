@@ -4,7 +4,7 @@
 //! the rim is. A wheel that turns under a load has the height at which it carries that load in the mean. An element's speed is how its place changes along the turn; its acceleration there is not looked for.
 
 use super::coupling::{Coupled, Coupling, Place};
-use super::element::{Ray, Track, reach};
+use super::element::{Ray, Track, Wanted, reach};
 use super::parameters::{Parameters, Prepared};
 use super::ring::{Coefficients, RimInPlane, Ring, Rubber, Sums, along};
 use crate::{Error, Result, road};
@@ -88,7 +88,8 @@ pub(super) fn at_rest(rubber: &Rubber<'_>, rim: &RimInPlane, track: &impl Track)
             offsets: &prepared.offsets,
         };
         let radial = felt.with(&rubber.at_rest(rim, along));
-        reach(&radial, &ray, track, &prepared.contact, (prepared.free, 0.0, LONG), guess).distance
+        reach(&radial, &ray, track, &prepared.contact, (prepared.free, 0.0, LONG), guess, Wanted::Force)
+            .distance
     };
     let coupling = Coupling::new(rubber.parameters, prepared);
     // all elements where the rim is at an angle
