@@ -60,10 +60,16 @@ fn tables_are_well_formed() {
             assert!(names.insert(&v.name), "{} twice", v.name);
             // coefficients of tire property files keep the names that they have there; a dot stands behind a part of which there are
             // several
-            let fits = |case: fn(&char) -> bool| {
-                v.name.chars().all(|c| case(&c) || c.is_ascii_digit() || c == '_' || c == '.')
+            let fits = |part: &str, case: fn(&char) -> bool| {
+                part.chars().all(|c| case(&c) || c.is_ascii_digit() || c == '_')
             };
-            assert!(fits(char::is_ascii_lowercase) || fits(char::is_ascii_uppercase), "{}", v.name);
+            let lower = |part: &str| fits(part, char::is_ascii_lowercase);
+            let (parts, own) = v.name.rsplit_once('.').unwrap_or(("", &v.name));
+            assert!(
+                parts.split('.').all(lower) && (lower(own) || fits(own, char::is_ascii_uppercase)),
+                "{}",
+                v.name
+            );
             assert!(
                 v.description.len() > 3 && !v.description.ends_with('.'),
                 "{}: {:?}",

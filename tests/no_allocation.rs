@@ -12,7 +12,7 @@ use latsch::shipped::MODELS;
 /// What the names of models end with (every tire on a rig, or a name), start values that let something happen, and an input that moves, with its rate.
 type Run = (&'static str, &'static [(&'static str, f64)], (&'static str, f64));
 
-const RUNS: [Run; 9] = [
+const RUNS: [Run; 10] = [
     ("-flat-track", &[("slip", 0.05), ("slip_angle", 0.03), ("camber", 0.02)], ("deflection", 0.01)),
     ("-tire", &[("rim_velocity_y", 0.3), ("road_slope_x", 0.02)], ("rim_spin_rate", 20.0)),
     ("-wheel", &[("steer", 0.02), ("camber", 0.02)], ("brake_torque", 3e4)),
@@ -20,6 +20,7 @@ const RUNS: [Run; 9] = [
     ("-hydropulse", &[("excitation", 4.0), ("excitation_amplitude", 500.0)], ("force", 3e4)),
     ("-drum", &[("brake_torque", 20.0)], ("drum_speed", 30.0)),
     ("-counterbalance-truck", &[("speed", 8.0)], ("speed", 10.0)),
+    ("-vehicle", &[("steering_wheel_angle", 0.1)], ("front_left.brake_torque", 3e4)),
     ("brake-hydraulics", &[("outlet_valve", 0.3)], ("driver_pressure", 1e8)),
     ("abs-controller", &[("driver_pressure", 1e7)], ("wheel_speed_1", -100.0)),
 ];
@@ -35,8 +36,9 @@ fn count_allocations(entry: &Entry, (_, start, (moving, rate)): Run, road: f64) 
         && !entry.name.ends_with("-drum")
     {
         slave.set(kind, road).unwrap();
-        // a truck starts on a level piece
-        let start = if entry.name.ends_with("-truck") { 0.25 } else { 0.05 };
+        // what has several wheels starts on a level piece
+        let wheeled = entry.name.ends_with("-truck") || entry.name.ends_with("-vehicle");
+        let start = if wheeled { 0.5 } else { 0.05 };
         set(&mut *slave, &[("road_start", start)]);
         for (name, text) in [("road_profile", "0 0; 0 0.005; 0.3 0"), ("road_friction", "0.1 0.7; 0.3 0.9")] {
             slave.set_text(slave.find(name).unwrap(), text).unwrap();

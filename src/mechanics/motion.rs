@@ -43,6 +43,13 @@ impl<T: Real> Default for Wrench<T> {
     }
 }
 
+impl<T: Real> std::ops::AddAssign for Wrench<T> {
+    fn add_assign(&mut self, other: Self) {
+        self.force += other.force;
+        self.moment += other.moment;
+    }
+}
+
 impl Motion<f64> {
     /// The same motion in another scalar, as a constant.
     pub fn constant<T: Real>(&self) -> Motion<T> {

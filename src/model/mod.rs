@@ -9,6 +9,7 @@ mod interface;
 mod join;
 mod meaning;
 mod native;
+mod numbers;
 mod settings;
 mod slave;
 mod table;
@@ -22,6 +23,7 @@ pub use interface::{Causality, Initial, Interface, Kind, Value, Variability, Var
 pub use join::{Joined, join};
 pub use meaning::{Meaning, Purpose, Role};
 pub use native::Native;
+pub use numbers::groups;
 pub use settings::{Free, Setting, Settings};
 pub(crate) use settings::{Lines, key, line_of};
 pub(crate) use slave::wrong_order;

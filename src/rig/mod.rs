@@ -12,6 +12,7 @@ mod load_control;
 mod on_road;
 mod rolling;
 mod truck;
+pub mod vehicle;
 mod wheel;
 
 pub use actuator::{Actuation, Actuator, Command};
@@ -25,6 +26,7 @@ pub use hydropulse::HydroPulse;
 pub use on_road::OnRoad;
 pub use rolling::Rolling;
 pub use truck::CounterbalanceTruck;
+pub use vehicle::Vehicle;
 pub use wheel::Wheel;
 
 use crate::tire::ring_brush::RingBrush;

@@ -2,6 +2,10 @@
 
 use crate::road::{Point, Road, Window};
 use crate::tire::{Ground, Motion, Plane};
+use crate::{Error, Result};
+
+/// Places before and behind a wheel's centre at which the road is looked at for the start.
+const LOOKS: i32 = 100;
 
 /// A road for the length of a step.
 ///
@@ -25,6 +29,24 @@ impl<'a> OnRoad<'a> {
     /// At one place.
     pub fn at(road: &'a Road, place: [f64; 2], friction: f64) -> Self {
         Self { road, from: place, to: place, friction }
+    }
+
+    /// Checks that the road under a wheel at a place is level at height 0, as far as `reach` \[m\] before and behind it: the place at
+    /// rest of what stands on several wheels is that of a level road.
+    ///
+    /// # Errors
+    /// It is not; the message says where, with the names of the whole and of the wheel.
+    pub fn check_level(road: &Road, whole: &str, wheel: &str, [x, y]: [f64; 2], reach: f64) -> Result<()> {
+        for k in -LOOKS..=LOOKS {
+            let at = x + reach * f64::from(k) / f64::from(LOOKS);
+            let height = road.at(at, y).height;
+            if height != 0.0 {
+                return Err(Error::variable(format!(
+                    "the {whole} starts on a level road at height 0, and the road under the {wheel} wheel is {height:.5} m high at x = {at:.3} m; move it on with road_start, by the {whole}'s length and a wheel's radius"
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// Where the rim is at a share of the step; on a drum, within its first turn.

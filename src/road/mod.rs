@@ -55,7 +55,6 @@ mod polyline;
 mod profile;
 mod random;
 mod rows;
-mod text;
 mod waves;
 mod window;
 

@@ -1,7 +1,7 @@
 //! The parameters of a road, as the variable tables of rigs have them.
 
 use super::friction::{Friction, LARGEST_DEVIATION, Patches, Variation};
-use super::text::pairs;
+use crate::model::groups;
 use crate::{Error, Result, clone_in_place};
 use serde::{Deserialize, Serialize};
 
@@ -317,7 +317,7 @@ impl RoadParameters {
 
 /// Reads the points of a profile from the parameter `name`.
 fn profile_points(name: &str, text: &str) -> Result<Vec<[f64; 2]>> {
-    let points = pairs(name, text, LARGEST_PLACE)?;
+    let points = groups(name, text, LARGEST_PLACE)?;
     let fail = |message: String| Err(Error::variable(format!("{name}: {message}")));
     if points.is_empty() {
         return fail("a road of kind profile needs points, \"x z; x z; ...\" in m".into());
@@ -344,7 +344,7 @@ fn profile_points(name: &str, text: &str) -> Result<Vec<[f64; 2]>> {
 
 /// Reads the steps of a friction factor from the parameter `name`.
 fn patches(name: &str, text: &str) -> Result<Vec<[f64; 2]>> {
-    let steps = pairs(name, text, LARGEST_PLACE)?;
+    let steps = groups(name, text, LARGEST_PLACE)?;
     let fail = |i: usize, message: String| Err(Error::variable(format!("{name}: pair {}: {message}", i + 1)));
     if steps.len() > MAX_POINTS {
         return fail(MAX_POINTS, format!("there are more than {MAX_POINTS} pairs"));

@@ -60,6 +60,8 @@ MODELS = {
     "linear-drum": (dict(drum_speed=3.0), dict(drum_speed=4.0, brake_torque=40.0)),
     "linear-counterbalance-truck": (dict(speed=2.0), dict(speed=2.5)),
     "super-elastic-counterbalance-truck": (dict(speed=2.0), dict(speed=2.5)),
+    "ring-brush-vehicle": ({"steering_wheel_angle": 0.1}, {"front_left.brake_torque": 800.0, "rear_right.friction_factor": 0.5}),
+    "magic-formula-vehicle": ({"steering_wheel_angle": 0.1}, {"front_left.brake_torque": 800.0, "rear_right.friction_factor": 0.5}),
     "brake-hydraulics": (dict(driver_pressure=5e6), dict(inlet_valve=0.0, outlet_valve=0.4)),
     "abs-controller": (dict(wheel_speed_1=60.0, driver_pressure=1e7), dict(wheel_speed_1=45.0)),
 }

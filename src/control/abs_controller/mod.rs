@@ -9,8 +9,10 @@ mod wheel;
 
 use self::reference::{Limits, Reference, Wheels};
 use self::wheel::{Event, PHASES, Phase, Thresholds, Wheel};
-use crate::model::{Access, Model, Table, input, integer_parameter, local, output, parameter};
-use crate::{Error, Result, integer, real};
+use crate::model::{
+    Access, Model, Table, boolean_parameter, input, integer_parameter, local, output, parameter,
+};
+use crate::{Error, Result, boolean, integer, real};
 use serde::{Deserialize, Serialize};
 
 /// A communication point this close before a sample, in samples, is the sample.
@@ -20,6 +22,7 @@ const SAMPLE_TOLERANCE: f64 = 1e-6;
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct AbsController {
     count: i32,
+    select_low: bool,
     radii: [f64; 4],
     wheel_speeds: [f64; 4],
     driver_pressure: f64,
@@ -44,14 +47,14 @@ impl Model for AbsController {
         input("wheel_speed_3", "rad/s", real!(wheel_speeds[2]), 0.0, "Spin speed of wheel 3, positive forward; not used where wheels is less").range(-1e4, 1e4),
         input("wheel_speed_4", "rad/s", real!(wheel_speeds[3]), 0.0, "Spin speed of wheel 4, positive forward; not used where wheels is less").range(-1e4, 1e4),
         input("driver_pressure", "Pa", real!(driver_pressure), 0.0, "Pressure in the master cylinder, over ambient").range(-1e7, 1e8),
-        output("inlet_valve_1", "1", real!(wheels[0].inlet), "Opening of the inlet valve of wheel 1").discrete(),
-        output("outlet_valve_1", "1", Access::computed(|m: &Self| m.wheels[0].outlet()), "Opening of the outlet valve of wheel 1").discrete(),
-        output("inlet_valve_2", "1", real!(wheels[1].inlet), "Opening of the inlet valve of wheel 2").discrete(),
-        output("outlet_valve_2", "1", Access::computed(|m: &Self| m.wheels[1].outlet()), "Opening of the outlet valve of wheel 2").discrete(),
-        output("inlet_valve_3", "1", real!(wheels[2].inlet), "Opening of the inlet valve of wheel 3").discrete(),
-        output("outlet_valve_3", "1", Access::computed(|m: &Self| m.wheels[2].outlet()), "Opening of the outlet valve of wheel 3").discrete(),
-        output("inlet_valve_4", "1", real!(wheels[3].inlet), "Opening of the inlet valve of wheel 4").discrete(),
-        output("outlet_valve_4", "1", Access::computed(|m: &Self| m.wheels[3].outlet()), "Opening of the outlet valve of wheel 4").discrete(),
+        output("inlet_valve_1", "1", Access::computed(|m: &Self| m.valves(0)[0]), "Opening of the inlet valve of wheel 1").discrete(),
+        output("outlet_valve_1", "1", Access::computed(|m: &Self| m.valves(0)[1]), "Opening of the outlet valve of wheel 1").discrete(),
+        output("inlet_valve_2", "1", Access::computed(|m: &Self| m.valves(1)[0]), "Opening of the inlet valve of wheel 2").discrete(),
+        output("outlet_valve_2", "1", Access::computed(|m: &Self| m.valves(1)[1]), "Opening of the outlet valve of wheel 2").discrete(),
+        output("inlet_valve_3", "1", Access::computed(|m: &Self| m.valves(2)[0]), "Opening of the inlet valve of wheel 3").discrete(),
+        output("outlet_valve_3", "1", Access::computed(|m: &Self| m.valves(2)[1]), "Opening of the outlet valve of wheel 3").discrete(),
+        output("inlet_valve_4", "1", Access::computed(|m: &Self| m.valves(3)[0]), "Opening of the inlet valve of wheel 4").discrete(),
+        output("outlet_valve_4", "1", Access::computed(|m: &Self| m.valves(3)[1]), "Opening of the outlet valve of wheel 4").discrete(),
         output("reference_speed", "m/s", real!(reference.speed), "The controller's own estimate of the vehicle's speed").discrete(),
         output("active", "", Access::computed_boolean(|m: &Self| m.in_use().iter().any(|w| w.phase != Phase::Off)), "True while the brake of at least one wheel is not left to the driver"),
         output("phase_1", "", Access::computed_integer(|m: &Self| m.wheels[0].phase as i32 + 1), "What is being done with wheel 1").items(PHASES),
@@ -68,6 +71,7 @@ impl Model for AbsController {
         output("wheel_acceleration_4", "m/s2", real!(wheels[3].acceleration), "Acceleration of wheel 4 at its circumference, filtered").nominal(10.0).discrete(),
         local("descent_limit", "m/s2", real!(reference.descent), "How fast the reference speed may fall now").discrete(),
         integer_parameter("wheels", integer!(count), 4, "Number of wheels").range(1.0, 4.0),
+        boolean_parameter("select_low", boolean!(select_low), false, "Wheels 3 and 4 have one pressure: valves of both do what the wheel needs that is closer to locking. Not used where wheels is less than 4"),
         parameter("rolling_radius_1", "m", real!(radii[0]), 0.325, "Rolling radius of wheel 1 that the controller assumes (r_dyn; placeholder)").range(0.05, 2.0).tunable(),
         parameter("rolling_radius_2", "m", real!(radii[1]), 0.325, "Rolling radius of wheel 2 that the controller assumes (r_dyn; placeholder)").range(0.05, 2.0).tunable(),
         parameter("rolling_radius_3", "m", real!(radii[2]), 0.325, "Rolling radius of wheel 3 that the controller assumes (r_dyn; placeholder)").range(0.05, 2.0).tunable(),
@@ -171,6 +175,16 @@ impl AbsController {
             )));
         }
         Ok(())
+    }
+
+    /// Openings of the inlet and outlet valve of a wheel.
+    fn valves(&self, index: usize) -> [f64; 2] {
+        let of = |index: usize| [self.wheels[index].inlet, self.wheels[index].outlet()];
+        if !self.select_low || self.used() < 4 || index < 2 {
+            return of(index);
+        }
+        let [[inlet, outlet], [other_inlet, other_outlet]] = [of(2), of(3)];
+        [inlet.min(other_inlet), outlet.max(other_outlet)]
     }
 
     fn used(&self) -> usize {
@@ -279,6 +293,30 @@ mod tests {
         ] {
             let index = controller.find(name).unwrap();
             assert_eq!(controller.get(index).unwrap(), expected, "{name}");
+        }
+    }
+
+    /// Right behind slips, left behind does not: both lines get what the right one needs, with select-low, and its own one without.
+    #[test]
+    fn wheels_behind_share_the_pressure_of_the_one_that_slips() {
+        for (select_low, with_it) in [(1.0, 1.0), (0.0, 0.0)] {
+            let speeds = [1, 2, 3, 4].map(|i| format!("wheel_speed_{i}"));
+            let mut controller = start(&[("select_low", select_low), ("driver_pressure", 1e7)]);
+            let mut dumped = [0.0_f64; 4];
+            for k in 0..40 {
+                let time = 5e-3 * f64::from(k);
+                for (i, name) in speeds.iter().enumerate() {
+                    let lost = if i == 3 && k > 5 { 2.0 * f64::from(k - 5) } else { 0.0 };
+                    let index = controller.find(name).unwrap();
+                    controller.set(index, 60.0 - 3.0 * time - lost.min(30.0)).unwrap();
+                }
+                controller.step(time, 5e-3).unwrap();
+                for (i, most) in dumped.iter_mut().enumerate() {
+                    let outlet = controller.find(&format!("outlet_valve_{}", i + 1)).unwrap();
+                    *most = most.max(controller.get(outlet).unwrap());
+                }
+            }
+            assert_eq!(dumped, [0.0, 0.0, with_it, 1.0]);
         }
     }
 

@@ -22,8 +22,6 @@ use serde::{Deserialize, Serialize};
 /// Front left, front right, rear left, rear right.
 const WHEELS: usize = 4;
 const WHEEL_NAMES: [&str; WHEELS] = ["front left", "front right", "rear left", "rear right"];
-/// Places before and behind a wheel's centre, as far as its radius, at which the road is looked at for the start.
-const LOOKS: i32 = 100;
 /// What drives the front wheels, from 1.
 const DRIVES: &[(&str, &str)] =
     &[("speed", "a controller that keeps the speed"), ("torque", "the torque that is given")];
@@ -178,7 +176,10 @@ impl<T: Tire> Model for CounterbalanceTruck<T> {
         (self.way, self.summed) = (0.0, 0.0);
         let gravity = self.tires[0].gravity();
         let loads = self.sizes.loads(gravity)?;
-        self.check_start()?;
+        for (i, name) in WHEEL_NAMES.into_iter().enumerate() {
+            let place = self.places().of_wheel(i, 0.0);
+            OnRoad::check_level(&self.road, "truck", name, place, self.tires[i / 2].radius())?;
+        }
         // rear wheels roll freely, front ones pull what all take
         let mut means = [Vector3::zeros(); WHEELS];
         let (mut resistance, mut moment) = (0.0, 0.0);
@@ -387,25 +388,6 @@ impl<T: Tire> CounterbalanceTruck<T> {
         let over = wheel.rim.position.z - self.road.mean(wheel.tire.window(), place[0], place[1]).height;
         let rolling = wheel.tire.rolling_radius(wheel.tire.radius() - over);
         hub::slip(rolling * self.spins[i].speed, self.frame.velocity.travel, SLIP_FLOOR)
-    }
-
-    /// # Errors
-    /// A wheel starts on an obstacle: the places at rest of chassis and wheels are those of a level road.
-    fn check_start(&self) -> Result<()> {
-        for (i, name) in WHEEL_NAMES.iter().enumerate() {
-            let [x, y] = self.places().of_wheel(i, 0.0);
-            let reach = self.tires[i / 2].radius();
-            for k in -LOOKS..=LOOKS {
-                let at = x + reach * f64::from(k) / f64::from(LOOKS);
-                let height = self.road.at(at, y).height;
-                if height != 0.0 {
-                    return Err(Error::variable(format!(
-                        "the truck starts on a level road at height 0, and the road under the {name} wheel is {height:.5} m high at x = {at:.3} m; move it on with road_start, by the truck's length and a wheel's radius"
-                    )));
-                }
-            }
-        }
-        Ok(())
     }
 
     /// Checks that `step_size` is short enough for what a wheel moves and turns, and for the cabin and the carriage.

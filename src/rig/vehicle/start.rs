@@ -1,0 +1,243 @@
+//! The start: the vehicle rolls straight on, in balance.
+
+use super::mcpherson::McPherson;
+use super::{Rack, SIDES, Taken, Vehicle, WHEEL_NAMES, WHEELS, five_link, mcpherson, statics, told};
+use crate::mechanics::{ABOUT, ALONG, Body, Link, Motion, Pose, Spin, Wrench, check_step_size};
+use crate::rig::{Actuator, OnRoad};
+use crate::road::Road;
+use crate::tire::{Mounted, Tire};
+use crate::{Error, Result};
+use nalgebra::Vector3;
+
+/// Rounds of the search for the loads of the axles, which resistances of rolling and air change by little.
+const MOST_ROUNDS: usize = 20;
+/// Loads are found where they change by no more than this share of the weight.
+const FOUND: f64 = 1e-12;
+
+/// A wheel that rolls.
+struct Rolling<T> {
+    wheel: Mounted<T>,
+    /// Of the tire on the carrier: without what turns the wheel.
+    on_carrier: Wrench<f64>,
+    /// Mass that it carries.
+    carried: f64,
+}
+
+impl<T: Tire> Vehicle<T> {
+    /// # Errors
+    /// Parameters that contradict each other; a road on which the vehicle cannot start.
+    pub(super) fn start(&mut self) -> Result<()> {
+        self.car.prepare()?;
+        self.road = Road::new(&self.road_parameters)?;
+        for tire in &mut self.tires {
+            tire.mount(&self.road)?;
+        }
+        self.check_steps()?;
+        for (i, name) in WHEEL_NAMES.into_iter().enumerate() {
+            let reach = self.tires[i / 2].radius();
+            OnRoad::check_level(&self.road, "vehicle", name, self.wheel_place(i), reach)?;
+        }
+        self.gravity = self.tires[0].gravity();
+        let (rolling, acceleration) = self.rolling()?;
+        let heights = [0, 2].map(|i| rolling[i].wheel.rim.position.z);
+        let velocity = Vector3::new(self.initial_speed, 0.0, 0.0);
+        let [x, z] = self.car.body_centre(heights);
+        let centre = Vector3::new(x, 0.0, z);
+        self.standing = z;
+        self.body = Body::moving(Motion { position: centre, velocity, ..Motion::default() });
+        let body = Pose::from(&self.body.motion);
+        self.rack = Rack::default();
+        self.steered = Actuator::at_rest(&self.steering);
+        for (i, Rolling { wheel, on_carrier, carried }) in rolling.into_iter().enumerate() {
+            let place = self.wheel_place(i);
+            let mut motion = wheel.rim;
+            motion.position = Vector3::new(place[0], place[1], wheel.rim.position.z);
+            motion.rates = Vector3::zeros();
+            motion.angles.y = 0.0;
+            self.places[i] = motion.position - centre;
+            self.carriers[i] = Body::moving(motion);
+            self.spins[i] = Spin { speed: wheel.rim.rates.y, ..Spin::default() };
+            self.wheels[i] = wheel;
+            let carrier = Pose::from(&motion);
+            let own = self.car.axles[i / 2].unsprung();
+            let mut loads = on_carrier;
+            loads.force.z -= own * self.gravity;
+            loads.force.x -= (own + carried) * acceleration;
+            self.hang(i, [&body, &carrier], &loads)?;
+        }
+        (self.spared, self.taken) = (0.0, Taken::default());
+        self.told = told::Told::default();
+        let (body, carriers) = (self.body.motion, self.carriers.each_ref().map(|c| c.motion));
+        self.accelerate(&body, &carriers, 0.0);
+        Ok(())
+    }
+
+    /// Hangs a carrier under the body so that all is in balance under other loads on it.
+    fn hang(&mut self, i: usize, [body, carrier]: [&Pose; 2], loads: &Wrench<f64>) -> Result<()> {
+        let origin = Vector3::new(self.car.axle_x(i / 2), 0.0, 0.0);
+        let what = if i < 2 { "front suspension" } else { "rear suspension" };
+        if i < 2 {
+            let half_track = 0.5 * self.car.axles[0].track;
+            let sizes = &self.car.mcpherson;
+            let joints = sizes.joints(SIDES[i], half_track, carrier.position.z);
+            let mut side = mcpherson::Side::new(sizes, &joints, [body, carrier], &origin);
+            let at = side.strained([body, carrier], [0.0; 2]);
+            side.preload(&at, carrier, &statics::balance(what, &at.columns(), loads)?);
+            self.rack.preload -= side.act(&at, [body, carrier], 0.0).on_rack;
+            self.front[i] = side;
+        } else {
+            let joints = self.car.five_link.joints(SIDES[i])?;
+            let mut side =
+                five_link::Side::new(self.car.five_link.bushing, &joints, [body, carrier], &origin);
+            let at = side.strained([body, carrier]);
+            side.preload(&statics::balance(what, &at.columns(), loads)?);
+            self.rear[i - 2] = side;
+        }
+        Ok(())
+    }
+
+    /// Where a wheel's centre is at the start, x and y \[m\].
+    fn wheel_place(&self, i: usize) -> [f64; 2] {
+        [self.car.axle_x(i / 2), 0.5 * SIDES[i] * self.car.axles[i / 2].track]
+    }
+
+    /// All wheels rolling free under the loads that are in balance, and the acceleration of the whole.
+    fn rolling(&self) -> Result<([Rolling<T>; WHEELS], f64)> {
+        let (car, speed) = (&self.car, self.initial_speed);
+        let weight = car.mass * self.gravity;
+        let pressure = 0.5 * car.air.density * speed * speed;
+        let drag = pressure * car.air.drag * if speed < 0.0 { -1.0 } else { 1.0 };
+        let lift = car.air.lift.map(|area| pressure * area);
+        let [behind, over] = car.centre;
+        let mut rear = weight * behind / car.wheelbase - lift[1];
+        for _ in 0..MOST_ROUNDS {
+            let loads = [weight - lift[0] - lift[1] - rear, rear];
+            for (load, place) in loads.iter().zip(["front", "rear"]) {
+                if *load <= 0.0 {
+                    return Err(Error::variable(format!(
+                        "at initial_speed = {speed} m/s nothing presses the {place} wheels to the road: centre_of_mass_x or the lift of the air is to blame"
+                    )));
+                }
+            }
+            let rolling = self.wheels_rolling(loads)?;
+            let sum = |of: &dyn Fn(&Rolling<T>) -> f64| rolling.iter().map(of).sum::<f64>();
+            let moved = car.mass + sum(&|r| r.carried);
+            let acceleration = (sum(&|r| r.on_carrier.force.x) - drag) / moved;
+            // moments about the point of the road below the front axle
+            let of_wheel = |r: &Rolling<T>| {
+                let height = r.wheel.rim.position.z;
+                height * (r.on_carrier.force.x - r.carried * acceleration) + r.on_carrier.moment.y
+            };
+            let moment = sum(&of_wheel) - behind * weight - over * (car.mass * acceleration + drag)
+                + car.wheelbase * lift[1];
+            let needed = -moment / car.wheelbase;
+            let change = needed - rear;
+            rear = needed;
+            if change.abs() <= FOUND * weight {
+                return Ok((rolling, acceleration));
+            }
+        }
+        Err(Error::numeric("the loads of the axles at the start were not found"))
+    }
+
+    /// All wheels rolling free under loads of the axles \[N\].
+    fn wheels_rolling(&self, loads: [f64; 2]) -> Result<[Rolling<T>; WHEELS]> {
+        let mut all = Vec::with_capacity(WHEELS);
+        for i in 0..WHEELS {
+            let axle = &self.car.axles[i / 2];
+            let mut wheel = Mounted { tire: self.tires[i / 2].clone(), ..Mounted::default() };
+            let rim = Motion {
+                velocity: Vector3::new(self.initial_speed, 0.0, 0.0),
+                angles: Vector3::new(-SIDES[i] * axle.camber, 0.0, -SIDES[i] * axle.toe),
+                ..Motion::default()
+            };
+            let ground = OnRoad::at(&self.road, self.wheel_place(i), self.friction[i]);
+            wheel.start_rolling(&rim, &ground, 0.5 * loads[i / 2])?;
+            let on_rim = wheel.tire.on_rim();
+            let along =
+                Pose::from(&Motion { rates: Vector3::zeros(), ..wheel.rim }).axes.column(1).into_owned();
+            let on_carrier =
+                Wrench { force: on_rim.force, moment: on_rim.moment - along * along.dot(&on_rim.moment) };
+            let carried = wheel.tire.carried().mass;
+            all.push(Rolling { wheel, on_carrier, carried });
+        }
+        all.try_into().map_err(|_| Error::numeric("a vehicle has four wheels"))
+    }
+
+    /// Checks that `step_size` is short enough for carriers, wheels and rack.
+    pub(super) fn check_steps(&self) -> Result<()> {
+        let names = [
+            (
+                "front_wheel_mass + front_carrier_mass",
+                "front_wheel_inertia",
+                "front_spring_stiffness",
+                "front_damper",
+            ),
+            (
+                "rear_wheel_mass + rear_carrier_mass",
+                "rear_wheel_inertia",
+                "rear_spring_stiffness",
+                "rear_damper",
+            ),
+        ];
+        let body = ("the body's share of vehicle_mass", 0.25 * self.car.body_mass());
+        let McPherson { longitudinal, transverse, tie_rod, .. } = self.car.mcpherson;
+        for (i, (mass, inertia, spring, damper)) in names.into_iter().enumerate() {
+            let axle = &self.car.axles[i];
+            let carrier = (mass, axle.unsprung());
+            let [plane, across, windup] = self.tires[i].links();
+            let strut = Link {
+                stiffness: (spring, axle.springs.stiffness),
+                damping: (damper, axle.springs.damper.steepest()),
+                mass: body,
+            };
+            check_step_size(self.step_size, carrier, &[strut, plane], &ALONG)?;
+            let [fore_aft, lateral] = match i {
+                0 => [
+                    (
+                        "front_longitudinal_link_stiffness",
+                        "front_longitudinal_link_damping",
+                        longitudinal,
+                        1.0,
+                    ),
+                    ("front_transverse_link_stiffness", "front_transverse_link_damping", transverse, 1.0),
+                ],
+                // two links of five or so lie along, and three across
+                _ => [
+                    (
+                        "rear_link_stiffness of two links",
+                        "rear_link_damping",
+                        self.car.five_link.bushing,
+                        2.0,
+                    ),
+                    (
+                        "rear_link_stiffness of three links",
+                        "rear_link_damping",
+                        self.car.five_link.bushing,
+                        3.0,
+                    ),
+                ],
+            }
+            .map(|(stiffness, damping, bushing, links)| Link {
+                stiffness: (stiffness, links * bushing.stiffness),
+                damping: (damping, links * bushing.damping),
+                mass: body,
+            });
+            check_step_size(self.step_size, carrier, &[fore_aft, plane], &ALONG)?;
+            check_step_size(self.step_size, carrier, &[lateral, across], &ALONG)?;
+            check_step_size(self.step_size, (inertia, axle.wheel_inertia), &[windup], &ABOUT)?;
+        }
+        let rack = ("rack_mass", self.car.rack.mass);
+        let tie_rods = Link {
+            stiffness: ("front_tie_rod_stiffness of both", 2.0 * tie_rod.stiffness),
+            damping: ("front_tie_rod_damping of both", 2.0 * tie_rod.damping),
+            mass: ("the wheels", f64::INFINITY),
+        };
+        let column = Link {
+            stiffness: ("column_stiffness", self.car.rack.stiffness),
+            damping: ("column_damping", self.car.rack.damping),
+            mass: ("the body", f64::INFINITY),
+        };
+        check_step_size(self.step_size, rack, &[tie_rods, column], &ALONG)
+    }
+}
