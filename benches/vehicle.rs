@@ -25,13 +25,12 @@ struct Case {
     with_brakes: bool,
 }
 
-const CASES: [Case; 6] = [
+const CASES: [Case; 5] = [
     Case { model: "ring-brush-vehicle", own: 5e-4, with_brakes: false },
     Case { model: "ring-brush-vehicle", own: 5e-4, with_brakes: true },
-    Case { model: "ring-brush-vehicle", own: 1e-3, with_brakes: true },
-    Case { model: "magic-formula-vehicle", own: 2e-4, with_brakes: true },
+    Case { model: "ring-brush-vehicle", own: 2e-4, with_brakes: true },
     Case { model: "magic-formula-vehicle", own: 5e-4, with_brakes: true },
-    Case { model: "magic-formula-vehicle", own: 1e-3, with_brakes: true },
+    Case { model: "magic-formula-vehicle", own: 2e-4, with_brakes: true },
 ];
 
 fn unit(model: &str, values: &[(&str, f64)]) -> Unit {

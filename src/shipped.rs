@@ -2,7 +2,7 @@
 
 use crate::control::{AbsController, BrakeHydraulics};
 use crate::fmi::Entry;
-use crate::rig::{Bare, Corner, CounterbalanceTruck, Drum, FlatTrack, HydroPulse, Vehicle, Wheel};
+use crate::rig::{AxleRig, Bare, Corner, CounterbalanceTruck, Drum, FlatTrack, HydroPulse, Vehicle, Wheel};
 use crate::tire::classic::{FialaTire, LinearTire, SwiftTire, TmEasyTire, UaTire};
 use crate::tire::magic_formula::MagicFormula;
 use crate::tire::ring_brush::RingBrush;
@@ -43,5 +43,5 @@ pub const MODELS: &[Entry] = models! {
     tires: RingBrush, MagicFormula, SuperElastic;
     with_slip: FialaTire, UaTire, TmEasyTire, SwiftTire;
     vertical: LinearTire;
-    others: CounterbalanceTruck<SuperElastic>, Vehicle<RingBrush>, Vehicle<MagicFormula>, BrakeHydraulics, AbsController
+    others: CounterbalanceTruck<SuperElastic>, Vehicle<RingBrush>, Vehicle<MagicFormula>, AxleRig, BrakeHydraulics, AbsController
 };

@@ -5,7 +5,7 @@
 mod common;
 
 use common::{Shipped, advance, assert_close, get, set, started};
-use latsch::model::Native;
+use latsch::model::{Native, Slave};
 use latsch::rig::Vehicle;
 use latsch::tire::magic_formula::MagicFormula;
 
@@ -286,4 +286,74 @@ fn wheels_lose_the_road_behind_a_slab() {
             assert!((at - expected).abs() < 0.02, "{height} m: {lost:?}");
         }
     }
+}
+
+/// Forces of the wheels on their carriers, as the car's measuring rims tell them on slabs under a brake that pulls to the left, give
+/// the axle in a rig the link forces of the road. What is left is the turning of the body, which the rig does not have.
+#[test]
+fn an_axle_in_a_rig_finds_the_link_forces_of_the_road() {
+    let slabs = [("road_kind", 7.0), ("road_start", 2.0), ("road_height", 0.02), ("step_size", 2e-4)];
+    let mut car = Shipped::new(CAR, &slabs);
+    let height = (car.get("front_trail") + 0.012) / CASTER.tan();
+    let sides = [("front_left", "left"), ("front_right", "right")];
+    let rim = ["force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z"];
+    let body = [("longitudinal", "x"), ("lateral", "y"), ("vertical", "z")];
+    let measured = |car: &mut Shipped| {
+        let mut all = Vec::new();
+        for (from, to) in sides {
+            for name in rim {
+                all.push((format!("{to}.carrier_{name}"), car.get(&format!("{from}.carrier_{name}"))));
+            }
+        }
+        for (from, to) in body {
+            all.push((format!("body_acceleration_{to}"), car.get(&format!("{from}_acceleration"))));
+        }
+        all
+    };
+    let mut start = measured(&mut car);
+    start.push(("wheel_centre_height".into(), height));
+    let start: Vec<_> = start.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+    let mut axle = Shipped::new("axle", &start);
+    let links = ["longitudinal_link", "transverse_link", "tie_rod", "strut"];
+    let mut courses = vec![(Vec::new(), Vec::new()); 2 * links.len()];
+    for k in 0..1600 {
+        if k == 500 {
+            for (wheel, torque) in WHEELS.iter().zip([900.0, 500.0, 600.0, 300.0]) {
+                car.set(&format!("{wheel}.brake_torque"), torque);
+            }
+        }
+        car.step(1e-3);
+        for (name, value) in measured(&mut car) {
+            axle.set(&name, value);
+        }
+        axle.step(1e-3);
+        for (i, (on_road, in_rig)) in courses.iter_mut().enumerate() {
+            let (side, link) = (sides[i / links.len()], links[i % links.len()]);
+            on_road.push(car.get(&format!("{}.{link}_force", side.0)));
+            in_rig.push(axle.get(&format!("{}.{link}_force", side.1)));
+        }
+    }
+    for (i, (on_road, in_rig)) in courses.iter().enumerate() {
+        let mean = on_road.iter().sum::<f64>() / on_road.len() as f64;
+        let rms = |of: &dyn Fn(usize) -> f64| {
+            ((0..on_road.len()).map(|k| of(k).powi(2)).sum::<f64>() / on_road.len() as f64).sqrt()
+        };
+        let share = rms(&|k| on_road[k] - in_rig[k]) / rms(&|k| on_road[k] - mean);
+        assert!(share < 0.15, "{} {}: {share}", sides[i / links.len()].0, links[i % links.len()]);
+    }
+}
+
+/// The step that the refusal of a longer one advises is stable, on a rough road.
+#[test]
+fn a_step_that_is_too_long_is_refused_with_one_that_is_not() {
+    let mut slave = common::shipped(CAR);
+    set(&mut *slave, &[("step_size", 1e-3), ("rack_mass", 1.0)]);
+    let error = slave.start(0.0, None).and_then(|()| slave.finish_start()).unwrap_err().to_string();
+    assert!(error.contains("the rack;"), "{error}");
+    let limit: f64 =
+        error.split("take a step_size of ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let rough = [("road_kind", 6.0), ("road_start", 3.0), ("rack_mass", 1.0), ("step_size", limit)];
+    let mut car = Shipped::new(CAR, &rough);
+    run(&mut car, 2.0);
+    assert!(car.get("rack_displacement").abs() < 0.01);
 }

@@ -12,7 +12,7 @@ use latsch::shipped::MODELS;
 /// What the names of models end with (every tire on a rig, or a name), start values that let something happen, and an input that moves, with its rate.
 type Run = (&'static str, &'static [(&'static str, f64)], (&'static str, f64));
 
-const RUNS: [Run; 10] = [
+const RUNS: [Run; 11] = [
     ("-flat-track", &[("slip", 0.05), ("slip_angle", 0.03), ("camber", 0.02)], ("deflection", 0.01)),
     ("-tire", &[("rim_velocity_y", 0.3), ("road_slope_x", 0.02)], ("rim_spin_rate", 20.0)),
     ("-wheel", &[("steer", 0.02), ("camber", 0.02)], ("brake_torque", 3e4)),
@@ -21,6 +21,7 @@ const RUNS: [Run; 10] = [
     ("-drum", &[("brake_torque", 20.0)], ("drum_speed", 30.0)),
     ("-counterbalance-truck", &[("speed", 8.0)], ("speed", 10.0)),
     ("-vehicle", &[("steering_wheel_angle", 0.1)], ("front_left.brake_torque", 3e4)),
+    ("axle", &[("steering_wheel_angle", 0.1)], ("left.carrier_force_x", -1e4)),
     ("brake-hydraulics", &[("outlet_valve", 0.3)], ("driver_pressure", 1e8)),
     ("abs-controller", &[("driver_pressure", 1e7)], ("wheel_speed_1", -100.0)),
 ];

@@ -118,6 +118,20 @@ const CASES: &[Case] = &[
         },
     },
     Case {
+        models: &["axle"],
+        start: &[],
+        inputs: |t| {
+            let braking = ramp(t, 0.1, 0.2) * (1.0 + 0.2 * (12.0 * t).sin());
+            vec![
+                ("left.carrier_force_x", -3000.0 * braking),
+                ("left.carrier_moment_y", 950.0 * braking),
+                ("right.carrier_force_x", -2500.0 * braking),
+                ("right.carrier_moment_y", 800.0 * braking),
+                ("left.carrier_force_z", 2935.0 + 1000.0 * (9.0 * t).sin()),
+            ]
+        },
+    },
+    Case {
         models: &["brake-hydraulics"],
         start: &[],
         // a driver's foot, and valves that switch every 40 ms

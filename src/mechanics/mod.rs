@@ -24,5 +24,7 @@ pub use point_mass::PointMass;
 pub use pose::{At, Pose};
 pub use rigid::RigidBody;
 pub use spin::Spin;
-pub use stability::{ABOUT, ALONG, Link, Named, check_step_size, check_steps_of_led_rim};
+pub use stability::{
+    ABOUT, ALONG, Coordinate, Link, Named, Response, check_step_size, check_steps_of_led_rim,
+};
 pub use verlet::{Drift, drift, kick};

@@ -6,6 +6,7 @@
 //! masses in a row that is where M - h D - h^2 K / 4 is no longer positive definite.
 
 use crate::{Error, Result};
+use nalgebra::{DMatrix, DVector};
 
 /// A quantity of the model with its name.
 pub type Named = (&'static str, f64);
@@ -33,7 +34,7 @@ impl Link {
     }
 
     /// The mass that it takes at the hub, where the other end is as heavy as it is.
-    fn needs_at_hub(&self, step: f64) -> f64 {
+    pub fn needs_at_hub(&self, step: f64) -> f64 {
         let needed = self.needs(step);
         if needed < self.mass.1 { needed / (1.0 - needed / self.mass.1) } else { f64::INFINITY }
     }
@@ -53,6 +54,12 @@ fn longest(step: f64, hub: f64, links: &[Link]) -> f64 {
     stable
 }
 
+/// A positive number with two digits that is not more than it.
+fn rounded_down(number: f64) -> f64 {
+    let unit = libm::pow(10.0, libm::log10(number).floor() - 1.0);
+    (number / unit).floor() * unit
+}
+
 /// Checks that a hub with these links can be stepped by `step` seconds.
 ///
 /// # Errors
@@ -66,12 +73,94 @@ pub fn check_step_size(step: f64, hub: Named, links: &[Link], units: &[&str; 3])
     let damps = step * link.damping.1 > 0.5 * link.needs(step);
     let ((name, value), unit) = if damps { (link.damping, units[2]) } else { (link.stiffness, units[1]) };
     let (mass, size) = if link.mass.1 < hub.1 { link.mass } else { hub };
-    // two digits of it are not more than it
-    let limit = 0.99 * longest(step, hub.1, links);
+    let limit = rounded_down(longest(step, hub.1, links));
     Err(Error::variable(format!(
         "step_size = {step:?} s is too long for {name} = {value:?} {unit} on {mass} = {size:?} {}: the motion would grow without bound; take a step_size of {limit:.1e} s at most, a smaller {name} or a larger {mass}",
         units[0]
     )))
+}
+
+/// How a coordinate of bodies is called where it moves most, and a length that makes a rotation a way \[m\]; 1 of a way.
+pub type Coordinate = (String, f64);
+
+/// What bodies do about a state: how accelerations answer to a change of each place and of each velocity, column by column.
+pub struct Response {
+    by_place: DMatrix<f64>,
+    by_velocity: DMatrix<f64>,
+}
+
+/// Changes by which [`Response::new`] finds differences \[m or rad, m/s or rad/s\]: of linear springs any would do, and with these what is not
+/// linear changes accelerations by less than a thousandth.
+const PROBE: f64 = 1e-6;
+
+impl Response {
+    /// From accelerations of all coordinates where places and velocities are changed by so much.
+    pub fn new(coordinates: usize, mut accelerations: impl FnMut(&[f64], &[f64]) -> Vec<f64>) -> Self {
+        let mut column = |n: usize, of_place: bool| {
+            let mut ends = [-PROBE, PROBE].map(|by| {
+                let mut changes = [vec![0.0; coordinates], vec![0.0; coordinates]];
+                changes[usize::from(!of_place)][n] = by;
+                accelerations(&changes[0], &changes[1])
+            });
+            let [before, after] = &mut ends;
+            DVector::from_iterator(
+                coordinates,
+                after.iter().zip(before.iter()).map(|(a, b)| (a - b) / (2.0 * PROBE)),
+            )
+        };
+        let columns = |of_place: bool, column: &mut dyn FnMut(usize, bool) -> DVector<f64>| {
+            DMatrix::from_columns(&(0..coordinates).map(|n| column(n, of_place)).collect::<Vec<_>>())
+        };
+        Self { by_place: columns(true, &mut column), by_velocity: columns(false, &mut column) }
+    }
+
+    /// Checks that the bodies can be stepped by `step` seconds: that M - h D - h² K / 4 is positive definite. `more` says what else
+    /// takes a share of each coordinate's mass at a step.
+    ///
+    /// # Errors
+    /// They cannot; the message names what would swing without bound, and the longest step.
+    pub fn check(&self, step: f64, names: &[Coordinate], more: impl Fn(f64) -> Vec<f64>) -> Result<()> {
+        let needs = |step: f64| {
+            let taken = DMatrix::from_diagonal(&DVector::from_vec(more(step)));
+            &self.by_velocity * -step - &self.by_place * (0.25 * step * step) + taken
+        };
+        if largest(&needs(step)) < 1.0 {
+            return Ok(());
+        }
+        let (mut stable, mut unstable) = (0.0, step);
+        while unstable - stable > 0.01 * unstable {
+            let middle = 0.5 * (stable + unstable);
+            if largest(&needs(middle)) < 1.0 { stable = middle } else { unstable = middle }
+        }
+        // powers of the matrix leave the shape of the mode that needs most
+        let matrix = needs(step);
+        let mut shape = DVector::from_element(names.len(), 1.0);
+        for _ in 0..SHAPED {
+            shape = &matrix * &shape;
+            let size = shape.amax();
+            shape /= if size > 0.0 { size } else { 1.0 };
+        }
+        let moves = |n: &usize| (shape[*n] * names[*n].1).abs();
+        let most = (0..names.len()).max_by(|a, b| moves(a).total_cmp(&moves(b))).unwrap_or(0);
+        Err(Error::variable(format!(
+            "step_size = {step:?} s is too long for what swings fastest, which would grow without bound: {}; take a step_size of {:.1e} s at most, softer springs and bushings there, or more mass",
+            names[most].0,
+            rounded_down(stable)
+        )))
+    }
+}
+
+/// Products after which a shape no longer changes much.
+const SHAPED: usize = 100;
+/// Iterations for the eigenvalues of a matrix, of which there are some for each of them.
+const MOST_SHIFTS: usize = 10_000;
+
+/// The largest real part of the eigenvalues.
+fn largest(matrix: &DMatrix<f64>) -> f64 {
+    nalgebra::linalg::Schur::try_new(matrix.clone(), f64::EPSILON, MOST_SHIFTS)
+        .map_or(f64::INFINITY, |schur| {
+            schur.complex_eigenvalues().iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max)
+        })
 }
 
 /// Checks that the masses at the other ends of links in the plane of a wheel, along its axis and about it can be stepped by
@@ -120,6 +209,35 @@ mod tests {
             }
         }
         largest
+    }
+
+    /// The same limit from how accelerations answer, with both ends, the hub's links or all three masses.
+    #[test]
+    fn modes_have_the_limit_of_masses_in_a_row() {
+        let (masses, stiffness, damping) = ([380.0, 40.0, 8.8], [750e3, 4.67e6], [900.0, 449.0]);
+        let link = |i: usize| Link {
+            stiffness: ("stiffness", stiffness[i]),
+            damping: ("damping", damping[i]),
+            mass: ("mass", masses[2 * i]),
+        };
+        let limit = longest(1.0, masses[1], &[link(0), link(1)]);
+        let response = Response::new(3, |x, v| {
+            let force = |i: usize| stiffness[i] * (x[i] - x[i + 1]) + damping[i] * (v[i] - v[i + 1]);
+            vec![-force(0) / masses[0], (force(0) - force(1)) / masses[1], force(1) / masses[2]]
+        });
+        let names = ["left", "hub", "right"].map(|name| (name.to_owned(), 1.0));
+        let none = |_: f64| vec![0.0; 3];
+        response.check(0.999 * limit, &names, none).unwrap();
+        let error = response.check(1.001 * limit, &names, none).unwrap_err().to_string();
+        assert!(error.contains("right"), "{error}");
+        // the right mass as a link of the hub
+        let hub = Response::new(2, |x, v| {
+            let force = stiffness[0] * (x[0] - x[1]) + damping[0] * (v[0] - v[1]);
+            vec![-force / masses[0], force / masses[1]]
+        });
+        let tied = |step: f64| vec![0.0, link(1).needs_at_hub(step) / masses[1]];
+        hub.check(0.999 * limit, &names[..2], tied).unwrap();
+        assert!(hub.check(1.001 * limit, &names[..2], tied).is_err());
     }
 
     #[test]

@@ -26,7 +26,7 @@ pub use hydropulse::HydroPulse;
 pub use on_road::OnRoad;
 pub use rolling::Rolling;
 pub use truck::CounterbalanceTruck;
-pub use vehicle::Vehicle;
+pub use vehicle::{AxleRig, Vehicle};
 pub use wheel::Wheel;
 
 use crate::tire::ring_brush::RingBrush;

@@ -62,6 +62,7 @@ MODELS = {
     "super-elastic-counterbalance-truck": (dict(speed=2.0), dict(speed=2.5)),
     "ring-brush-vehicle": ({"steering_wheel_angle": 0.1}, {"front_left.brake_torque": 800.0, "rear_right.friction_factor": 0.5}),
     "magic-formula-vehicle": ({"steering_wheel_angle": 0.1}, {"front_left.brake_torque": 800.0, "rear_right.friction_factor": 0.5}),
+    "axle": ({"left.carrier_force_x": -100.0}, {"left.carrier_force_x": -2000.0, "right.carrier_moment_y": 500.0}),
     "brake-hydraulics": (dict(driver_pressure=5e6), dict(inlet_valve=0.0, outlet_valve=0.4)),
     "abs-controller": (dict(wheel_speed_1=60.0, driver_pressure=1e7), dict(wheel_speed_1=45.0)),
 }

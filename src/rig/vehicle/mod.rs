@@ -7,17 +7,25 @@
 //! tie rods. So every force in a link is a force of the model, none is worked out behind it, and levers, toe and camber over travel,
 //! anti-dive and the wheel's inertia about the steering axis follow from where the joints are.
 
+mod axle;
+mod axle_rig;
 mod car;
 mod five_link;
+mod front;
 mod joint;
 pub mod lever_arms;
 mod mcpherson;
+mod modes;
+mod rack;
 mod rows;
 mod start;
 mod statics;
 mod told;
 
+pub use self::axle_rig::AxleRig;
+
 use self::car::Car;
+use self::front::FrontAxle;
 use super::{Actuation, Actuator, Command, OnRoad};
 use crate::mechanics::{Body, Motion, Pose, RigidBody, Spin, Wrench, cross};
 use crate::model::{Model, Table, join};
@@ -55,11 +63,10 @@ pub struct Vehicle<T> {
     spared: f64,
     car: Car,
     gravity: f64,
-    front: [mcpherson::Side; 2],
+    front: FrontAxle,
     rear: [five_link::Side; 2],
     body: Body,
     carriers: [Body; WHEELS],
-    rack: Rack,
     /// Where the wheels' centres are in the vehicle's axes where it stands, from the body's centre of mass \[m\].
     places: [Vector3<f64>; WHEELS],
     /// Height of the body's centre of mass there \[m\].
@@ -92,7 +99,6 @@ clone_in_place!(Vehicle<T> {
     rear,
     body,
     carriers,
-    rack,
     places,
     standing,
     told,
@@ -122,21 +128,6 @@ impl Taken {
     }
 }
 
-/// The rack against the body, to the left.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-struct Rack {
-    way: f64,
-    speed: f64,
-    acceleration: f64,
-    /// What holds it where the vehicle stands \[N\].
-    preload: f64,
-    /// Force of its friction, and where it was when that was found.
-    friction: f64,
-    from: f64,
-    /// Force of column and driver on it \[N\].
-    column: f64,
-}
-
 impl<T: Tire> Model for Vehicle<T> {
     const NAME: &'static str = const { &join::<48>(&[T::NAME, "-vehicle"]) }.as_str();
     const DESCRIPTION: &'static str = const {
@@ -164,9 +155,8 @@ impl<T: Tire> Model for Vehicle<T> {
 
     fn tune(&mut self) -> Result<()> {
         self.car.prepare()?;
-        self.check_steps()?;
-        for side in &mut self.front {
-            side.tune(&self.car.mcpherson);
+        for side in &mut self.front.sides {
+            side.tune(&self.car.front.mcpherson);
         }
         for side in &mut self.rear {
             side.tune(self.car.five_link.bushing);
@@ -178,12 +168,12 @@ impl<T: Tire> Model for Vehicle<T> {
             wheel.tire.share_parameters(&self.tires[i / 2]);
             wheel.tire.tune()?;
         }
-        Ok(())
+        self.check_steps()
     }
 
     fn check(&self) -> Result<()> {
         self.road.check()?;
-        if !self.car.axles.iter().all(|axle| axle.springs.damper.is_whole()) {
+        if ![0, 1].iter().all(|axle| self.car.axle(*axle).springs.damper.is_whole()) {
             return Err(Error::numeric("the saved vehicle is damaged"));
         }
         self.wheels.iter().try_for_each(|wheel| wheel.tire.check(&self.road))
@@ -201,7 +191,7 @@ impl<T: Tire> Model for Vehicle<T> {
         // half a kick and drift of all bodies; what damps sees the velocities predicted for the end
         let body = self.body.drift(length);
         let carriers = self.carriers.each_mut().map(|carrier| carrier.drift(length));
-        let rack_speed = self.rack.drift(length);
+        let rack_speed = self.front.rack.drift(length);
         let torques = self.torques();
         for i in 0..WHEELS {
             let inertia = self.inertia(i);
@@ -228,7 +218,7 @@ impl<T: Tire> Model for Vehicle<T> {
         self.accelerate(&body, &carriers, rack_speed);
         self.body.kick(length);
         self.carriers.iter_mut().for_each(|carrier| carrier.kick(length));
-        self.rack.kick(length);
+        self.front.rack.kick(length);
         self.taken.add(&powers, &self.powers, length);
         if self.body.is_finite() && self.carriers.iter().all(Body::is_finite) {
             Ok(())
@@ -253,23 +243,10 @@ fn about_axle(motion: &Motion<f64>) -> f64 {
     motion.rates.y + libm::sin(motion.angles.x) * motion.rates.z
 }
 
-impl Rack {
-    fn drift(&mut self, dt: f64) -> f64 {
-        let step = crate::mechanics::drift(self.speed, self.acceleration, dt);
-        self.speed = step.velocity;
-        self.way += step.travel;
-        step.predicted
-    }
-
-    fn kick(&mut self, dt: f64) {
-        self.speed = crate::mechanics::kick(self.speed, self.acceleration, dt);
-    }
-}
-
 impl<T: Tire> Vehicle<T> {
     /// Of a wheel about its axis, with the masses of its tire that turn with it.
     fn inertia(&self, i: usize) -> f64 {
-        self.car.axles[i / 2].wheel_inertia + self.wheels[i].tire.carried().inertia
+        self.car.axle(i / 2).wheel_inertia + self.wheels[i].tire.carried().inertia
     }
 
     /// How much faster front wheels turn than rear ones \[rad/s\].
@@ -294,29 +271,19 @@ impl<T: Tire> Vehicle<T> {
         let air = -(on_body.force.dot(&pose.velocity) + on_body.moment.dot(&pose.spin));
         let mut powers = Taken { air, ..Taken::default() };
         let mut on_carriers = [Wrench::default(); WHEELS];
-        let mut on_rack = 0.0;
 
-        let rack = [self.rack.way, rack_speed];
-        let strained = [0, 1].map(|i| self.front[i].strained([&pose, &poses[i]], rack));
-        let shortened = strained.each_ref().map(mcpherson::Strained::shortened);
-        for i in 0..2 {
-            let [way, rate] = shortened[i];
-            let more = car.axles[0].springs.push(way, rate, shortened[1 - i][0]);
-            powers.dampers +=
-                self.front[i].power_loss(&strained[i]) + rate * car.axles[0].springs.damper.at(rate);
-            let acting = self.front[i].act(&strained[i], [&pose, &poses[i]], more);
-            on_body += acting.on_body;
-            on_carriers[i] += acting.on_carrier;
-            on_rack += acting.on_rack;
-            self.told.front[i] = told::Front::new(&acting, &pose, shortened[i]);
-        }
+        let on_front = [poses[0], poses[1]];
+        let front = self.front.act(&car.front, self.steered, &pose, &on_front, rack_speed);
+        on_body += front.on_body;
+        on_carriers[..2].copy_from_slice(&front.on_carriers);
+        powers.dampers += front.dampers;
+        self.told.front = front.told;
         let strained = [0, 1].map(|i| self.rear[i].strained([&pose, &poses[2 + i]]));
         let shortened = strained.each_ref().map(five_link::Strained::shortened);
         for i in 0..2 {
             let [way, rate] = shortened[i];
-            let more = car.axles[1].springs.push(way, rate, shortened[1 - i][0]);
-            powers.dampers +=
-                self.rear[i].power_loss(&strained[i]) + rate * car.axles[1].springs.damper.at(rate);
+            let more = car.rear.springs.push(way, rate, shortened[1 - i][0]);
+            powers.dampers += self.rear[i].power_loss(&strained[i]) + rate * car.rear.springs.damper.at(rate);
             let acting = self.rear[i].act(&strained[i], more);
             on_body += acting.on_body;
             on_carriers[2 + i] += acting.on_carrier;
@@ -333,12 +300,10 @@ impl<T: Tire> Vehicle<T> {
             powers.tires += self.tire_power(i, &poses[i]);
             self.load_carrier(i, &carriers[i], &poses[i], on_carriers[i], torques[i]);
         }
-        for (i, side) in self.front.iter().enumerate() {
+        for (i, side) in self.front.sides.iter().enumerate() {
             let (axis, ball_joint) = side.steering_axis([&pose, &poses[i]]);
             self.told.front[i].about(&axis, &ball_joint, &self.told.wheels[i]);
         }
-        let arm = self.car.mcpherson.steering_arm;
-        powers.dampers += self.rack.load(&self.car.rack, self.steered, arm, rack_speed, on_rack);
         self.powers = powers;
     }
 
@@ -360,15 +325,15 @@ impl<T: Tire> Vehicle<T> {
         loads.moment += on_rim.moment - axle * axle.dot(&on_rim.moment);
         loads.moment += axle * spin.brake_torque;
         // turning a wheel that spins takes a moment
-        let momentum = axle * (self.car.axles[i / 2].wheel_inertia * spin.speed);
+        let momentum = axle * (self.car.axle(i / 2).wheel_inertia * spin.speed);
         loads.moment -= cross(&pose.spin, &momentum);
-        let own = self.car.axles[i / 2].carrier(0.0).mass;
-        let rigid = self.car.axles[i / 2].carrier(carried.mass);
+        let own = self.car.axle(i / 2).carrier(0.0).mass;
+        let rigid = self.car.axle(i / 2).carrier(carried.mass);
         // the weight of what the tire has is in its force
         self.carriers[i].load(&rigid, motion, &loads, self.gravity * own / rigid.mass);
         let brake = spin.brake_torque;
         self.told.wheels[i] = told::Bearing::new(
-            &self.car.axles[i / 2],
+            self.car.axle(i / 2),
             &self.carriers[i],
             motion,
             &on_rim,
@@ -405,29 +370,9 @@ impl<T: Tire> Vehicle<T> {
 
     /// The vehicle's centre of mass where it stands, from the body's, in its axes.
     fn vehicle_centre(&self) -> Vector3<f64> {
-        let unsprung = |axle: usize| 2.0 * self.car.axles[axle].unsprung();
+        let unsprung = |axle: usize| 2.0 * self.car.axle(axle).unsprung();
         let sum = self.places[0] * unsprung(0) + self.places[2] * unsprung(1);
         Vector3::new(sum.x, 0.0, sum.z) / self.car.mass
-    }
-}
-
-impl Rack {
-    /// Where column and driver would have the rack, and how fast they move that.
-    fn wanted(car: &car::Rack, steered: Actuator, arm: f64) -> [f64; 2] {
-        // a rack before the axle goes to the left to turn left
-        let ratio = car.ratio.copysign(arm);
-        [ratio * steered.position, ratio * steered.velocity]
-    }
-
-    /// Takes over what acts on a rack that moves so; returns the power that friction and the column's damper take \[W\].
-    fn load(&mut self, car: &car::Rack, steered: Actuator, arm: f64, speed: f64, tie_rods: f64) -> f64 {
-        let [way, rate] = Self::wanted(car, steered, arm);
-        self.column = self.preload + car.stiffness * (way - self.way) + car.damping * (rate - speed);
-        let held = self.friction - car.friction_stiffness * (self.way - self.from);
-        (self.friction, self.from) = (held.clamp(-car.friction, car.friction), self.way);
-        self.acceleration = (tie_rods + self.column + self.friction) / car.mass;
-        let slips = if self.friction == held { 0.0 } else { -self.friction * speed };
-        car.damping * (rate - speed) * (rate - speed) + slips
     }
 }
 
@@ -440,28 +385,16 @@ impl<T: Tire> Vehicle<T> {
         };
         let pose = Pose::from(&self.body.motion);
         let mut energy = of(&car.body(), &self.body.motion);
-        let mut shortened = [[0.0; 2]; 2];
+        let poses = self.carriers.each_ref().map(|carrier| Pose::from(&carrier.motion));
         for i in 0..WHEELS {
-            let (axle, carrier) = (&car.axles[i / 2], &self.carriers[i].motion);
-            energy += of(&axle.carrier(0.0), carrier) + self.spins[i].kinetic_energy(axle.wheel_inertia);
-            let on = Pose::from(carrier);
-            if i < 2 {
-                let at = self.front[i].strained([&pose, &on], [self.rack.way, self.rack.speed]);
-                shortened[0][i] = at.shortened()[0];
-                energy += self.front[i].energy(&at, &on);
-            } else {
-                let at = self.rear[i - 2].strained([&pose, &on]);
-                shortened[1][i - 2] = at.shortened()[0];
-                energy += self.rear[i - 2].energy(&at);
-            }
+            let axle = car.axle(i / 2);
+            energy += of(&axle.carrier(0.0), &self.carriers[i].motion)
+                + self.spins[i].kinetic_energy(axle.wheel_inertia);
         }
-        energy += car.axles[0].springs.energy(shortened[0]) + car.axles[1].springs.energy(shortened[1]);
-        let behind = Rack::wanted(&car.rack, self.steered, car.mcpherson.steering_arm)[0] - self.rack.way;
-        energy
-            + 0.5 * car.rack.mass * self.rack.speed * self.rack.speed
-            + 0.5 * car.rack.stiffness * behind * behind
-            - self.rack.preload * self.rack.way
-            + 0.5 * self.rack.friction * self.rack.friction / car.rack.friction_stiffness
+        energy += self.front.energy(&car.front, self.steered, &pose, &[poses[0], poses[1]]);
+        let strained = [0, 1].map(|i| self.rear[i].strained([&pose, &poses[2 + i]]));
+        let links: f64 = (0..2).map(|i| self.rear[i].energy(&strained[i])).sum();
+        energy + links + car.rear.springs.energy(strained.each_ref().map(|at| at.shortened()[0]))
     }
 
     /// Energy that brakes, dampers, tires and the air took since the start \[J\].

@@ -40,8 +40,8 @@ impl<T: Tire> Vehicle<T> {
             output("pitch", "rad", real!(body.motion.angles.y), "Pitch of the body, positive nose down").role(Role::Position),
             output("yaw", "rad", real!(body.motion.angles.z), "Yaw angle of the body, positive to the left").role(Role::Position),
             output("yaw_rate", "rad/s", real!(body.motion.rates.z), "Its rate").role(Role::Velocity),
-            output("rack_displacement", "m", real!(rack.way), "Way of the rack to the left").role(Role::Position),
-            output("column_force", "N", real!(rack.column), "Force of column and driver on the rack, to the left").nominal(1000.0).role(Role::Force),
+            output("rack_displacement", "m", real!(front.rack.way), "Way of the rack to the left").role(Role::Position),
+            output("column_force", "N", real!(front.rack.column), "Force of column and driver on the rack, to the left").nominal(1000.0).role(Role::Force),
         ]);
         let [fl, fr, rl, rr] = PREFIXES;
         for (i, prefix) in PREFIXES.into_iter().enumerate() {
@@ -131,7 +131,7 @@ impl<T: Tire> Vehicle<T> {
 
     /// Lever arms of a front wheel where the vehicle stands, with forces that attack below the wheel's centre.
     fn lever_arms(&self) -> LeverArms {
-        self.car.mcpherson.axis().lever_arms(self.standing + self.places[0].z, 0.0, 0.0)
+        self.car.front.mcpherson.axis().lever_arms(self.standing + self.places[0].z, 0.0, 0.0)
     }
 
     fn slip(&self, i: usize) -> f64 {

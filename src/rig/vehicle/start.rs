@@ -1,8 +1,8 @@
 //! The start: the vehicle rolls straight on, in balance.
 
-use super::mcpherson::McPherson;
-use super::{Rack, SIDES, Taken, Vehicle, WHEEL_NAMES, WHEELS, five_link, mcpherson, statics, told};
-use crate::mechanics::{ABOUT, ALONG, Body, Link, Motion, Pose, Spin, Wrench, check_step_size};
+use super::rack::Rack;
+use super::{SIDES, Taken, Vehicle, WHEEL_NAMES, WHEELS, five_link, modes, statics, told};
+use crate::mechanics::{ABOUT, Body, Motion, Pose, Response, Spin, Wrench, check_step_size};
 use crate::rig::{Actuator, OnRoad};
 use crate::road::Road;
 use crate::tire::{Mounted, Tire};
@@ -32,7 +32,6 @@ impl<T: Tire> Vehicle<T> {
         for tire in &mut self.tires {
             tire.mount(&self.road)?;
         }
-        self.check_steps()?;
         for (i, name) in WHEEL_NAMES.into_iter().enumerate() {
             let reach = self.tires[i / 2].radius();
             OnRoad::check_level(&self.road, "vehicle", name, self.wheel_place(i), reach)?;
@@ -46,7 +45,7 @@ impl<T: Tire> Vehicle<T> {
         self.standing = z;
         self.body = Body::moving(Motion { position: centre, velocity, ..Motion::default() });
         let body = Pose::from(&self.body.motion);
-        self.rack = Rack::default();
+        self.front.rack = Rack::default();
         self.steered = Actuator::at_rest(&self.steering);
         for (i, Rolling { wheel, on_carrier, carried }) in rolling.into_iter().enumerate() {
             let place = self.wheel_place(i);
@@ -59,7 +58,7 @@ impl<T: Tire> Vehicle<T> {
             self.spins[i] = Spin { speed: wheel.rim.rates.y, ..Spin::default() };
             self.wheels[i] = wheel;
             let carrier = Pose::from(&motion);
-            let own = self.car.axles[i / 2].unsprung();
+            let own = self.car.axle(i / 2).unsprung();
             let mut loads = on_carrier;
             loads.force.z -= own * self.gravity;
             loads.force.x -= (own + carried) * acceleration;
@@ -69,36 +68,26 @@ impl<T: Tire> Vehicle<T> {
         self.told = told::Told::default();
         let (body, carriers) = (self.body.motion, self.carriers.each_ref().map(|c| c.motion));
         self.accelerate(&body, &carriers, 0.0);
-        Ok(())
+        self.check_steps()
     }
 
     /// Hangs a carrier under the body so that all is in balance under other loads on it.
     fn hang(&mut self, i: usize, [body, carrier]: [&Pose; 2], loads: &Wrench<f64>) -> Result<()> {
-        let origin = Vector3::new(self.car.axle_x(i / 2), 0.0, 0.0);
-        let what = if i < 2 { "front suspension" } else { "rear suspension" };
         if i < 2 {
-            let half_track = 0.5 * self.car.axles[0].track;
-            let sizes = &self.car.mcpherson;
-            let joints = sizes.joints(SIDES[i], half_track, carrier.position.z);
-            let mut side = mcpherson::Side::new(sizes, &joints, [body, carrier], &origin);
-            let at = side.strained([body, carrier], [0.0; 2]);
-            side.preload(&at, carrier, &statics::balance(what, &at.columns(), loads)?);
-            self.rack.preload -= side.act(&at, [body, carrier], 0.0).on_rack;
-            self.front[i] = side;
-        } else {
-            let joints = self.car.five_link.joints(SIDES[i])?;
-            let mut side =
-                five_link::Side::new(self.car.five_link.bushing, &joints, [body, carrier], &origin);
-            let at = side.strained([body, carrier]);
-            side.preload(&statics::balance(what, &at.columns(), loads)?);
-            self.rear[i - 2] = side;
+            return self.front.hang(i, &self.car.front, [body, carrier], loads);
         }
+        let origin = Vector3::new(self.car.axle_x(1), 0.0, 0.0);
+        let joints = self.car.five_link.joints(SIDES[i])?;
+        let mut side = five_link::Side::new(self.car.five_link.bushing, &joints, [body, carrier], &origin);
+        let at = side.strained([body, carrier]);
+        side.preload(&statics::balance("rear suspension", &at.columns(), loads)?);
+        self.rear[i - 2] = side;
         Ok(())
     }
 
     /// Where a wheel's centre is at the start, x and y \[m\].
     fn wheel_place(&self, i: usize) -> [f64; 2] {
-        [self.car.axle_x(i / 2), 0.5 * SIDES[i] * self.car.axles[i / 2].track]
+        [self.car.axle_x(i / 2), 0.5 * SIDES[i] * self.car.axle(i / 2).track]
     }
 
     /// All wheels rolling free under the loads that are in balance, and the acceleration of the whole.
@@ -144,7 +133,7 @@ impl<T: Tire> Vehicle<T> {
     fn wheels_rolling(&self, loads: [f64; 2]) -> Result<[Rolling<T>; WHEELS]> {
         let mut all = Vec::with_capacity(WHEELS);
         for i in 0..WHEELS {
-            let axle = &self.car.axles[i / 2];
+            let axle = &self.car.axle(i / 2);
             let mut wheel = Mounted { tire: self.tires[i / 2].clone(), ..Mounted::default() };
             let rim = Motion {
                 velocity: Vector3::new(self.initial_speed, 0.0, 0.0),
@@ -164,80 +153,42 @@ impl<T: Tire> Vehicle<T> {
         all.try_into().map_err(|_| Error::numeric("a vehicle has four wheels"))
     }
 
-    /// Checks that `step_size` is short enough for carriers, wheels and rack.
+    /// Checks that `step_size` is short enough for wheels, and for all bodies together as they are.
     pub(super) fn check_steps(&self) -> Result<()> {
-        let names = [
-            (
-                "front_wheel_mass + front_carrier_mass",
-                "front_wheel_inertia",
-                "front_spring_stiffness",
-                "front_damper",
-            ),
-            (
-                "rear_wheel_mass + rear_carrier_mass",
-                "rear_wheel_inertia",
-                "rear_spring_stiffness",
-                "rear_damper",
-            ),
-        ];
-        let body = ("the body's share of vehicle_mass", 0.25 * self.car.body_mass());
-        let McPherson { longitudinal, transverse, tie_rod, .. } = self.car.mcpherson;
-        for (i, (mass, inertia, spring, damper)) in names.into_iter().enumerate() {
-            let axle = &self.car.axles[i];
-            let carrier = (mass, axle.unsprung());
-            let [plane, across, windup] = self.tires[i].links();
-            let strut = Link {
-                stiffness: (spring, axle.springs.stiffness),
-                damping: (damper, axle.springs.damper.steepest()),
-                mass: body,
-            };
-            check_step_size(self.step_size, carrier, &[strut, plane], &ALONG)?;
-            let [fore_aft, lateral] = match i {
-                0 => [
-                    (
-                        "front_longitudinal_link_stiffness",
-                        "front_longitudinal_link_damping",
-                        longitudinal,
-                        1.0,
-                    ),
-                    ("front_transverse_link_stiffness", "front_transverse_link_damping", transverse, 1.0),
-                ],
-                // two links of five or so lie along, and three across
-                _ => [
-                    (
-                        "rear_link_stiffness of two links",
-                        "rear_link_damping",
-                        self.car.five_link.bushing,
-                        2.0,
-                    ),
-                    (
-                        "rear_link_stiffness of three links",
-                        "rear_link_damping",
-                        self.car.five_link.bushing,
-                        3.0,
-                    ),
-                ],
-            }
-            .map(|(stiffness, damping, bushing, links)| Link {
-                stiffness: (stiffness, links * bushing.stiffness),
-                damping: (damping, links * bushing.damping),
-                mass: body,
-            });
-            check_step_size(self.step_size, carrier, &[fore_aft, plane], &ALONG)?;
-            check_step_size(self.step_size, carrier, &[lateral, across], &ALONG)?;
-            check_step_size(self.step_size, (inertia, axle.wheel_inertia), &[windup], &ABOUT)?;
+        let (step, car) = (self.step_size, &self.car);
+        for (i, inertia) in ["front_wheel_inertia", "rear_wheel_inertia"].into_iter().enumerate() {
+            let windup = self.tires[i].links()[2];
+            check_step_size(step, (inertia, car.axle(i).wheel_inertia), &[windup], &ABOUT)?;
         }
-        let rack = ("rack_mass", self.car.rack.mass);
-        let tie_rods = Link {
-            stiffness: ("front_tie_rod_stiffness of both", 2.0 * tie_rod.stiffness),
-            damping: ("front_tie_rod_damping of both", 2.0 * tie_rod.damping),
-            mass: ("the wheels", f64::INFINITY),
-        };
-        let column = Link {
-            stiffness: ("column_stiffness", self.car.rack.stiffness),
-            damping: ("column_damping", self.car.rack.damping),
-            mass: ("the body", f64::INFINITY),
-        };
-        check_step_size(self.step_size, rack, &[tie_rods, column], &ALONG)
+        let mut names = modes::names("the body");
+        names.extend(WHEEL_NAMES.iter().flat_map(|wheel| modes::names(&format!("the {wheel} carrier"))));
+        names.push(("the rack".into(), 1.0));
+        let mut probe = self.clone();
+        let response = Response::new(names.len(), |places, velocities| {
+            let moved =
+                |n: usize, motion: &Motion<f64>| modes::moved(motion, &places[6 * n..], &velocities[6 * n..]);
+            let body = moved(0, &self.body.motion);
+            let carriers: [Motion<f64>; WHEELS] =
+                std::array::from_fn(|i| moved(1 + i, &self.carriers[i].motion));
+            probe.front.rack = self.front.rack;
+            probe.front.rack.way += places[names.len() - 1];
+            probe.accelerate(&body, &carriers, self.front.rack.speed + velocities[names.len() - 1]);
+            let bodies = std::iter::once(&probe.body).chain(&probe.carriers);
+            let mut all: Vec<f64> = bodies.flat_map(modes::accelerations).collect();
+            all.push(probe.front.rack.acceleration);
+            all
+        });
+        response.check(step, &names, |step| {
+            // tires tie carriers to the road, or to masses inside
+            let mut taken = vec![0.0; names.len()];
+            for i in 0..WHEELS {
+                let [plane, across, _] = self.tires[i / 2].links();
+                let mass = car.axle(i / 2).unsprung();
+                for (axis, link) in [plane, across, plane].iter().enumerate() {
+                    taken[6 * (1 + i) + axis] = link.needs_at_hub(step) / mass;
+                }
+            }
+            taken
+        })
     }
 }

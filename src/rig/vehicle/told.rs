@@ -1,6 +1,6 @@
 //! What the vehicle tells of its joints, besides motions.
 
-use super::car::Axle;
+use super::axle::Axle;
 use super::mcpherson::Acting;
 use crate::mechanics::{Body, Motion, Pose, Wrench, cross};
 use crate::model::{Role, Table, output};
@@ -134,6 +134,20 @@ impl Bearing {
         ])
     }
 
+    /// From force and moment of the wheel on a carrier, as a measuring rim has them, frame 0.
+    pub fn measured(motion: &Motion<f64>, on_carrier: &Wrench<f64>) -> Self {
+        let axle = motion.rotation().column(1).into_owned();
+        let heading = motion.angles.z;
+        Self {
+            force: to_heading(heading, &on_carrier.force),
+            moment: to_heading(heading, &on_carrier.moment),
+            on_rim: *on_carrier,
+            heading: directions(heading),
+            axle,
+            brake: axle.dot(&on_carrier.moment),
+        }
+    }
+
     /// From what the tire does to a wheel on a carrier that is accelerated; torques of the brake and of the drive, and the
     /// speed of its spin.
     pub fn new(
@@ -156,14 +170,19 @@ impl Bearing {
         let moment =
             across(&(on_rim.moment - turning * axle.wheel_transverse_inertia - cross(&spin, &momentum)));
         let heading = motion.angles.z;
-        let (sin, cos) = libm::sincos(heading);
         Self {
             force: to_heading(heading, &force),
             moment: to_heading(heading, &(moment + along * (brake - drive))),
             on_rim: *on_rim,
-            heading: [Vector3::new(cos, sin, 0.0), Vector3::new(-sin, cos, 0.0), Vector3::z()],
+            heading: directions(heading),
             axle: along,
             brake,
         }
     }
+}
+
+/// Along a heading, to its left, and upward.
+fn directions(heading: f64) -> [Vector3<f64>; 3] {
+    let (sin, cos) = libm::sincos(heading);
+    [Vector3::new(cos, sin, 0.0), Vector3::new(-sin, cos, 0.0), Vector3::z()]
 }
