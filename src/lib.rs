@@ -36,6 +36,9 @@ pub mod fmi;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only
 pub mod identify;
+#[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
+pub mod loads;
 pub mod mechanics;
 pub mod model;
 #[cfg(feature = "host")]

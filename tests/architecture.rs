@@ -64,16 +64,17 @@ const ORDER: &[(&str, &str)] = &[
     ("fit", "stats model effect"),
     ("characteristic", "stats model recording fit"),
     ("comparison", "stats recording characteristic"),
+    ("loads", "stats model recording"),
     ("identify", "stats model fmi fmi/entry shipped recording"),
     (
         "diagnose",
         "page stats model effect fmi fmi/entry fmi/import shipped recording simulate cosimulate fit",
     ),
-    ("report", "page stats model tire rig recording characteristic comparison identify diagnose"),
+    ("report", "page stats model tire rig recording characteristic comparison loads identify diagnose"),
     (
         "cli",
         "page stats model tire tir road_file rig control effect fmi fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \
-         recording simulate cosimulate characteristic comparison identify diagnose report",
+         recording simulate cosimulate characteristic comparison loads identify diagnose report",
     ),
 ];
 

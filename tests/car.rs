@@ -5,7 +5,7 @@
 mod common;
 
 use common::{Shipped, advance, assert_close, get, set, started};
-use latsch::model::{Native, Slave};
+use latsch::model::Native;
 use latsch::rig::Vehicle;
 use latsch::tire::magic_formula::MagicFormula;
 

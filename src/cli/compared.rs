@@ -37,7 +37,7 @@ impl Compared {
         };
         Ok(Conditions {
             low_pass: self.low_pass,
-            swing: self.swing.as_deref().map(window).transpose()?,
+            swing: self.swing.as_deref().map(|text| super::span("--swing", text)).transpose()?,
             repeats: self.repeat.iter().map(repeat).collect::<Result<_>>()?,
         })
     }
@@ -62,12 +62,4 @@ pub fn sides(
         )),
         (measured, _) => Ok((simulated.clone(), measured)),
     }
-}
-
-fn window(text: &str) -> Result<[f64; 2]> {
-    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|t| t.is_finite());
-    text.split_once(':')
-        .and_then(|(from, to)| Some([number(from)?, number(to)?]))
-        .filter(|[from, to]| from < to)
-        .ok_or_else(|| Error::call(format!("--swing {text}: the form is FROM:TO in s, with FROM before TO")))
 }

@@ -11,6 +11,7 @@ mod diagnose;
 mod export;
 mod given;
 mod identify;
+mod loads;
 mod models;
 mod plan;
 mod planned;
@@ -48,6 +49,7 @@ enum Command {
     Characterize(characterize::Args),
     Plan(plan::Args),
     RigProgram(rig_program::Args),
+    Loads(loads::Args),
     Diagnose(diagnose::Args),
     Demo(demo::Args),
 }
@@ -84,6 +86,7 @@ pub fn run() -> ExitCode {
         Command::Characterize(args) => characterize::run(&args).map(done),
         Command::Plan(args) => plan::run(&args),
         Command::RigProgram(args) => rig_program::run(&args).map(done),
+        Command::Loads(args) => loads::run(&args).map(done),
         Command::Diagnose(args) => diagnose::run(&args).map(done),
         Command::Demo(args) => demo::run(&args).map(done),
     };
@@ -150,6 +153,20 @@ fn check_outputs(outputs: &[&Path], read: &[&Path]) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// The two numbers of an argument of the form FROM:TO \[s\].
+///
+/// # Errors
+/// Another form, or an end before the beginning.
+fn span(argument: &str, text: &str) -> Result<[f64; 2]> {
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|t| t.is_finite());
+    text.split_once(':')
+        .and_then(|(from, to)| Some([number(from)?, number(to)?]))
+        .filter(|[from, to]| from < to)
+        .ok_or_else(|| {
+            Error::call(format!("{argument} {text}: the form is FROM:TO in s, with FROM before TO"))
+        })
 }
 
 /// The files of a folder with some endings, in the order of their names.

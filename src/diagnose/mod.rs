@@ -11,7 +11,6 @@ pub mod hygiene;
 mod in_turn;
 mod judge;
 mod left;
-pub mod loads;
 pub mod locate;
 mod numbers;
 mod parts;

@@ -2,7 +2,7 @@
 //!
 //! A [`Page`] has sections, a section has parts: text, [`Table`], [`Plot`], [`patch_frames`].
 //! [`simulation_report`] makes the page of a run, [`diagnosis_report`] that of a
-//! diagnosis, [`identification_report`] that of an identification, [`characteristic_report`] that of a characterization, [`plan_report`] that of a plan's check. Whoever makes a page of
+//! diagnosis, [`identification_report`] that of an identification, [`characteristic_report`] that of a characterization, [`plan_report`] that of a plan's check, [`loads_report`] that of loads. Whoever makes a page of
 //! their own with drawings of patches has their scales in [`Picture`].
 
 mod characteristic;
@@ -10,6 +10,7 @@ mod diagnosis;
 mod heat;
 mod identification;
 mod influence;
+mod loads;
 mod patch;
 mod plan;
 mod plot;
@@ -21,6 +22,7 @@ pub use characteristic::characteristic_report;
 pub use diagnosis::{CheckRun, diagnosis_report};
 pub use heat::{HeatCell, HeatMap};
 pub use identification::identification_report;
+pub use loads::loads_report;
 pub use patch::{PULLING, PatchFrame, Picture, SLIDING, patch_caption, patch_frames, pressure_color};
 pub use plan::plan_report;
 pub use plot::{Axis, Plot, Size, Tone};

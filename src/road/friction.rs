@@ -11,13 +11,18 @@ pub(super) struct Friction {
     /// None: as on the left.
     right: Option<Patches>,
     variation: Option<Variation>,
+    /// None: as on the left.
+    variation_right: Option<Variation>,
 }
 
-clone_in_place!(Friction { left, right, variation });
+clone_in_place!(Friction { left, right, variation, variation_right });
 
 impl Friction {
-    pub(super) fn new(left: Patches, right: Option<Patches>, variation: Option<Variation>) -> Self {
-        Self { left, right, variation }
+    pub(super) fn new(
+        [left, right]: [Option<Patches>; 2],
+        [variation, variation_right]: [Option<Variation>; 2],
+    ) -> Self {
+        Self { left: left.unwrap_or_default(), right, variation, variation_right }
     }
 
     /// The mean over a window of `length` \[m\] along the road about `s`, at `t` across it.
@@ -26,7 +31,11 @@ impl Friction {
             Some(right) if t < 0.0 => right,
             _ => &self.left,
         };
-        match &self.variation {
+        let variation = match &self.variation_right {
+            Some(right) if t < 0.0 => Some(right),
+            _ => self.variation.as_ref(),
+        };
+        match variation {
             None => patches.mean(s, length, |_, _| 1.0),
             Some(variation) => patches.mean(s, length, |from, to| variation.mean(from, to)),
         }
@@ -41,7 +50,7 @@ impl Friction {
     pub(super) fn is_whole(&self) -> bool {
         self.left.is_whole()
             && self.right.as_ref().is_none_or(Patches::is_whole)
-            && self.variation.as_ref().is_none_or(Variation::is_whole)
+            && [&self.variation, &self.variation_right].into_iter().flatten().all(Variation::is_whole)
     }
 }
 

@@ -26,7 +26,7 @@
 //!   in the mean over lines and realisations; over the 16 lines of an octave of one road it scatters by
 //!   sqrt((1 - coherence²) / 32) in phase and as much out of phase.
 //!   Potholes and patches, which lines with random phases do not have, are not represented.
-//! * Friction that varies at random varies along s only and is the same on both sides.
+//! * Friction that varies at random varies along s only; on the right side it is the same, or independent of the left one.
 //!
 //! Of the mean over a window:
 //!

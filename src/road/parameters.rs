@@ -104,6 +104,8 @@ pub struct RoadParameters {
     pub friction_correlation_length: f64,
     /// Number of the realisation of the random factor.
     pub friction_seed: i32,
+    /// The same for the right side; 0: that of the left one.
+    pub friction_seed_right: i32,
 }
 
 clone_in_place!(RoadParameters {
@@ -127,6 +129,7 @@ clone_in_place!(RoadParameters {
     friction_deviation,
     friction_correlation_length,
     friction_seed,
+    friction_seed_right,
 });
 
 impl RoadParameters {
@@ -308,10 +311,12 @@ impl RoadParameters {
             "" => None,
             text => Some(Patches::new(&patches("road_friction_right", text)?)),
         };
-        let variation = (self.friction_deviation > 0.0).then(|| {
-            Variation::new(self.friction_deviation, self.friction_correlation_length, self.friction_seed)
-        });
-        Ok(Friction::new(left, right, variation))
+        let varies = |seed: i32| {
+            (self.friction_deviation > 0.0)
+                .then(|| Variation::new(self.friction_deviation, self.friction_correlation_length, seed))
+        };
+        let other = (self.friction_seed_right != 0).then_some(self.friction_seed_right);
+        Ok(Friction::new([Some(left), right], [varies(self.friction_seed), other.and_then(varies)]))
     }
 }
 

@@ -30,6 +30,7 @@ impl RoadParameters {
             parameter("road_friction_deviation", "1", real!(friction_deviation), 0.0, "Standard deviation of a random factor of mean 1 on the friction; 0: there is none").range(0.0, 0.47).purpose(Purpose::Surroundings),
             parameter("road_friction_correlation_length", "m", real!(friction_correlation_length), 1.0, "Correlation length of that factor: the integral of its correlation over all positive lags").range(0.01, 1e3).purpose(Purpose::Surroundings),
             integer_parameter("road_friction_seed", integer!(friction_seed), 1, "Number of the realisation of that factor").purpose(Purpose::Numerics),
+            integer_parameter("road_friction_seed_right", integer!(friction_seed_right), 0, "Number of another realisation of that factor for the right side (y < 0 with a road_direction of 0); 0: the same as on the left").purpose(Purpose::Numerics),
         ])
     }
 }

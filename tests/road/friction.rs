@@ -104,6 +104,23 @@ fn random_friction_has_its_mean_deviation_and_correlation() {
     check(mean, products, 10_000.0);
 }
 
+/// With a seed of its own the right side is the road of that seed, and knows nothing of the left one.
+#[test]
+fn random_friction_of_the_right_side_is_its_own() {
+    let both = road(&RoadParameters { friction_seed_right: 9, ..varied(5) });
+    let (left, right, same) = (road(&varied(5)), road(&varied(9)), road(&varied(5)));
+    let mut product = 0.0;
+    for i in 0..100_000 {
+        let s = 0.08 * f64::from(i);
+        let [on_left, on_right] = [0.4, -0.4].map(|y| both.at(s, y).friction);
+        assert_eq!([on_left, on_right], [left.at(s, 0.4).friction, right.at(s, 0.0).friction]);
+        assert_eq!(same.at(s, -0.4).friction, on_left);
+        product += (on_left - 1.0) * (on_right - 1.0) / 100_000.0;
+    }
+    // five standard deviations of 10 000 independent values
+    assert!(product.abs() < 0.05 * 0.15 * 0.15, "{product}");
+}
+
 #[test]
 fn random_friction_is_never_negative_and_keeps_its_bounds() {
     let p = RoadParameters { friction_deviation: 2.0_f64.sqrt() / 3.0, ..varied(3) };

@@ -2,7 +2,7 @@
 
 use super::compare::{Compared, Trace};
 use crate::diagnose::Diagnosis;
-use crate::diagnose::loads::{
+use crate::loads::{
     Rainflow, Residue, extremes, large_turning_points, level_crossings, rainflow, rainflow_matrix,
     range_pairs,
 };

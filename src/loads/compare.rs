@@ -1,0 +1,438 @@
+//! A simulation beside one or several recordings of the same run: counted alike, and judged by what recordings differ by.
+
+use super::count::{Residue, extremes, large_turning_points, level_crossings, rainflow, range_pairs};
+use crate::model::unit::Unit;
+use crate::recording::{Recording, interpolate};
+use crate::stats::{Spectrum, median_interval, root_mean_square, spectrum};
+use crate::{Error, Result};
+
+/// How histories are made comparable, and counted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Conditions {
+    /// Channels, and what recordings call them; none: all that are in everything.
+    pub channels: Vec<[String; 2]>,
+    /// Slope of the S-N line for damage.
+    pub slope: f64,
+    /// Movements below this share of the recorded span do not count.
+    pub gate: f64,
+    /// Classes of levels and of ranges over the recorded span.
+    pub classes: usize,
+    /// What happens in each run at the time that is made 0.
+    pub event: Option<Event>,
+    /// From when to when \[s\], after that shift.
+    pub window: Option<[f64; 2]>,
+    /// A channel that errors are taken over, instead of the time: a distance.
+    pub over: Option<String>,
+}
+
+/// The first time at which a channel is beyond a value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Event {
+    channel: String,
+    above: bool,
+    value: f64,
+    /// Of the value; empty: that of the channel.
+    unit: String,
+}
+
+/// A history, counted.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Load {
+    /// Smallest and largest value.
+    pub extremes: [f64; 2],
+    /// Cycles, half ones of the residue as halves.
+    pub cycles: f64,
+    /// The largest range of a cycle.
+    pub largest_range: f64,
+    /// Sum of n range^slope, over that of the first recording.
+    pub damage: f64,
+    /// Crossings upward of each level.
+    pub crossings: Vec<usize>,
+    /// Cycles in each class of range.
+    pub pairs: Vec<f64>,
+    /// Amplitudes over frequency; none of a short history.
+    pub spectrum: Option<Spectrum>,
+}
+
+/// What recordings of the same run span.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// Smallest and largest of the recordings.
+    pub recorded: [f64; 2],
+    /// Of the simulation.
+    pub simulated: f64,
+}
+
+impl Band {
+    /// How far the simulation is outside, over what the recordings span; 0 inside. None with one recording, which spans nothing.
+    pub fn outside(&self) -> Option<f64> {
+        let [low, high] = self.recorded;
+        (high > low).then(|| {
+            let off = (low - self.simulated).max(self.simulated - high).max(0.0);
+            off / (high - low)
+        })
+    }
+}
+
+/// A channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compared {
+    /// The channel.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Levels that crossings are counted at.
+    pub levels: Vec<f64>,
+    /// Width of a class of ranges.
+    pub width: f64,
+    /// Movements below this were left out.
+    pub gate: f64,
+    /// Interval of the samples \[s\] that all were brought to.
+    pub interval: f64,
+    /// The simulation.
+    pub simulated: Load,
+    /// The recordings, in their order.
+    pub recorded: Vec<Load>,
+    /// Root mean square of the error to each recording.
+    pub errors: Vec<f64>,
+    /// Root mean squares of the differences of recordings to the first of them.
+    pub repeats: Vec<f64>,
+}
+
+/// A name, and what makes the number of a load.
+pub type Quantity = (&'static str, fn(&Load) -> f64);
+
+/// What is told of a load.
+pub const QUANTITIES: [Quantity; 6] = [
+    ("smallest", |load| load.extremes[0]),
+    ("largest", |load| load.extremes[1]),
+    ("cycles", |load| load.cycles),
+    ("largest range", |load| load.largest_range),
+    ("middle crossed", |load| load.crossings.get(load.crossings.len() / 2).map_or(0.0, |n| *n as f64)),
+    ("damage", |load| load.damage),
+];
+
+impl Compared {
+    /// Each quantity with the band of the recordings.
+    pub fn bands(&self) -> impl Iterator<Item = (&'static str, Band)> {
+        QUANTITIES.iter().map(|(name, of)| {
+            let all = self.recorded.iter().map(of);
+            let recorded = [all.clone().fold(f64::INFINITY, f64::min), all.fold(f64::NEG_INFINITY, f64::max)];
+            (*name, Band { recorded, simulated: of(&self.simulated) })
+        })
+    }
+}
+
+impl Conditions {
+    /// What recordings call a channel of the simulation.
+    fn recorded_as<'a>(&'a self, name: &'a str) -> &'a str {
+        self.channels.iter().find(|[own, _]| own == name).map_or(name, |[_, theirs]| theirs)
+    }
+}
+
+impl Event {
+    /// `CHANNEL>VALUE [UNIT]` or with `<`.
+    ///
+    /// # Errors
+    /// Another form.
+    pub fn parse(text: &str) -> Result<Self> {
+        let form = || {
+            Error::call(format!(
+                "{text:?}: the form is CHANNEL>VALUE or CHANNEL<VALUE, with a unit behind the value if need be"
+            ))
+        };
+        let sign = text.find(['<', '>']).ok_or_else(form)?;
+        let (channel, rest) = (text[..sign].trim(), text[sign + 1..].trim());
+        let (number, unit) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+        let value = number.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(form)?;
+        if channel.is_empty() {
+            return Err(form());
+        }
+        let above = text[sign..].starts_with('>');
+        Ok(Self { channel: channel.into(), above, value, unit: unit.trim().into() })
+    }
+
+    /// The time of it in a recording \[s\], which has the channel under a name.
+    fn time(&self, recording: &Recording, name: &str) -> Result<f64> {
+        let channel = recording.channel(name)?;
+        let unit = if self.unit.is_empty() { &channel.unit } else { &self.unit };
+        Unit::parse(unit).map_err(|e| Error::call(e.to_string()))?;
+        let values = recording.channel_in(name, unit)?;
+        let is_beyond = |v: &f64| if self.above { *v > self.value } else { *v < self.value };
+        let at = values.iter().position(is_beyond).ok_or_else(|| {
+            Error::file(format!(
+                "{}: {} is never {} {} {unit}",
+                recording.source,
+                name,
+                if self.above { "above" } else { "below" },
+                self.value
+            ))
+        })?;
+        Ok(recording.time[at])
+    }
+}
+
+/// A recording on its new time, within the window.
+struct Aligned<'a> {
+    recording: &'a Recording,
+    time: Vec<f64>,
+    samples: std::ops::Range<usize>,
+    /// Places that errors are taken over, if not the time.
+    places: Option<Vec<f64>>,
+}
+
+impl<'a> Aligned<'a> {
+    /// `simulated`: its channels have their own names.
+    fn new(recording: &'a Recording, conditions: &Conditions, simulated: Option<&Recording>) -> Result<Self> {
+        let called = |name: &str| match simulated {
+            None => name.to_owned(),
+            Some(_) => conditions.recorded_as(name).to_owned(),
+        };
+        let zero = match &conditions.event {
+            None => 0.0,
+            Some(event) => event.time(recording, &called(&event.channel))?,
+        };
+        let time: Vec<f64> = recording.time.iter().map(|t| t - zero).collect();
+        let samples = match conditions.window {
+            None => 0..time.len(),
+            Some([from, to]) => time.partition_point(|t| *t < from)..time.partition_point(|t| *t <= to),
+        };
+        if samples.len() < 2 {
+            return Err(Error::file(format!("{}: there are no samples in the window", recording.source)));
+        }
+        let places = match &conditions.over {
+            None => None,
+            Some(name) => {
+                let unit = &simulated.unwrap_or(recording).channel(name)?.unit;
+                let places = recording.channel_in(&called(name), unit)?[samples.clone()].to_vec();
+                if let Some(at) = places.windows(2).position(|pair| pair[1] < pair[0]) {
+                    return Err(Error::file(format!(
+                        "{}: {name} goes back at {} s, and errors cannot be taken over it; a window that ends before may help",
+                        recording.source,
+                        time[samples.start + at]
+                    )));
+                }
+                Some(places)
+            }
+        };
+        Ok(Self { recording, time, samples, places })
+    }
+
+    fn times(&self) -> &[f64] {
+        &self.time[self.samples.clone()]
+    }
+
+    fn values(&self, name: &str, unit: &str) -> Result<Vec<f64>> {
+        Ok(self.recording.channel_in(name, unit)?[self.samples.clone()].to_vec())
+    }
+
+    /// At even times from its first to its last one.
+    fn even(&self, values: &[f64], interval: f64) -> Vec<f64> {
+        let times = self.times();
+        let (first, last) = (times[0], times[times.len() - 1]);
+        let count = ((last - first) / interval + 1e-6).floor() as usize;
+        (0..=count).map(|k| interpolate(times, values, (first + interval * k as f64).min(last))).collect()
+    }
+}
+
+/// Counts a simulation and recordings of the same run alike, and compares them.
+///
+/// All are brought to the longest interval of their samples, as a faster one finds higher peaks.
+///
+/// # Errors
+/// No recording, a channel that is not in all of them, an event that does not happen, an empty window, a distance that goes back.
+pub fn compare(
+    simulated: &Recording,
+    recorded: &[Recording],
+    conditions: &Conditions,
+) -> Result<Vec<Compared>> {
+    if recorded.is_empty() {
+        return Err(Error::call("there is no recording to compare with"));
+    }
+    let own = Aligned::new(simulated, conditions, None)?;
+    let others: Vec<Aligned<'_>> =
+        recorded.iter().map(|r| Aligned::new(r, conditions, Some(simulated))).collect::<Result<_>>()?;
+    let interval = others.iter().chain([&own]).map(|a| median_interval(a.times())).fold(0.0, f64::max);
+    let names: Vec<[String; 2]> = match conditions.channels.is_empty() {
+        false => conditions.channels.clone(),
+        true => {
+            let everywhere = |name: &&str| recorded.iter().all(|r| r.has(name));
+            let names = simulated.channels.iter().map(|c| c.name.as_str()).filter(everywhere);
+            names.map(|name| [name, name].map(str::to_owned)).collect()
+        }
+    };
+    if names.is_empty() {
+        return Err(Error::file(format!(
+            "no channel of {} is in all recordings: --channel NAME=RECORDED says what they call it",
+            simulated.source
+        )));
+    }
+    let mut all = Vec::new();
+    for [name, recorded_as] in &names {
+        let unit = simulated.channel(name)?.unit.clone();
+        let course = own.values(name, &unit)?;
+        let courses: Vec<Vec<f64>> =
+            others.iter().map(|o| o.values(recorded_as, &unit)).collect::<Result<_>>()?;
+        let even: Vec<Vec<f64>> =
+            others.iter().zip(&courses).map(|(o, values)| o.even(values, interval)).collect();
+        let Some((low, high)) = extremes(&even.concat()).filter(|(low, high)| high > low) else { continue };
+        let count = Counting::new([low, high], conditions, interval);
+        let mut loads: Vec<Load> = even.iter().map(|values| count.load(values)).collect();
+        let mut load = count.load(&own.even(&course, interval));
+        let scale = loads[0].damage;
+        loads.iter_mut().chain([&mut load]).for_each(|load| load.damage /= scale);
+        let error = |values: &[f64], from: &Aligned<'_>, other: usize| {
+            error((values, from), (&courses[other], &others[other]))
+        };
+        all.push(Compared {
+            name: name.clone(),
+            unit,
+            levels: count.levels.clone(),
+            width: count.width,
+            gate: count.gate,
+            interval,
+            simulated: load,
+            errors: (0..others.len()).map(|i| error(&course, &own, i)).collect(),
+            repeats: (1..others.len()).map(|i| error(&courses[0], &others[0], i)).collect(),
+            recorded: loads,
+        });
+    }
+    Ok(all)
+}
+
+/// How a channel is counted.
+struct Counting {
+    levels: Vec<f64>,
+    width: f64,
+    gate: f64,
+    slope: f64,
+    interval: f64,
+}
+
+impl Counting {
+    fn new([low, high]: [f64; 2], conditions: &Conditions, interval: f64) -> Self {
+        let width = (high - low) / conditions.classes as f64;
+        let levels = (0..conditions.classes).map(|i| low + (i as f64 + 0.5) * width).collect();
+        Self { levels, width, gate: conditions.gate * (high - low), slope: conditions.slope, interval }
+    }
+
+    /// The damage is the sum of ranges over a class's width to the power of the slope.
+    fn load(&self, values: &[f64]) -> Load {
+        let points = large_turning_points(values, self.gate);
+        let counted = rainflow(&points);
+        let cycles = counted.counted(Residue::Half);
+        let (low, high) = extremes(values).unwrap_or((f64::NAN, f64::NAN));
+        Load {
+            extremes: [low, high],
+            cycles: cycles.iter().map(|(_, n)| n).sum(),
+            largest_range: cycles.iter().map(|(cycle, _)| cycle.range()).fold(0.0, f64::max),
+            damage: cycles.iter().map(|(cycle, n)| n * (cycle.range() / self.width).powf(self.slope)).sum(),
+            crossings: level_crossings(&points, &self.levels),
+            // a simulation may reach farther than the recordings
+            pairs: range_pairs(&counted, Residue::Half, self.width, 2 * self.levels.len()),
+            spectrum: spectrum(values, self.interval),
+        }
+    }
+}
+
+/// Root mean square of what one course is off from another, over time or over places, where both are there.
+fn error((values, own): (&[f64], &Aligned<'_>), (others, other): (&[f64], &Aligned<'_>)) -> f64 {
+    // a stop is many samples at one place: the first one stands for them
+    let rising = |aligned: &Aligned<'_>, values: &[f64]| {
+        let mut kept: (Vec<f64>, Vec<f64>) = Default::default();
+        let places = aligned.places.as_deref().unwrap_or(aligned.times());
+        for (place, value) in places.iter().zip(values) {
+            if kept.0.last().is_none_or(|last| place > last) {
+                kept.0.push(*place);
+                kept.1.push(*value);
+            }
+        }
+        kept
+    };
+    let (from, values) = rising(own, values);
+    let (to, others) = rising(other, others);
+    let errors = to.iter().zip(&others).map(|(place, value)| interpolate(&from, &values, *place) - value);
+    root_mean_square(errors.filter(|e| e.is_finite()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::Channel;
+
+    fn run(source: &str, shift: f64, scale: f64) -> Recording {
+        let time: Vec<f64> = (0..2000).map(|k| 2e-3 * f64::from(k)).collect();
+        let force = |t: f64| {
+            let t = t - shift;
+            scale * (1000.0 * (7.0 * t).sin() + 300.0 * (31.0 * t).sin() * (-t).exp())
+        };
+        let channel = |name: &str, unit: &str, of: &dyn Fn(f64) -> f64| Channel {
+            name: name.into(),
+            unit: unit.into(),
+            values: time.iter().map(|t| of(*t)).collect(),
+        };
+        let channels = vec![
+            channel("force", "N", &force),
+            channel("pressure", "bar", &|t| 50.0 * (t - shift).max(0.0)),
+            channel("distance", "m", &|t| 10.0 * (t - shift)),
+        ];
+        Recording { time: time.clone(), channels, source: source.into() }
+    }
+
+    fn conditions() -> Conditions {
+        Conditions {
+            channels: vec![["force".into(), "force".into()]],
+            slope: 5.0,
+            gate: 0.05,
+            classes: 64,
+            event: None,
+            window: Some([0.5, 3.0]),
+            over: None,
+        }
+    }
+
+    /// The same run later: errors over time are large, from an event on and over the distance they are none; counts are the same.
+    #[test]
+    fn runs_are_aligned_by_an_event_or_by_a_place() {
+        let (first, later) = (run("first", 0.0, 1.0), run("later", 0.4, 1.0));
+        let of = |conditions: &Conditions| {
+            compare(&first, std::slice::from_ref(&later), conditions).unwrap().remove(0)
+        };
+        assert!(of(&conditions()).errors[0] > 300.0);
+        let event = Some(Event::parse("pressure>1e5 Pa").unwrap());
+        let by_event = of(&Conditions { event, ..conditions() });
+        assert!(by_event.errors[0] < 1e-6, "{}", by_event.errors[0]);
+        assert_eq!(by_event.simulated.crossings, by_event.recorded[0].crossings);
+        assert!((by_event.simulated.damage - 1.0).abs() < 1e-9);
+        let by_place = of(&Conditions { over: Some("distance".into()), window: None, ..conditions() });
+        assert!(by_place.errors[0] < 2.0, "{}", by_place.errors[0]);
+        let never = Some(Event::parse("pressure>500").unwrap());
+        let error =
+            compare(&first, std::slice::from_ref(&later), &Conditions { event: never, ..conditions() })
+                .unwrap_err();
+        assert!(error.to_string().contains("first: pressure is never above 500 bar"), "{error}");
+    }
+
+    /// A tenth more on all ranges: the ranges are a tenth larger and the damage 1.1^5 times as much, outside of what repeats span.
+    #[test]
+    fn a_tenth_more_is_found_beside_the_scatter_of_repeats() {
+        let repeats = [run("a", 0.0, 0.98), run("b", 0.0, 1.0), run("c", 0.0, 1.02)];
+        let found = compare(&run("simulated", 0.0, 1.1), &repeats, &conditions()).unwrap().remove(0);
+        let ratio = found.simulated.largest_range / found.recorded[1].largest_range;
+        assert!((ratio - 1.1).abs() < 1e-9, "{ratio}");
+        assert!((found.simulated.damage / found.recorded[1].damage / 1.1_f64.powi(5) - 1.0).abs() < 1e-6);
+        let bands: Vec<_> = found.bands().collect();
+        let outside = |name: &str| bands.iter().find(|(n, _)| *n == name).unwrap().1.outside();
+        assert!(outside("damage").unwrap() > 1.0 && outside("cycles").is_none());
+        let inside = compare(&run("simulated", 0.0, 1.01), &repeats, &conditions()).unwrap().remove(0);
+        assert!(inside.bands().all(|(_, band)| band.outside().is_none_or(|o| o == 0.0)));
+    }
+
+    #[test]
+    fn an_event_has_a_form() {
+        for text in ["pressure", "pressure>", ">5", "pressure>much", "pressure>5 furlong"] {
+            let event = Event::parse(text);
+            assert!(event.and_then(|e| e.time(&run("a", 0.0, 1.0), "pressure")).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! What of a load history matters for damage, and how a simulation stands beside recordings of the same run: extremes, cycles, level
+//! crossings, range pairs, spectra.
+
+mod compare;
+mod count;
+mod table;
+
+pub use compare::{Band, Compared, Conditions, Event, Load, QUANTITIES, compare};
+pub use count::{
+    Cycle, Rainflow, Residue, extremes, large_turning_points, level_crossings, rainflow, rainflow_matrix,
+    range_pairs, turning_points,
+};
+pub use table::{counts, quantities};

@@ -1,0 +1,134 @@
+"""`latsch loads` against the packages that fatigue engineers know: rainflow and fatpack, and against numpy."""
+
+import csv
+
+import fatpack
+import numpy as np
+import pytest
+import rainflow
+from conftest import latsch
+
+SLOPE = 5.0
+CLASSES = 64
+
+
+def history(seed, scale=1.0, seconds=20.0):
+    """A link's force over a stop, made up: a level, two modes and noise, at 400 Hz."""
+    random = np.random.default_rng(seed)
+    time = np.arange(0.0, seconds, 1 / 400)
+    noise = np.convolve(random.normal(size=time.size), np.ones(9) / 9, "same")
+    force = 2000 + 1500 * np.sin(2 * np.pi * 1.1 * time) + 600 * np.sin(2 * np.pi * 10.3 * time) + 900 * noise
+    return time, scale * force
+
+
+def write(path, time, force, name="F_SS", unit="N", pressure=None):
+    with open(path, "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["time [s]", f"{name} [{unit}]"] + (["p [bar]"] if pressure is not None else []))
+        for k, (t, f) in enumerate(zip(time, force)):
+            writer.writerow([t, f] + ([pressure[k]] if pressure is not None else []))
+
+
+def table(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def loads(*arguments):
+    run = latsch("loads", *arguments)
+    assert run.returncode == 0, run.stderr
+    return run.stdout
+
+
+def test_cycles_and_damage_are_those_of_rainflow_and_fatpack(tmp_path):
+    for name, seed in [("simulated", 1), ("recorded", 2)]:
+        write(tmp_path / f"{name}.csv", *history(seed))
+    loads(
+        tmp_path / "simulated.csv", "--recording", tmp_path / "recorded.csv", "--gate", 0,
+        "--table", tmp_path / "table.csv", "--counts", tmp_path / "counts.csv",
+    )
+    found = {row["quantity"]: row for row in table(tmp_path / "table.csv")}
+    counts = table(tmp_path / "counts.csv")
+    both = {"simulated": history(1)[1], "recorded_1": history(2)[1]}
+    damage = {}
+    for column, force in both.items():
+        # (range, mean, count, start, end), of the ASTM standard
+        cycles = np.array([(c[0], c[2]) for c in rainflow.extract_cycles(force)])
+        assert float(found["cycles"][column]) == pytest.approx(cycles[:, 1].sum(), abs=1e-9)
+        assert float(found["largest range"][column]) == pytest.approx(cycles[:, 0].max(), rel=1e-12)
+        damage[column] = (cycles[:, 1] * cycles[:, 0] ** SLOPE).sum()
+        # each class of ranges
+        edges = np.array([float(row["range_from"]) for row in counts] + [float(counts[-1]["range_to"])])
+        pairs, _ = np.histogram(cycles[:, 0], bins=edges, weights=cycles[:, 1])
+        ours = [float(row[f"{column}_cycles"]) for row in counts]
+        # a range on an edge may fall to either side
+        assert np.abs(np.cumsum(ours) - np.cumsum(pairs)).max() <= 1.0
+        assert np.abs(ours - pairs).sum() <= 2.0
+        # fatpack counts whole cycles with the residue run through twice: closed ones are the same, and the largest
+        ranges = fatpack.find_rainflow_ranges(force, k=2**20)
+        assert ranges.max() == pytest.approx(cycles[:, 0].max(), rel=1e-5)
+        assert (ranges**SLOPE).sum() == pytest.approx(damage[column], rel=0.05)
+    ratio = damage["simulated"] / damage["recorded_1"]
+    assert float(found["damage"]["recorded_1"]) == pytest.approx(1.0, rel=1e-12)
+    assert float(found["damage"]["simulated"]) == pytest.approx(ratio, rel=1e-9)
+
+
+def test_level_crossings_are_counted_as_by_hand(tmp_path):
+    for name, seed in [("simulated", 3), ("recorded", 4)]:
+        write(tmp_path / f"{name}.csv", *history(seed))
+    loads(
+        tmp_path / "simulated.csv", "--recording", tmp_path / "recorded.csv", "--gate", 0,
+        "--counts", tmp_path / "counts.csv",
+    )
+    rows = [row for row in table(tmp_path / "counts.csv") if row["level"]]
+    assert len(rows) == CLASSES
+    for row in rows:
+        for column, seed in [("simulated", 3), ("recorded_1", 4)]:
+            above = history(seed)[1] >= float(row["level"])
+            assert int(row[f"{column}_crossings"]) == np.sum(~above[:-1] & above[1:])
+
+
+def test_repeats_make_a_band_and_an_event_makes_the_time(tmp_path):
+    """Recordings begin at other times, in kN and under another name; the simulation has 15 % more."""
+    time, force = history(5)
+    pressure = np.where(time > 2.0, 30.0, 0.0)
+    write(tmp_path / "simulated.csv", time, 1.15 * force, pressure=pressure)
+    for k, (late, scale) in enumerate([(0.0, 0.97), (1.3, 1.0), (0.4, 1.03)]):
+        write(tmp_path / f"{k}.csv", time + late, scale * force / 1e3, name="tie_rod", unit="kN", pressure=pressure)
+    recordings = [part for k in range(3) for part in ("--recording", tmp_path / f"{k}.csv")]
+    said = loads(
+        tmp_path / "simulated.csv", *recordings, "--channel", "F_SS=tie_rod", "--event", "p>10 bar",
+        "--window", "-1:15", "--table", tmp_path / "table.csv", "--report", tmp_path / "page.html",
+    )
+    assert "damage" in said and "above by" in said
+    found = {row["quantity"]: row for row in table(tmp_path / "table.csv")}
+    # 1.15^5 over 0.97^5, all from the same 16 s
+    assert float(found["damage"]["simulated"]) == pytest.approx((1.15 / 0.97) ** 5, rel=1e-6)
+    assert float(found["damage"]["recorded_3"]) == pytest.approx((1.03 / 0.97) ** 5, rel=1e-6)
+    assert float(found["damage"]["outside"]) > 1
+    assert found["cycles"]["outside"] == ""
+    page = (tmp_path / "page.html").read_text()
+    assert "times what they span" in page and "up-crossings" in page and "amplitude" in page
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    "arguments, words",
+    [
+        (["--channel", "F_XX"], ["F_XX", "F_SS"]),
+        (["--event", "p>10"], ["there is no channel", "p"]),
+        (["--event", "F_SS>9e9"], ["never above"]),
+        (["--event", "F_SS"], ["CHANNEL>VALUE"]),
+        (["--window", "5:1"], ["FROM:TO"]),
+        (["--window", "50:60"], ["no samples"]),
+        (["--over", "F_SS"], ["goes back"]),
+        (["--slope", "0"], ["--slope"]),
+        (["--classes", "1"], ["--classes"]),
+        (["--gate", "1"], ["--gate"]),
+    ],
+)
+def test_what_is_wrong_is_said(tmp_path, arguments, words):
+    write(tmp_path / "a.csv", *history(1, seconds=2.0))
+    write(tmp_path / "b.csv", *history(2, seconds=2.0))
+    run = latsch("loads", tmp_path / "a.csv", "--recording", tmp_path / "b.csv", *arguments)
+    assert run.returncode == 2 and all(word in run.stderr for word in words), run.stderr
