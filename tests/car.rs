@@ -357,3 +357,24 @@ fn a_step_that_is_too_long_is_refused_with_one_that_is_not() {
     run(&mut car, 2.0);
     assert!(car.get("rack_displacement").abs() < 0.01);
 }
+
+/// A coupling drags front and rear wheels to one speed, and one that the step cannot take is refused.
+#[test]
+fn a_coupling_brings_axles_to_one_speed() {
+    let faster = |coupling: f64| {
+        let mut car = Shipped::new(CAR, &[("coupling_damping", coupling), ("step_size", 1e-4)]);
+        brake(&mut car, 400.0, 0.0);
+        run(&mut car, 0.5);
+        let [front, rear] = ["front_left", "rear_left"].map(|wheel| car.get(&format!("{wheel}.wheel_speed")));
+        // it brakes the rear wheels with what it gives the front ones
+        let rear_force = car.get("rear_left.force_x");
+        (rear - front, rear_force)
+    };
+    let (without, with) = (faster(0.0), faster(500.0));
+    assert!(without.0 > 0.5 && with.0 < 0.5 * without.0 && with.0 > 0.0, "{without:?} {with:?}");
+    assert!(with.1 < without.1 - 100.0, "{without:?} {with:?}");
+    let mut slave = common::shipped(CAR);
+    set(&mut *slave, &[("coupling_damping", 2e4)]);
+    let error = slave.start(0.0, None).and_then(|()| slave.finish_start()).unwrap_err().to_string();
+    assert!(error.contains("coupling_damping"), "{error}");
+}

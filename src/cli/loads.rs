@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Compare simulated loads with one or several recordings of the same run
 ///
 /// Extremes, rainflow cycles, level crossings and damage of each channel, simulated and recorded, counted alike. With several
-/// recordings it says where the simulation is outside of what they span. RMS errors mix size and timing; damage knows no timing.
+/// recordings it says where the simulation is outside of what a further recording would be in with 95 %. RMS errors mix size and timing; damage knows no timing.
 #[derive(clap::Args)]
 pub struct Args {
     /// Results of a simulation
@@ -87,19 +87,29 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
+/// A number with five digits, or as many as stand before the point.
+fn digits(value: f64) -> String {
+    let decimals =
+        if value == 0.0 { 0 } else { (4.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize };
+    format!("{value:.decimals$}")
+}
+
 fn line(band: &Band, runs: usize) -> String {
-    let [low, high] = band.recorded;
-    match (runs, band.outside()) {
-        (1, _) => format!("{:12.5} simulated, {low:12.5} recorded", band.simulated),
-        (_, Some(share)) if share > 0.0 => {
-            let side = if band.simulated < low { "below" } else { "above" };
-            format!(
-                "{:12.5} simulated, {low:12.5} to {high:.5} recorded: {side} by {share:.2} times what they span",
-                band.simulated
-            )
-        }
-        _ => format!("{:12.5} simulated, {low:12.5} to {high:.5} recorded", band.simulated),
+    let [low, high] = band.recorded.map(digits);
+    let simulated = digits(band.simulated);
+    if runs == 1 {
+        return format!("{simulated:>10} simulated, {low:>10} recorded");
     }
+    let judged = match (band.further, band.off()) {
+        (Some(ends), Some(off)) => {
+            let [from, to] = ends.map(digits);
+            let side = if off < 0.0 { "BELOW" } else { "ABOVE" };
+            let where_ = if off.abs() <= 1.0 { "within" } else { side };
+            format!("; {where_} the {from} to {to} of a further one")
+        }
+        _ => String::new(),
+    };
+    format!("{simulated:>10} simulated, {low:>10} to {high} recorded{judged}")
 }
 
 fn conditions(args: &Args) -> Result<Conditions> {

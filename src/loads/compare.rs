@@ -3,7 +3,9 @@
 use super::count::{Residue, extremes, large_turning_points, level_crossings, rainflow, range_pairs};
 use crate::model::unit::Unit;
 use crate::recording::{Recording, interpolate};
-use crate::stats::{Spectrum, median_interval, root_mean_square, spectrum};
+use crate::stats::{
+    Spectrum, chance::student_beyond, deviation, extent, mean, median_interval, root_mean_square, spectrum,
+};
 use crate::{Error, Result};
 
 /// How histories are made comparable, and counted.
@@ -54,23 +56,40 @@ pub struct Load {
     pub spectrum: Option<Spectrum>,
 }
 
-/// What recordings of the same run span.
+/// What recordings of the same run say of a quantity, and the simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     /// Smallest and largest of the recordings.
     pub recorded: [f64; 2],
+    /// Where a further recording of the same run would be with [`SURE`]; none with one recording, or where all are the same.
+    pub further: Option<[f64; 2]>,
     /// Of the simulation.
     pub simulated: f64,
 }
 
+/// Probability with which a further recording is in a band. Of three recordings the span alone would leave out every second one.
+pub const SURE: f64 = 0.95;
+
 impl Band {
-    /// How far the simulation is outside, over what the recordings span; 0 inside. None with one recording, which spans nothing.
-    pub fn outside(&self) -> Option<f64> {
-        let [low, high] = self.recorded;
-        (high > low).then(|| {
-            let off = (low - self.simulated).max(self.simulated - high).max(0.0);
-            off / (high - low)
-        })
+    /// From the quantity of each recording and of the simulation: the mean, more and less by Student's t times the deviation of a
+    /// further value, s sqrt(1 + 1/n).
+    pub fn new(recorded: &[f64], simulated: f64) -> Self {
+        let n = recorded.len() as f64;
+        let further =
+            (recorded.len() > 1).then(|| deviation(recorded) * (n / (n - 1.0)).sqrt()).filter(|s| *s > 0.0);
+        let further = further.map(|s| {
+            let half = student_beyond(1.0 - SURE, n - 1.0) * s * (1.0 + 1.0 / n).sqrt();
+            let middle = mean(recorded);
+            [middle - half, middle + half]
+        });
+        let (low, high) = extent(recorded.iter().copied());
+        Self { recorded: [low, high], further, simulated }
+    }
+
+    /// How far the simulation is from the middle of where a further recording would be, over half the width of that: beyond 1 it is outside.
+    /// Negative below. None where recordings say nothing.
+    pub fn off(&self) -> Option<f64> {
+        self.further.map(|[low, high]| (2.0 * self.simulated - low - high) / (high - low))
     }
 }
 
@@ -116,9 +135,8 @@ impl Compared {
     /// Each quantity with the band of the recordings.
     pub fn bands(&self) -> impl Iterator<Item = (&'static str, Band)> {
         QUANTITIES.iter().map(|(name, of)| {
-            let all = self.recorded.iter().map(of);
-            let recorded = [all.clone().fold(f64::INFINITY, f64::min), all.fold(f64::NEG_INFINITY, f64::max)];
-            (*name, Band { recorded, simulated: of(&self.simulated) })
+            let recorded: Vec<f64> = self.recorded.iter().map(of).collect();
+            (*name, Band::new(&recorded, of(&self.simulated)))
         })
     }
 }
@@ -171,6 +189,9 @@ impl Event {
         Ok(recording.time[at])
     }
 }
+
+/// Intervals of samples that differ by no more than this share of them are the same: times are written with so many digits.
+const EVEN: f64 = 1e-3;
 
 /// A recording on its new time, within the window.
 struct Aligned<'a> {
@@ -229,6 +250,10 @@ impl<'a> Aligned<'a> {
     /// At even times from its first to its last one.
     fn even(&self, values: &[f64], interval: f64) -> Vec<f64> {
         let times = self.times();
+        // sampled so already: nothing is made of other values
+        if times.windows(2).all(|pair| (pair[1] - pair[0] - interval).abs() <= EVEN * interval) {
+            return values.to_vec();
+        }
         let (first, last) = (times[0], times[times.len() - 1]);
         let count = ((last - first) / interval + 1e-6).floor() as usize;
         (0..=count).map(|k| interpolate(times, values, (first + interval * k as f64).min(last))).collect()
@@ -386,7 +411,8 @@ mod tests {
             gate: 0.05,
             classes: 64,
             event: None,
-            window: Some([0.5, 3.0]),
+            // between samples: rounding decides nothing
+            window: Some([0.5005, 2.9995]),
             over: None,
         }
     }
@@ -422,10 +448,31 @@ mod tests {
         assert!((ratio - 1.1).abs() < 1e-9, "{ratio}");
         assert!((found.simulated.damage / found.recorded[1].damage / 1.1_f64.powi(5) - 1.0).abs() < 1e-6);
         let bands: Vec<_> = found.bands().collect();
-        let outside = |name: &str| bands.iter().find(|(n, _)| *n == name).unwrap().1.outside();
-        assert!(outside("damage").unwrap() > 1.0 && outside("cycles").is_none());
+        let off = |name: &str| bands.iter().find(|(n, _)| *n == name).unwrap().1.off();
+        assert!(off("damage").unwrap() > 1.0 && off("cycles").is_none());
         let inside = compare(&run("simulated", 0.0, 1.01), &repeats, &conditions()).unwrap().remove(0);
-        assert!(inside.bands().all(|(_, band)| band.outside().is_none_or(|o| o == 0.0)));
+        assert!(inside.bands().all(|(_, band)| band.off().is_none_or(|off| off.abs() < 1.0)));
+    }
+
+    /// Of three recordings and a fourth of the same kind, the fourth is in the band of the three in 95 of 100 cases, and in their span in 50.
+    #[test]
+    fn a_further_recording_is_in_the_band_as_often_as_it_says() {
+        let mut random = crate::stats::SplitMix64::new(3);
+        let (mut sure, mut spanned) = (0, 0);
+        let cases = 20_000;
+        for _ in 0..cases {
+            let all: Vec<f64> = (0..4).map(|_| 100.0 + 7.0 * random.normal()).collect();
+            let band = Band::new(&all[..3], all[3]);
+            sure += usize::from(band.off().unwrap().abs() <= 1.0);
+            spanned += usize::from(band.recorded[0] <= all[3] && all[3] <= band.recorded[1]);
+        }
+        for (found, expected) in [(sure, SURE), (spanned, 0.5)] {
+            let share = found as f64 / f64::from(cases);
+            assert!(
+                (share - expected).abs() < 5.0 * (expected * (1.0 - expected) / f64::from(cases)).sqrt(),
+                "{share}"
+            );
+        }
     }
 
     #[test]

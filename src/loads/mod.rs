@@ -5,7 +5,7 @@ mod compare;
 mod count;
 mod table;
 
-pub use compare::{Band, Compared, Conditions, Event, Load, QUANTITIES, compare};
+pub use compare::{Band, Compared, Conditions, Event, Load, QUANTITIES, SURE, compare};
 pub use count::{
     Cycle, Rainflow, Residue, extremes, large_turning_points, level_crossings, rainflow, rainflow_matrix,
     range_pairs, turning_points,

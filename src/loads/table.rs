@@ -12,26 +12,30 @@ fn written(rows: Vec<Vec<String>>) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| Error::file(e.to_string()))
 }
 
-/// A row for each quantity of each channel: simulated, recorded, the recordings' span, and how far outside of it the simulation is, over it.
+/// A row for each quantity of each channel: simulated, recorded, where a further recording would be, and how far the simulation is from
+/// the middle of that, over half its width.
 ///
 /// # Errors
 /// The writer fails.
 pub fn quantities(all: &[Compared], runs: usize) -> Result<String> {
     let mut head: Vec<String> = ["channel", "unit", "quantity", "simulated"].map(String::from).to_vec();
     head.extend((1..=runs).map(|k| format!("recorded_{k}")));
-    head.push("outside".into());
+    head.extend(["further_from", "further_to", "off"].map(String::from));
     let mut rows = vec![head];
     for one in all {
         for ((name, of), (_, band)) in QUANTITIES.iter().zip(one.bands()) {
             let mut row =
                 vec![one.name.clone(), one.unit.clone(), (*name).into(), of(&one.simulated).to_string()];
             row.extend(one.recorded.iter().map(|load| of(load).to_string()));
-            row.push(band.outside().map_or(String::new(), |share| share.to_string()));
+            row.extend(
+                band.further.map_or([const { String::new() }; 2], |ends| ends.map(|end| end.to_string())),
+            );
+            row.push(band.off().map_or(String::new(), |share| share.to_string()));
             rows.push(row);
         }
         let mut row = vec![one.name.clone(), one.unit.clone(), "rms error".into(), "0".into()];
         row.extend(one.errors.iter().map(f64::to_string));
-        row.push(String::new());
+        row.extend([const { String::new() }; 3]);
         rows.push(row);
     }
     written(rows)

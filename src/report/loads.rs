@@ -1,8 +1,9 @@
 //! The page of loads: what of a simulation matters for damage, beside recordings of the same run.
 
 use super::plot::{Axis, Plot, Size};
-use crate::loads::{Compared, Conditions, Load};
+use crate::loads::{Compared, Conditions, Load, SURE};
 use crate::page::{Html, Page, Section, Table, number};
+use crate::stats::extent;
 
 /// The page of a comparison with recordings, whose names are given in their order.
 pub fn loads_report(title: &str, recordings: &[String], all: &[Compared], conditions: &Conditions) -> String {
@@ -24,32 +25,26 @@ pub fn loads_report(title: &str, recordings: &[String], all: &[Compared], condit
 fn summary(runs: usize, all: &[Compared], conditions: &Conditions) -> Section {
     let mut head: Vec<&str> = vec!["channel", "", "simulated", "recorded"];
     if runs > 1 {
-        head.extend(["to", "simulation is"]);
+        head.extend(["to", "a further one", "to", "simulation is"]);
     }
     let mut table = Table::new(&head);
     for one in all {
+        let channel = format!("{} [{}]", one.name, one.unit);
         for (name, band) in one.bands() {
-            let mut row = vec![
-                format!("{} [{}]", one.name, one.unit),
-                name.into(),
-                number(band.simulated),
-                number(band.recorded[0]),
-            ];
+            let mut row =
+                vec![channel.clone(), name.into(), number(band.simulated), number(band.recorded[0])];
             if runs > 1 {
-                row.extend([
-                    number(band.recorded[1]),
-                    verdict(band.outside(), band.simulated < band.recorded[0]),
-                ]);
+                let [low, high] = band.further.unwrap_or([f64::NAN; 2]).map(number);
+                row.extend([number(band.recorded[1]), low, high, verdict(band.off())]);
             }
             table = table.row(row);
         }
-        let least = one.errors.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = one.errors.iter().copied().fold(0.0, f64::max);
-        let mut row =
-            vec![format!("{} [{}]", one.name, one.unit), "rms error".into(), String::new(), number(least)];
+        let (least, most) = extent(one.errors.iter().copied());
+        let mut row = vec![channel, "rms error".into(), String::new(), number(least)];
         if runs > 1 {
             let repeats = one.repeats.iter().copied().fold(0.0, f64::max);
-            row.extend([number(most), format!("recordings differ by up to {}", number(repeats))]);
+            let differ = format!("recordings differ by up to {}", number(repeats));
+            row.extend([number(most), String::new(), String::new(), differ]);
         }
         table = table.row(row);
     }
@@ -57,19 +52,21 @@ fn summary(runs: usize, all: &[Compared], conditions: &Conditions) -> Section {
     Section::new("Loads").with(table.html()).with(Html::note(&format!(
         "Cycles by rainflow (four-point method), each range of the residue as half a cycle; movements below {:.0} % of the recorded span are left out. \
          Damage is the sum of range to the power {}, over that of the first recording. Crossings are upward, of the middle of the recorded span. \
+         A further recording of the same run would be in its band with {:.0} % (Student's t; of three recordings every second further one is outside of what they span). \
          All histories were brought to the longest interval of their samples. Errors are over {over}: they mix size and timing, which does not matter for damage.",
         100.0 * conditions.gate,
-        conditions.slope
+        conditions.slope,
+        100.0 * SURE
     )))
 }
 
-/// Where a quantity is in the band of repeats.
-fn verdict(outside: Option<f64>, below: bool) -> String {
-    match outside {
-        None => String::new(),
-        Some(0.0) => "within what recordings span".into(),
-        Some(share) => {
-            format!("{} by {} times what they span", if below { "below" } else { "above" }, number(share))
+/// Where a quantity is in the band of a further recording.
+fn verdict(off: Option<f64>) -> String {
+    match off {
+        None => "recordings say nothing of it".into(),
+        Some(off) if off.abs() <= 1.0 => "within".into(),
+        Some(off) => {
+            format!("{}, {} times as far off", if off < 0.0 { "below" } else { "above" }, number(off.abs()))
         }
     }
 }

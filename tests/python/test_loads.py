@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import rainflow
 from conftest import latsch
+from scipy import stats
 
 SLOPE = 5.0
 CLASSES = 64
@@ -89,26 +90,31 @@ def test_level_crossings_are_counted_as_by_hand(tmp_path):
 
 
 def test_repeats_make_a_band_and_an_event_makes_the_time(tmp_path):
-    """Recordings begin at other times, in kN and under another name; the simulation has 15 % more."""
+    """Recordings begin at other times, in kN and under another name; the simulation has 25 % more."""
     time, force = history(5)
     pressure = np.where(time > 2.0, 30.0, 0.0)
-    write(tmp_path / "simulated.csv", time, 1.15 * force, pressure=pressure)
+    write(tmp_path / "simulated.csv", time, 1.25 * force, pressure=pressure)
     for k, (late, scale) in enumerate([(0.0, 0.97), (1.3, 1.0), (0.4, 1.03)]):
         write(tmp_path / f"{k}.csv", time + late, scale * force / 1e3, name="tie_rod", unit="kN", pressure=pressure)
     recordings = [part for k in range(3) for part in ("--recording", tmp_path / f"{k}.csv")]
     said = loads(
         tmp_path / "simulated.csv", *recordings, "--channel", "F_SS=tie_rod", "--event", "p>10 bar",
-        "--window", "-1:15", "--table", tmp_path / "table.csv", "--report", tmp_path / "page.html",
+        "--window", "-1.001:15.001", "--gate", 0, "--table", tmp_path / "table.csv", "--report", tmp_path / "page.html",
     )
-    assert "damage" in said and "above by" in said
+    assert "damage" in said and "ABOVE the" in said
     found = {row["quantity"]: row for row in table(tmp_path / "table.csv")}
-    # 1.15^5 over 0.97^5, all from the same 16 s
-    assert float(found["damage"]["simulated"]) == pytest.approx((1.15 / 0.97) ** 5, rel=1e-6)
+    # 1.25^5 over 0.97^5, all from the same 16 s
+    assert float(found["damage"]["simulated"]) == pytest.approx((1.25 / 0.97) ** 5, rel=1e-6)
     assert float(found["damage"]["recorded_3"]) == pytest.approx((1.03 / 0.97) ** 5, rel=1e-6)
-    assert float(found["damage"]["outside"]) > 1
-    assert found["cycles"]["outside"] == ""
+    # 95 % of a further one, by Student's t
+    three = np.array([float(found["damage"][f"recorded_{k}"]) for k in (1, 2, 3)])
+    half = stats.t.ppf(0.975, 2) * three.std(ddof=1) * np.sqrt(4 / 3)
+    assert float(found["damage"]["further_to"]) == pytest.approx(three.mean() + half, rel=1e-9)
+    assert float(found["damage"]["off"]) == pytest.approx((float(found["damage"]["simulated"]) - three.mean()) / half, rel=1e-9)
+    assert float(found["damage"]["off"]) > 1
+    assert found["cycles"]["off"] == ""
     page = (tmp_path / "page.html").read_text()
-    assert "times what they span" in page and "up-crossings" in page and "amplitude" in page
+    assert "times as far off" in page and "up-crossings" in page and "amplitude" in page
 
 
 @pytest.mark.quick

@@ -2,7 +2,7 @@
 
 use super::rack::Rack;
 use super::{SIDES, Taken, Vehicle, WHEEL_NAMES, WHEELS, five_link, modes, statics, told};
-use crate::mechanics::{ABOUT, Body, Motion, Pose, Response, Spin, Wrench, check_step_size};
+use crate::mechanics::{ABOUT, Body, Link, Motion, Pose, Response, Spin, Wrench, check_step_size};
 use crate::rig::{Actuator, OnRoad};
 use crate::road::Road;
 use crate::tire::{Mounted, Tire};
@@ -158,7 +158,13 @@ impl<T: Tire> Vehicle<T> {
         let (step, car) = (self.step_size, &self.car);
         for (i, inertia) in ["front_wheel_inertia", "rear_wheel_inertia"].into_iter().enumerate() {
             let windup = self.tires[i].links()[2];
-            check_step_size(step, (inertia, car.axle(i).wheel_inertia), &[windup], &ABOUT)?;
+            // each wheel of an axle has half of the coupling's torque
+            let coupled = Link {
+                stiffness: ("none", 0.0),
+                damping: ("half of coupling_damping", 0.5 * car.coupling),
+                mass: ("the wheel_inertia of the other axle", car.axle(1 - i).wheel_inertia),
+            };
+            check_step_size(step, (inertia, car.axle(i).wheel_inertia), &[windup, coupled], &ABOUT)?;
         }
         let mut names = modes::names("the body");
         names.extend(WHEEL_NAMES.iter().flat_map(|wheel| modes::names(&format!("the {wheel} carrier"))));
