@@ -238,6 +238,7 @@ fn the_rack_swings_with_its_own_frequency() {
             ("initial_speed", 0.2),
             ("command_actuators", 0.0),
             ("front_tie_rod_stiffness", 6e6),
+            ("front_camber", 0.0),
         ]);
         WHEELS.iter().for_each(|wheel| car.set(&format!("{wheel}.friction_factor"), 0.0));
         car.set("steering_wheel_angle", 0.05);
@@ -377,4 +378,43 @@ fn a_coupling_brings_axles_to_one_speed() {
     set(&mut *slave, &[("coupling_damping", 2e4)]);
     let error = slave.start(0.0, None).and_then(|()| slave.finish_start()).unwrap_err().to_string();
     assert!(error.contains("coupling_damping"), "{error}");
+}
+
+/// Joints that make no suspension are refused by name.
+#[test]
+fn joints_that_do_not_hold_a_wheel_are_refused() {
+    let refused = |values: &[(&str, f64)], text: Option<(&str, &str)>| {
+        let mut slave = common::shipped(CAR);
+        set(&mut *slave, values);
+        if let Some((name, text)) = text {
+            let index = slave.find(name).unwrap();
+            slave.set_text(index, text).unwrap();
+        }
+        slave.start(0.0, None).and_then(|()| slave.finish_start()).unwrap_err().to_string()
+    };
+    let meeting = "0.3 0.4 0.2 0 0.7 0.2; -0.3 0.4 0.2 0 0.7 0.2; 0.3 0.4 0.4 0 0.7 0.2; -0.3 0.4 0.4 0 0.7 0.2; 0 0.4 0.3 0 0.7 0.2";
+    for (values, text, words) in [
+        (&[("front_ball_joint_height", -0.1)][..], None, "front_ball_joint_height"),
+        (&[("front_strut_top_height", 0.1)], None, "front_strut_top_height"),
+        (
+            &[("front_anti_dive", 1.0), ("front_caster", -0.5), ("front_ball_joint_height", 0.6)],
+            None,
+            "front_anti_dive",
+        ),
+        (&[("front_steering_arm", 0.001)], None, "front_steering_arm"),
+        (&[("vehicle_mass", 100.0)], None, "vehicle_mass"),
+        (&[("centre_of_mass_x", 2.4)], None, "centre_of_mass_x"),
+        (&[], Some(("rear_links", meeting)), "do not hold its wheel"),
+        (&[], Some(("rear_links", "0 0 0")), "rear_links"),
+        (&[], Some(("rear_strut", "")), "rear_strut"),
+        (&[], Some(("front_damper", "0 10; 1 20")), "front_damper"),
+        (
+            &[("road_kind", 4.0), ("road_start", -2.0), ("road_height", 0.01), ("road_length", 0.5)],
+            None,
+            "rear left wheel",
+        ),
+    ] {
+        let error = refused(values, text);
+        assert!(error.contains(words), "{words}: {error}");
+    }
 }

@@ -1,6 +1,6 @@
 //! `latsch loads`: a simulation beside recordings of the same run, by what matters for damage.
 
-use super::{check_outputs, print};
+use super::{check_outputs, print, warn};
 use latsch::loads::{Band, Conditions, Event, compare, counts, quantities};
 use latsch::recording::read_recording;
 use latsch::report::{loads_report, write_html};
@@ -63,7 +63,10 @@ pub fn run(args: &Args) -> Result<()> {
     let conditions = conditions(args)?;
     let simulated = read_recording(&args.results)?;
     let recorded = args.recording.iter().map(|file| read_recording(file)).collect::<Result<Vec<_>>>()?;
-    let all = compare(&simulated, &recorded, &conditions)?;
+    let (all, level) = compare(&simulated, &recorded, &conditions)?;
+    for name in &level {
+        warn(&format!("{name} does not vary in the recordings and is left out"));
+    }
     if all.is_empty() {
         return Err(Error::file("nothing is compared: the recorded channels do not vary"));
     }
@@ -89,6 +92,9 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// A number with five digits, or as many as stand before the point.
 fn digits(value: f64) -> String {
+    if !value.is_finite() {
+        return "-".into();
+    }
     let decimals =
         if value == 0.0 { 0 } else { (4.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize };
     format!("{value:.decimals$}")

@@ -50,6 +50,8 @@ pub struct Load {
     pub damage: f64,
     /// Crossings upward of each level.
     pub crossings: Vec<usize>,
+    /// The same of the middle of the recorded span.
+    pub middle: usize,
     /// Cycles in each class of range.
     pub pairs: Vec<f64>,
     /// Amplitudes over frequency; none of a short history.
@@ -70,19 +72,22 @@ pub struct Band {
 /// Probability with which a further recording is in a band. Of three recordings the span alone would leave out every second one.
 pub const SURE: f64 = 0.95;
 
+/// Differences below this share of a quantity are rounding.
+const ROUNDING: f64 = 1e-9;
+
 impl Band {
     /// From the quantity of each recording and of the simulation: the mean, more and less by Student's t times the deviation of a
     /// further value, s sqrt(1 + 1/n).
     pub fn new(recorded: &[f64], simulated: f64) -> Self {
         let n = recorded.len() as f64;
-        let further =
-            (recorded.len() > 1).then(|| deviation(recorded) * (n / (n - 1.0)).sqrt()).filter(|s| *s > 0.0);
-        let further = further.map(|s| {
+        let (low, high) = extent(recorded.iter().copied());
+        // what is the same in all of them, but for rounding, says nothing of how runs differ
+        let further = (high - low > ROUNDING * low.abs().max(high.abs())).then(|| {
+            let s = deviation(recorded) * (n / (n - 1.0)).sqrt();
             let half = student_beyond(1.0 - SURE, n - 1.0) * s * (1.0 + 1.0 / n).sqrt();
             let middle = mean(recorded);
             [middle - half, middle + half]
         });
-        let (low, high) = extent(recorded.iter().copied());
         Self { recorded: [low, high], further, simulated }
     }
 
@@ -127,7 +132,7 @@ pub const QUANTITIES: [Quantity; 6] = [
     ("largest", |load| load.extremes[1]),
     ("cycles", |load| load.cycles),
     ("largest range", |load| load.largest_range),
-    ("middle crossed", |load| load.crossings.get(load.crossings.len() / 2).map_or(0.0, |n| *n as f64)),
+    ("middle crossed", |load| load.middle as f64),
     ("damage", |load| load.damage),
 ];
 
@@ -170,14 +175,13 @@ impl Event {
         Ok(Self { channel: channel.into(), above, value, unit: unit.trim().into() })
     }
 
-    /// The time of it in a recording \[s\], which has the channel under a name.
-    fn time(&self, recording: &Recording, name: &str) -> Result<f64> {
-        let channel = recording.channel(name)?;
-        let unit = if self.unit.is_empty() { &channel.unit } else { &self.unit };
+    /// The sample of it in a recording, which has the channel under a name. A value without a unit has that of the simulation.
+    fn sample(&self, recording: &Recording, name: &str, of_simulation: &str) -> Result<usize> {
+        let unit = if self.unit.is_empty() { of_simulation } else { &self.unit };
         Unit::parse(unit).map_err(|e| Error::call(e.to_string()))?;
         let values = recording.channel_in(name, unit)?;
         let is_beyond = |v: &f64| if self.above { *v > self.value } else { *v < self.value };
-        let at = values.iter().position(is_beyond).ok_or_else(|| {
+        values.iter().position(is_beyond).ok_or_else(|| {
             Error::file(format!(
                 "{}: {} is never {} {} {unit}",
                 recording.source,
@@ -185,11 +189,12 @@ impl Event {
                 if self.above { "above" } else { "below" },
                 self.value
             ))
-        })?;
-        Ok(recording.time[at])
+        })
     }
 }
 
+/// A window may begin and end so many intervals of samples beside what was recorded.
+const MOST_SHORT: f64 = 1.5;
 /// Intervals of samples that differ by no more than this share of them are the same: times are written with so many digits.
 const EVEN: f64 = 1e-3;
 
@@ -209,10 +214,15 @@ impl<'a> Aligned<'a> {
             None => name.to_owned(),
             Some(_) => conditions.recorded_as(name).to_owned(),
         };
-        let zero = match &conditions.event {
-            None => 0.0,
-            Some(event) => event.time(recording, &called(&event.channel))?,
+        let reference = simulated.unwrap_or(recording);
+        let event = match &conditions.event {
+            None => None,
+            Some(event) => {
+                let unit = &reference.channel(&event.channel)?.unit;
+                Some(event.sample(recording, &called(&event.channel), unit)?)
+            }
         };
+        let zero = event.map_or(0.0, |at| recording.time[at]);
         let time: Vec<f64> = recording.time.iter().map(|t| t - zero).collect();
         let samples = match conditions.window {
             None => 0..time.len(),
@@ -221,11 +231,24 @@ impl<'a> Aligned<'a> {
         if samples.len() < 2 {
             return Err(Error::file(format!("{}: there are no samples in the window", recording.source)));
         }
+        if let Some([from, to]) = conditions.window {
+            let (first, last) = (time[samples.start], time[samples.end - 1]);
+            let most = MOST_SHORT * median_interval(&time);
+            if first > from + most || last < to - most {
+                return Err(Error::file(format!(
+                    "{}: of the window from {from} s to {to} s there is only {first:.6} s to {last:.6} s; pieces of other length have other counts",
+                    recording.source
+                )));
+            }
+        }
         let places = match &conditions.over {
             None => None,
             Some(name) => {
-                let unit = &simulated.unwrap_or(recording).channel(name)?.unit;
-                let places = recording.channel_in(&called(name), unit)?[samples.clone()].to_vec();
+                let unit = &reference.channel(name)?.unit;
+                let all = recording.channel_in(&called(name), unit)?;
+                // places count from the event, too
+                let zero = event.map_or(0.0, |at| all[at]);
+                let places: Vec<f64> = all[samples.clone()].iter().map(|place| place - zero).collect();
                 if let Some(at) = places.windows(2).position(|pair| pair[1] < pair[0]) {
                     return Err(Error::file(format!(
                         "{}: {name} goes back at {} s, and errors cannot be taken over it; a window that ends before may help",
@@ -260,7 +283,8 @@ impl<'a> Aligned<'a> {
     }
 }
 
-/// Counts a simulation and recordings of the same run alike, and compares them.
+/// Counts a simulation and recordings of the same run alike, and compares them. Also returns the channels that do not vary in the recordings,
+/// of which nothing can be counted.
 ///
 /// All are brought to the longest interval of their samples, as a faster one finds higher peaks.
 ///
@@ -270,7 +294,7 @@ pub fn compare(
     simulated: &Recording,
     recorded: &[Recording],
     conditions: &Conditions,
-) -> Result<Vec<Compared>> {
+) -> Result<(Vec<Compared>, Vec<String>)> {
     if recorded.is_empty() {
         return Err(Error::call("there is no recording to compare with"));
     }
@@ -292,7 +316,7 @@ pub fn compare(
             simulated.source
         )));
     }
-    let mut all = Vec::new();
+    let (mut all, mut level) = (Vec::new(), Vec::new());
     for [name, recorded_as] in &names {
         let unit = simulated.channel(name)?.unit.clone();
         let course = own.values(name, &unit)?;
@@ -300,11 +324,15 @@ pub fn compare(
             others.iter().map(|o| o.values(recorded_as, &unit)).collect::<Result<_>>()?;
         let even: Vec<Vec<f64>> =
             others.iter().zip(&courses).map(|(o, values)| o.even(values, interval)).collect();
-        let Some((low, high)) = extremes(&even.concat()).filter(|(low, high)| high > low) else { continue };
+        let Some((low, high)) = extremes(&even.concat()).filter(|(low, high)| high > low) else {
+            level.push(name.clone());
+            continue;
+        };
         let count = Counting::new([low, high], conditions, interval);
         let mut loads: Vec<Load> = even.iter().map(|values| count.load(values)).collect();
         let mut load = count.load(&own.even(&course, interval));
-        let scale = loads[0].damage;
+        // a recording that hardly moves is no measure
+        let scale = if loads[0].damage > 0.0 { loads[0].damage } else { f64::NAN };
         loads.iter_mut().chain([&mut load]).for_each(|load| load.damage /= scale);
         let error = |values: &[f64], from: &Aligned<'_>, other: usize| {
             error((values, from), (&courses[other], &others[other]))
@@ -317,17 +345,18 @@ pub fn compare(
             gate: count.gate,
             interval,
             simulated: load,
-            errors: (0..others.len()).map(|i| error(&course, &own, i)).collect(),
-            repeats: (1..others.len()).map(|i| error(&courses[0], &others[0], i)).collect(),
+            errors: (0..others.len()).map(|i| error(&course, &own, i)).collect::<Result<_>>()?,
+            repeats: (1..others.len()).map(|i| error(&courses[0], &others[0], i)).collect::<Result<_>>()?,
             recorded: loads,
         });
     }
-    Ok(all)
+    Ok((all, level))
 }
 
 /// How a channel is counted.
 struct Counting {
     levels: Vec<f64>,
+    middle: f64,
     width: f64,
     gate: f64,
     slope: f64,
@@ -338,7 +367,14 @@ impl Counting {
     fn new([low, high]: [f64; 2], conditions: &Conditions, interval: f64) -> Self {
         let width = (high - low) / conditions.classes as f64;
         let levels = (0..conditions.classes).map(|i| low + (i as f64 + 0.5) * width).collect();
-        Self { levels, width, gate: conditions.gate * (high - low), slope: conditions.slope, interval }
+        Self {
+            levels,
+            middle: 0.5 * (low + high),
+            width,
+            gate: conditions.gate * (high - low),
+            slope: conditions.slope,
+            interval,
+        }
     }
 
     /// The damage is the sum of ranges over a class's width to the power of the slope.
@@ -353,6 +389,7 @@ impl Counting {
             largest_range: cycles.iter().map(|(cycle, _)| cycle.range()).fold(0.0, f64::max),
             damage: cycles.iter().map(|(cycle, n)| n * (cycle.range() / self.width).powf(self.slope)).sum(),
             crossings: level_crossings(&points, &self.levels),
+            middle: level_crossings(&points, &[self.middle])[0],
             // a simulation may reach farther than the recordings
             pairs: range_pairs(&counted, Residue::Half, self.width, 2 * self.levels.len()),
             spectrum: spectrum(values, self.interval),
@@ -361,7 +398,10 @@ impl Counting {
 }
 
 /// Root mean square of what one course is off from another, over time or over places, where both are there.
-fn error((values, own): (&[f64], &Aligned<'_>), (others, other): (&[f64], &Aligned<'_>)) -> f64 {
+///
+/// # Errors
+/// They are nowhere both there.
+fn error((values, own): (&[f64], &Aligned<'_>), (others, other): (&[f64], &Aligned<'_>)) -> Result<f64> {
     // a stop is many samples at one place: the first one stands for them
     let rising = |aligned: &Aligned<'_>, values: &[f64]| {
         let mut kept: (Vec<f64>, Vec<f64>) = Default::default();
@@ -377,7 +417,19 @@ fn error((values, own): (&[f64], &Aligned<'_>), (others, other): (&[f64], &Align
     let (from, values) = rising(own, values);
     let (to, others) = rising(other, others);
     let errors = to.iter().zip(&others).map(|(place, value)| interpolate(&from, &values, *place) - value);
-    root_mean_square(errors.filter(|e| e.is_finite()))
+    let errors: Vec<f64> = errors.filter(|e| e.is_finite()).collect();
+    if errors.is_empty() {
+        return Err(Error::file(format!(
+            "{} and {} have nothing in common: {:.6} to {:.6} and {:.6} to {:.6}; an event makes a common time and place",
+            own.recording.source,
+            other.recording.source,
+            from.first().unwrap_or(&f64::NAN),
+            from.last().unwrap_or(&f64::NAN),
+            to.first().unwrap_or(&f64::NAN),
+            to.last().unwrap_or(&f64::NAN)
+        )));
+    }
+    Ok(root_mean_square(errors))
 }
 
 #[cfg(test)]
@@ -422,7 +474,7 @@ mod tests {
     fn runs_are_aligned_by_an_event_or_by_a_place() {
         let (first, later) = (run("first", 0.0, 1.0), run("later", 0.4, 1.0));
         let of = |conditions: &Conditions| {
-            compare(&first, std::slice::from_ref(&later), conditions).unwrap().remove(0)
+            compare(&first, std::slice::from_ref(&later), conditions).unwrap().0.remove(0)
         };
         assert!(of(&conditions()).errors[0] > 300.0);
         let event = Some(Event::parse("pressure>1e5 Pa").unwrap());
@@ -443,14 +495,14 @@ mod tests {
     #[test]
     fn a_tenth_more_is_found_beside_the_scatter_of_repeats() {
         let repeats = [run("a", 0.0, 0.98), run("b", 0.0, 1.0), run("c", 0.0, 1.02)];
-        let found = compare(&run("simulated", 0.0, 1.1), &repeats, &conditions()).unwrap().remove(0);
+        let found = compare(&run("simulated", 0.0, 1.1), &repeats, &conditions()).unwrap().0.remove(0);
         let ratio = found.simulated.largest_range / found.recorded[1].largest_range;
         assert!((ratio - 1.1).abs() < 1e-9, "{ratio}");
         assert!((found.simulated.damage / found.recorded[1].damage / 1.1_f64.powi(5) - 1.0).abs() < 1e-6);
         let bands: Vec<_> = found.bands().collect();
         let off = |name: &str| bands.iter().find(|(n, _)| *n == name).unwrap().1.off();
         assert!(off("damage").unwrap() > 1.0 && off("cycles").is_none());
-        let inside = compare(&run("simulated", 0.0, 1.01), &repeats, &conditions()).unwrap().remove(0);
+        let inside = compare(&run("simulated", 0.0, 1.01), &repeats, &conditions()).unwrap().0.remove(0);
         assert!(inside.bands().all(|(_, band)| band.off().is_none_or(|off| off.abs() < 1.0)));
     }
 
@@ -475,11 +527,41 @@ mod tests {
         }
     }
 
+    /// What would be compared without anything to compare: pieces of other length, places of another beginning, recordings that are all the same.
+    #[test]
+    fn what_says_nothing_is_not_said() {
+        let (first, mut other) = (run("first", 0.0, 1.0), run("other", 0.0, 1.0));
+        let of = |other: &Recording, conditions: &Conditions| {
+            compare(&first, std::slice::from_ref(other), conditions)
+        };
+        let error =
+            of(&other, &Conditions { window: Some([1.0, 9.0]), ..conditions() }).unwrap_err().to_string();
+        assert!(error.contains("there is only 1.000000 s to 3.998"), "{error}");
+        other.channels[2].values.iter_mut().for_each(|place| *place += 1e3);
+        let over = Conditions { over: Some("distance".into()), ..conditions() };
+        let error = of(&other, &over).unwrap_err().to_string();
+        assert!(error.contains("nothing in common"), "{error}");
+        // from an event on, places have the same beginning again
+        let event = Some(Event::parse("pressure>1").unwrap());
+        assert!(of(&other, &Conditions { event: event.clone(), ..over }).unwrap().0[0].errors[0] < 1e-6);
+        // a value without a unit is that of the simulation
+        other.channels[1].unit = "Pa".into();
+        other.channels[1].values.iter_mut().for_each(|p| *p *= 1e5);
+        assert!(of(&other, &Conditions { event, ..conditions() }).unwrap().0[0].errors[0] < 1e-6);
+        assert!(Band::new(&[5.51, 5.51, 5.51], 5.52).off().is_none());
+        let still = Recording {
+            channels: vec![Channel { values: vec![2.0; 2000], ..first.channels[0].clone() }],
+            ..first.clone()
+        };
+        let (all, level) = of(&still, &conditions()).unwrap();
+        assert!(all.is_empty() && level == ["force"]);
+    }
+
     #[test]
     fn an_event_has_a_form() {
         for text in ["pressure", "pressure>", ">5", "pressure>much", "pressure>5 furlong"] {
             let event = Event::parse(text);
-            assert!(event.and_then(|e| e.time(&run("a", 0.0, 1.0), "pressure")).is_err(), "{text}");
+            assert!(event.and_then(|e| e.sample(&run("a", 0.0, 1.0), "pressure", "bar")).is_err(), "{text}");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! A rigid body on its way.
 
 use super::motion::{Motion, Wrench};
+use super::pose::Pose;
 use super::rigid::RigidBody;
 use super::verlet::{drift, kick};
 use nalgebra::Vector3;
@@ -35,9 +36,9 @@ impl Body {
         Motion { velocity: step.predicted, rates: turn.predicted, ..*motion }
     }
 
-    /// Takes over what the loads \[N, N.m\] about the centre make of a body that moves so.
-    pub fn load(&mut self, body: &RigidBody, motion: &Motion<f64>, loads: &Wrench<f64>, gravity: f64) {
-        (self.acceleration, self.turning) = body.acceleration(motion, loads, gravity);
+    /// Takes over what the loads \[N, N.m\] about the centre make of a body that is posed so.
+    pub fn load(&mut self, body: &RigidBody, pose: &Pose, loads: &Wrench<f64>, gravity: f64) {
+        (self.acceleration, self.turning) = body.acceleration_at(&pose.attitude, &pose.rates, loads, gravity);
     }
 
     /// Second half: the kick with the accelerations of the end of the step.

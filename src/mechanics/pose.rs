@@ -1,6 +1,6 @@
 //! A body as elements between bodies see it.
 
-use super::motion::{Motion, Wrench, cross};
+use super::motion::{Attitude, Motion, Wrench, cross};
 use nalgebra::{Matrix3, Vector3};
 
 /// Where a body is and how it moves, with what its angles mean: made once for all that hangs on it.
@@ -14,6 +14,10 @@ pub struct Pose {
     pub axes: Matrix3<f64>,
     /// Angular velocity, frame 0 \[rad/s\].
     pub spin: Vector3<f64>,
+    /// Sines and cosines of its angles, and their rates \[rad/s\].
+    pub attitude: Attitude<f64>,
+    /// \[rad/s\]
+    pub rates: Vector3<f64>,
 }
 
 impl From<&Motion<f64>> for Pose {
@@ -24,6 +28,8 @@ impl From<&Motion<f64>> for Pose {
             velocity: motion.velocity,
             axes: attitude.rotation(),
             spin: attitude.rate_map() * motion.rates,
+            attitude,
+            rates: motion.rates,
         }
     }
 }

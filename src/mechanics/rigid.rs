@@ -1,6 +1,6 @@
 //! Rigid bodies in Cardan angles.
 
-use super::motion::{Motion, Wrench, cross};
+use super::motion::{Attitude, Motion, Wrench, cross};
 use crate::solver::Real;
 use nalgebra::{Matrix3, Vector3};
 
@@ -22,20 +22,30 @@ impl RigidBody {
         loads: &Wrench<T>,
         gravity: f64,
     ) -> (Vector3<T>, Vector3<T>) {
+        self.acceleration_at(&motion.attitude(), &motion.rates, loads, gravity)
+    }
+
+    /// [`acceleration`](Self::acceleration) where sines and cosines of the angles are known.
+    pub fn acceleration_at<T: Real>(
+        &self,
+        attitude: &Attitude<T>,
+        rates: &Vector3<T>,
+        loads: &Wrench<T>,
+        gravity: f64,
+    ) -> (Vector3<T>, Vector3<T>) {
         let mut linear = loads.force * T::from(1.0 / self.mass);
         linear.z -= T::from(gravity);
 
         let moments = self.inertia.map(T::from);
-        let attitude = motion.attitude();
         let rotation = attitude.rotation();
         let body =
             |diagonal: [T; 3]| rotation * Matrix3::from_diagonal(&diagonal.into()) * rotation.transpose();
         let inertia = body(moments);
         let inverse = body(moments.map(|j| T::one() / j));
 
-        let spin = attitude.rate_map() * motion.rates;
+        let spin = attitude.rate_map() * rates;
         let spin_rate = inverse * (loads.moment - cross(&spin, &(inertia * spin)));
-        let turning = attitude.rate_map_derivative(&motion.rates) * motion.rates;
+        let turning = attitude.rate_map_derivative(rates) * rates;
         let angular = attitude.rate_map_inverse() * (spin_rate - turning);
         (linear, angular)
     }

@@ -120,20 +120,28 @@ impl Response {
     /// # Errors
     /// They cannot; the message names what would swing without bound, and the longest step.
     pub fn check(&self, step: f64, names: &[Coordinate], more: impl Fn(f64) -> Vec<f64>) -> Result<()> {
-        let needs = |step: f64| {
-            let taken = DMatrix::from_diagonal(&DVector::from_vec(more(step)));
+        let matrix = |taken: Vec<f64>, step: f64| {
+            let taken = DMatrix::from_diagonal(&DVector::from_vec(taken));
             &self.by_velocity * -step - &self.by_place * (0.25 * step * step) + taken
         };
-        if largest(&needs(step)) < 1.0 {
+        // where one coordinate has nothing left there is no mode to ask for
+        let spent = |taken: &[f64]| taken.iter().position(|share| share.is_nan() || *share >= 1.0);
+        let is_stable = |step: f64| {
+            let taken = more(step);
+            spent(&taken).is_none() && largest(&matrix(taken, step)) < 1.0
+        };
+        if is_stable(step) {
             return Ok(());
         }
         let (mut stable, mut unstable) = (0.0, step);
         while unstable - stable > 0.01 * unstable {
             let middle = 0.5 * (stable + unstable);
-            if largest(&needs(middle)) < 1.0 { stable = middle } else { unstable = middle }
+            if is_stable(middle) { stable = middle } else { unstable = middle }
         }
+        let taken = more(step);
+        let only = spent(&taken);
         // powers of the matrix leave the shape of the mode that needs most
-        let matrix = needs(step);
+        let matrix = matrix(taken, step);
         let mut shape = DVector::from_element(names.len(), 1.0);
         for _ in 0..SHAPED {
             shape = &matrix * &shape;
@@ -141,7 +149,8 @@ impl Response {
             shape /= if size > 0.0 { size } else { 1.0 };
         }
         let moves = |n: &usize| (shape[*n] * names[*n].1).abs();
-        let most = (0..names.len()).max_by(|a, b| moves(a).total_cmp(&moves(b))).unwrap_or(0);
+        let moves_most = || (0..names.len()).max_by(|a, b| moves(a).total_cmp(&moves(b)));
+        let most = only.or_else(moves_most).unwrap_or(0);
         Err(Error::variable(format!(
             "step_size = {step:?} s is too long for what swings fastest, which would grow without bound: {}; take a step_size of {:.1e} s at most, softer springs and bushings there, or more mass",
             names[most].0,

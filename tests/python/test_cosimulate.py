@@ -155,6 +155,27 @@ def test_the_abs_of_the_description_works(abs_stop):
     assert 2 * 9.81 * 0.8 < lost[0] < 2 * 9.81 * 1.4 and lost[0] > 1.03 * lost[1], lost
 
 
+def test_a_car_stops_with_four_channels(tmp_path):
+    """Shipped models, wired: friction under 1.1 g, wheels that lock nowhere above the controller's last speed, one pressure behind, left as
+    right, and the energy of the motion and of the wheels' spin in brakes, tires, dampers and air."""
+    for file in ("system.toml", "driver.csv"):
+        shutil.copy(ROOT / "examples" / "car-abs-stop" / file, tmp_path)
+    results, _ = run(tmp_path)
+    channel = {name: np.array(values) for name, values in results.items()}
+    time, speed = channel["time"], channel["car.vehicle_speed"]
+    braking = (time > 0.5) & (speed > 3.0)
+    deceleration = -np.polyfit(time[braking], speed[braking], 1)[0]
+    assert 0.8 * 9.81 < deceleration < 1.1 * 9.81
+    assert np.max(channel["car.rear_left.slip"][braking]) <= 0.01
+    locked = sum(np.mean(channel[f"car.front_{side}.slip"][braking] < -0.9) for side in ("left", "right"))
+    assert locked < 0.02 and np.ptp(channel["brake_fl.pressure"][braking]) > 20e5
+    for left, right in [("brake_rl.pressure", "brake_rr.pressure"), ("car.front_left.tie_rod_force", "car.front_right.tie_rod_force")]:
+        np.testing.assert_allclose(channel[left], channel[right], atol=1e-6 * np.abs(channel[left]).max())
+    lost = sum(channel[f"car.{part}_energy"][-1] for part in ("brake", "tire", "damper", "air"))
+    spin = channel["car.front_left.wheel_speed"][0]
+    assert lost == pytest.approx(0.5 * 1650 * speed[0] ** 2 + 4 * 0.5 * 0.9 * spin**2, rel=2e-3)
+
+
 def test_the_loop_opened_along_its_own_recording(system):
     closed, _ = run(system)
     shutil.copy(system / "out.csv", system / "closed.csv")

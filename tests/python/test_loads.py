@@ -127,6 +127,7 @@ def test_repeats_make_a_band_and_an_event_makes_the_time(tmp_path):
         (["--event", "F_SS"], ["CHANNEL>VALUE"]),
         (["--window", "5:1"], ["FROM:TO"]),
         (["--window", "50:60"], ["no samples"]),
+        (["--window", "1:60"], ["there is only"]),
         (["--over", "F_SS"], ["goes back"]),
         (["--slope", "0"], ["--slope"]),
         (["--classes", "1"], ["--classes"]),

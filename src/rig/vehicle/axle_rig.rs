@@ -205,9 +205,9 @@ impl AxleRig {
         let rigid = self.rigid();
         for (i, motion) in carriers.iter().enumerate() {
             let loads = self.loads(i, motion, front.on_carriers[i]);
-            self.carriers[i].load(&rigid, motion, &loads, 0.0);
+            self.carriers[i].load(&rigid, &poses[i], &loads, 0.0);
             let (axis, ball_joint) = self.front.sides[i].steering_axis([&body, &poses[i]]);
-            let bearing = Bearing::measured(motion, &self.on_carrier(i, motion));
+            let bearing = Bearing::measured(&poses[i], &self.on_carrier(i, motion));
             self.told[i].about(&axis, &ball_joint, &bearing);
         }
     }

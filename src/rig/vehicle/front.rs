@@ -71,7 +71,7 @@ impl FrontAxle {
         loads: &Wrench<f64>,
     ) -> Result<()> {
         let [body, carrier] = bodies;
-        let joints = p.mcpherson.joints(SIDES[i], 0.5 * p.axle.track, carrier.position.z);
+        let joints = p.mcpherson.joints(SIDES[i], 0.5 * p.axle.track, carrier.position.z, p.axle.camber);
         let mut side = Side::new(&p.mcpherson, &joints, bodies, &Vector3::zeros());
         let at = side.strained(bodies, [0.0; 2]);
         side.preload(&at, carrier, &statics::balance("front suspension", &at.columns(), loads)?);

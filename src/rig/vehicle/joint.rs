@@ -68,13 +68,7 @@ impl Springs {
     /// It is none, or pushes the way that it moves.
     pub fn prepare(&mut self, name: &str) -> crate::Result<()> {
         self.damper = Curve::new(name, crate::model::groups(name, &self.damper_points, LARGEST)?)?;
-        if self.damper.at(0.0) != 0.0 {
-            return Err(crate::Error::variable(format!(
-                "{name}: at speed 0 the force has to be 0, and is {} N: give it a point '0 0'",
-                self.damper.at(0.0)
-            )));
-        }
-        Ok(())
+        self.damper.check_resists(name)
     }
 
     /// Force with which a strut pushes body and carrier apart beyond that where the vehicle stands \[N\], shortened by a way \[m\]

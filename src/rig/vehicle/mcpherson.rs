@@ -31,6 +31,9 @@ pub struct McPherson {
     pub strut_top: SpringDamper,
 }
 
+/// The steepest longitudinal link: its rise over its length, of 45 degrees.
+const STEEPEST: f64 = 0.7;
+
 /// Joints of a side, from the point on the road below the middle of the front axle: forward, to the left, upward \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joints {
@@ -74,11 +77,18 @@ impl McPherson {
     /// # Errors
     /// Joints that do not make a suspension.
     pub fn check(&self) -> Result<()> {
-        let span = self.strut_top_height - self.ball_joint_height;
-        if span < 0.05 {
+        let (top, ball) = (self.strut_top_height, self.ball_joint_height);
+        if ball < 0.0 || top < ball + 0.05 {
             return Err(Error::variable(format!(
-                "front_strut_top_height = {} m has to be 0.05 m at least over front_ball_joint_height = {} m",
-                self.strut_top_height, self.ball_joint_height
+                "front_ball_joint_height = {ball} m has to be over the road, and front_strut_top_height = {top} m at least 0.05 m over it"
+            )));
+        }
+        if self.rise().abs() > STEEPEST * self.longitudinal_length {
+            return Err(Error::variable(format!(
+                "front_anti_dive = {} would need a longitudinal link that rises by {:.3} m on a length of {} m: it may be {STEEPEST} of it",
+                self.anti_dive,
+                self.rise(),
+                self.longitudinal_length
             )));
         }
         if self.steering_arm.abs() < 0.01 {
@@ -100,20 +110,29 @@ impl McPherson {
         }
     }
 
-    /// Joints of the left (1) or right (-1) side, whose wheel's centre is at a height and `half_track` from the middle.
-    pub fn joints(&self, side: f64, half_track: f64, height: f64) -> Joints {
+    /// How much higher than the ball joint the inner end of the longitudinal link is \[m\].
+    ///
+    /// Braking lifts the body by the way forward of the point on the road over the wheel's way up. That follows from the ways of the
+    /// strut's top, along the strut, and of the ball joint, across the longitudinal link.
+    fn rise(&self) -> f64 {
+        let (top, ball) = (self.strut_top_height, self.ball_joint_height);
+        let forward = (self.anti_dive * (top - ball) - libm::tan(self.caster) * ball) / top;
+        let slope = -forward * libm::cos(self.longitudinal_angle);
+        self.longitudinal_length * slope / libm::sqrt(1.0 + slope * slope)
+    }
+
+    /// Joints of the left (1) or right (-1) side, whose wheel's centre is at a height and `half_track` from the middle, with a camber.
+    pub fn joints(&self, side: f64, half_track: f64, height: f64, camber: f64) -> Joints {
         let (caster, inclination) = (libm::tan(self.caster), libm::tan(self.inclination));
         let trail = height * caster - self.caster_offset;
+        // where the wheel's plane meets the road
+        let plane = half_track - height * libm::tan(camber);
         let on_axis =
-            |z: f64| Vector3::new(trail - caster * z, half_track - self.scrub_radius - inclination * z, z);
+            |z: f64| Vector3::new(trail - caster * z, plane - self.scrub_radius - inclination * z, z);
         let (ball_joint, strut_top) = (on_axis(self.ball_joint_height), on_axis(self.strut_top_height));
         let (sin, cos) = libm::sincos(self.longitudinal_angle);
-        // braking lifts the body by the way forward of the point on the road over the wheel's way up, which follows from those of
-        // strut top, along the strut, and ball joint, across the longitudinal link
-        let (top, ball) = (self.strut_top_height, self.ball_joint_height);
-        let forward = (self.anti_dive * (top - ball) - caster * ball) / top;
-        let rise = -forward * self.longitudinal_length * cos;
-        let level = libm::sqrt((self.longitudinal_length * self.longitudinal_length - rise * rise).max(0.0));
+        let rise = self.rise();
+        let level = libm::sqrt(self.longitudinal_length * self.longitudinal_length - rise * rise);
         let tie_rod_outer = on_axis(self.tie_rod_height) + Vector3::new(self.steering_arm, 0.0, 0.0);
         let mirrored = |p: Vector3<f64>| Vector3::new(p.x, side * p.y, p.z);
         Joints {
@@ -286,4 +305,38 @@ impl Strained {
 fn across_axes(axis: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let second = cross(axis, &Vector3::x()).normalize();
     [cross(&second, axis), second]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The axis meets the road inside of the wheel's plane by the scrub radius, behind the centre by the offset at its height, and the
+    /// longitudinal link has the slope that lifts as much as was asked for.
+    #[test]
+    fn joints_lie_where_the_angles_say() {
+        let mut sizes = McPherson::default();
+        McPherson::rows().write_starts(&mut sizes);
+        for (camber, anti_dive) in [(0.0, 0.1), (-0.02, 0.5), (0.03, 0.0)] {
+            sizes.anti_dive = anti_dive;
+            for side in [1.0, -1.0] {
+                let (half_track, height) = (0.75, 0.32);
+                let j = sizes.joints(side, half_track, height, camber);
+                let at = |z: f64| {
+                    let share = (z - j.ball_joint.z) / (j.strut_top.z - j.ball_joint.z);
+                    j.ball_joint + (j.strut_top - j.ball_joint) * share
+                };
+                let plane = half_track - height * camber.tan();
+                assert!((side * at(0.0).y - (plane - sizes.scrub_radius)).abs() < 1e-12);
+                assert!((at(height).x + sizes.caster_offset).abs() < 1e-12);
+                let link = j.longitudinal_inner - j.ball_joint;
+                assert!((link.norm() - sizes.longitudinal_length).abs() < 1e-12);
+                // the ball joint goes up and forward across the link, the top along the strut; the road's point is on their line
+                let ball = -link.z / link.x;
+                let top = -sizes.caster.tan();
+                let lifts = ball + (ball - top) * j.ball_joint.z / (j.strut_top.z - j.ball_joint.z);
+                assert!((lifts - anti_dive).abs() < 1e-12, "{lifts}");
+            }
+        }
+    }
 }

@@ -59,8 +59,6 @@ pub struct Vehicle<T> {
     tires: [T; 2],
     wheels: [Mounted<T>; WHEELS],
     spins: [Spin; WHEELS],
-    /// Energy that the carriers' turning spared the brakes \[J\].
-    spared: f64,
     car: Car,
     gravity: f64,
     front: FrontAxle,
@@ -92,7 +90,6 @@ clone_in_place!(Vehicle<T> {
     tires,
     wheels,
     spins,
-    spared,
     car,
     gravity,
     front,
@@ -194,9 +191,14 @@ impl<T: Tire> Model for Vehicle<T> {
         let rack_speed = self.front.rack.drift(length);
         let torques = self.torques();
         for i in 0..WHEELS {
-            let inertia = self.inertia(i);
-            let speed = self.spins[i].drift(inertia, self.brakes[i], length);
+            let (inertia, brake) = (self.inertia(i), self.brakes[i]);
             let motion = &carriers[i];
+            let turning = about_axle(motion);
+            let speed = against(&mut self.spins[i], turning, |spin| {
+                let speed = spin.drift(inertia, brake, length);
+                spin.angle += turning * length;
+                speed + turning
+            });
             let rim = rim(motion, self.spins[i].angle, speed);
             let ground = OnRoad {
                 road: &self.road,
@@ -210,8 +212,7 @@ impl<T: Tire> Model for Vehicle<T> {
             let torque =
                 self.wheels[i].spin_moment() + torques[i] + carried.inertia * carried.spin_acceleration;
             self.spins[i].free_acceleration = torque / inertia;
-            self.spins[i].kick(inertia, self.brakes[i], length);
-            self.spared += length * self.spins[i].brake_torque * about_axle(motion);
+            against(&mut self.spins[i], turning, |spin| spin.kick(inertia, brake, length));
         }
 
         // forces at the end, and the second half of the kick
@@ -236,6 +237,14 @@ fn rim(carrier: &Motion<f64>, angle: f64, speed: f64) -> Motion<f64> {
     rim.rates.y = 0.0;
     rim.rates.y = speed - about_axle(&rim);
     rim
+}
+
+/// Does something with a wheel's spin as its carrier sees it, which turns at a speed: a brake holds the wheel to the carrier.
+fn against<R>(spin: &mut Spin, turning: f64, act: impl FnOnce(&mut Spin) -> R) -> R {
+    spin.speed -= turning;
+    let done = act(spin);
+    spin.speed += turning;
+    done
 }
 
 /// Angular velocity about the lateral axis of the body or wheel itself \[rad/s\].
@@ -293,12 +302,12 @@ impl<T: Tire> Vehicle<T> {
         // a drive stands on the body, which it turns the other way
         let driven = self.drives[0] + self.drives[1];
         on_body.moment -= pose.axes.column(1) * driven;
-        self.body.load(&car.body(), body, &on_body, gravity);
+        self.body.load(&car.body(), &pose, &on_body, gravity);
         let (torques, faster) = (self.torques(), self.faster());
         powers.dampers += self.car.coupling * faster * faster;
         for i in 0..WHEELS {
             powers.tires += self.tire_power(i, &poses[i]);
-            self.load_carrier(i, &carriers[i], &poses[i], on_carriers[i], torques[i]);
+            self.load_carrier(i, &poses[i], on_carriers[i], torques[i]);
         }
         for (i, side) in self.front.sides.iter().enumerate() {
             let (axis, ball_joint) = side.steering_axis([&pose, &poses[i]]);
@@ -308,14 +317,7 @@ impl<T: Tire> Vehicle<T> {
     }
 
     /// Takes over what acts on a carrier besides its joints: the tire, the brake, and the wheel that spins on it.
-    fn load_carrier(
-        &mut self,
-        i: usize,
-        motion: &Motion<f64>,
-        pose: &Pose,
-        joints: Wrench<f64>,
-        torque: f64,
-    ) {
+    fn load_carrier(&mut self, i: usize, pose: &Pose, joints: Wrench<f64>, torque: f64) {
         let tire = &self.wheels[i].tire;
         let (on_rim, carried) = (tire.on_rim(), tire.carried());
         let axle = pose.axes.column(1).into_owned();
@@ -330,12 +332,12 @@ impl<T: Tire> Vehicle<T> {
         let own = self.car.axle(i / 2).carrier(0.0).mass;
         let rigid = self.car.axle(i / 2).carrier(carried.mass);
         // the weight of what the tire has is in its force
-        self.carriers[i].load(&rigid, motion, &loads, self.gravity * own / rigid.mass);
+        self.carriers[i].load(&rigid, pose, &loads, self.gravity * own / rigid.mass);
         let brake = spin.brake_torque;
         self.told.wheels[i] = told::Bearing::new(
             self.car.axle(i / 2),
             &self.carriers[i],
-            motion,
+            pose,
             &on_rim,
             [brake, torque, spin.speed],
             self.gravity,
@@ -404,7 +406,7 @@ impl<T: Tire> Vehicle<T> {
     }
 
     fn brake_energy(&self) -> f64 {
-        self.spins.iter().map(|spin| spin.brake_energy).sum::<f64>() - self.spared
+        self.spins.iter().map(|spin| spin.brake_energy).sum()
     }
 
     fn friction_energy(&self) -> f64 {

@@ -20,7 +20,7 @@ impl RackParameters {
     #[rustfmt::skip] // a row is a line
     pub fn rows() -> Table<Self> {
         Table::new([
-            parameter("rack_mass", "kg", real!(mass), 4.0, "Mass of the rack, with what turns with it").range(0.1, 1e3),
+            parameter("rack_mass", "kg", real!(mass), 4.0, "Mass of rack, column and steering wheel at the rack, as far as they move against the body: as of what turns").range(0.1, 1e3),
             parameter("rack_ratio", "m/rad", real!(ratio), 0.0085, "Way of the rack over the angle of the steering wheel").range(1e-4, 1.0).purpose(Purpose::Data),
             parameter("column_stiffness", "N/m", real!(column.stiffness), 0.6e6, "Stiffness of column, steering wheel and the driver's arms, at the rack").range(0.0, 1e9).role(Role::Stiffness).tunable(),
             parameter("column_damping", "N.s/m", real!(column.damping), 2300.0, "Damping of that, at the rack").range(0.0, 1e6).tunable(),

@@ -37,6 +37,13 @@ impl<T: Tire> Vehicle<T> {
             OnRoad::check_level(&self.road, "vehicle", name, self.wheel_place(i), reach)?;
         }
         self.gravity = self.tires[0].gravity();
+        if self.tires[1].gravity() != self.gravity {
+            return Err(Error::variable(format!(
+                "front_tire.gravity = {} m/s2 and rear_tire.gravity = {} m/s2 have to be the same",
+                self.gravity,
+                self.tires[1].gravity()
+            )));
+        }
         let (rolling, acceleration) = self.rolling()?;
         let heights = [0, 2].map(|i| rolling[i].wheel.rim.position.z);
         let velocity = Vector3::new(self.initial_speed, 0.0, 0.0);
@@ -64,7 +71,7 @@ impl<T: Tire> Vehicle<T> {
             loads.force.x -= (own + carried) * acceleration;
             self.hang(i, [&body, &carrier], &loads)?;
         }
-        (self.spared, self.taken) = (0.0, Taken::default());
+        self.taken = Taken::default();
         self.told = told::Told::default();
         let (body, carriers) = (self.body.motion, self.carriers.each_ref().map(|c| c.motion));
         self.accelerate(&body, &carriers, 0.0);
@@ -193,6 +200,8 @@ impl<T: Tire> Vehicle<T> {
                 for (axis, link) in [plane, across, plane].iter().enumerate() {
                     taken[6 * (1 + i) + axis] = link.needs_at_hub(step) / mass;
                 }
+                // somewhere a damper may be steeper than at rest
+                taken[6 * (1 + i) + 2] += step * car.axle(i / 2).springs.damper.steeper() / mass;
             }
             taken
         })

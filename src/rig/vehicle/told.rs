@@ -2,10 +2,9 @@
 
 use super::axle::Axle;
 use super::mcpherson::Acting;
-use crate::mechanics::{Body, Motion, Pose, Wrench, cross};
+use crate::mechanics::{Body, Pose, Wrench, cross};
 use crate::model::{Role, Table, output};
 use crate::real;
-use crate::tire::to_heading;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -67,13 +66,13 @@ impl Front {
     /// Takes over moments about the steering axis: a unit vector, and the ball joint from the wheel's centre.
     pub fn about(&mut self, axis: &Vector3<f64>, ball_joint: &Vector3<f64>, bearing: &Bearing) {
         let of = |force: &Vector3<f64>, moment: &Vector3<f64>| axis.dot(&(moment - cross(ball_joint, force)));
-        let [along, across, up] = bearing.heading;
+        let [ahead, aside, up] = bearing.heading;
         let (force, moment) = (&bearing.on_rim.force, &bearing.on_rim.moment);
         let part = |direction: &Vector3<f64>| direction * direction.dot(force);
         let none = Vector3::zeros();
         let others = [
-            of(&part(&along), &(bearing.axle * bearing.brake)),
-            of(&part(&across), &(moment - bearing.axle * bearing.axle.dot(moment))),
+            of(&part(&ahead), &(bearing.axle * bearing.brake)),
+            of(&part(&aside), &(moment - bearing.axle * bearing.axle.dot(moment))),
             of(&part(&up), &none),
             of(&self.tie_rod.force, &self.tie_rod.moment),
         ];
@@ -135,14 +134,14 @@ impl Bearing {
     }
 
     /// From force and moment of the wheel on a carrier, as a measuring rim has them, frame 0.
-    pub fn measured(motion: &Motion<f64>, on_carrier: &Wrench<f64>) -> Self {
-        let axle = motion.rotation().column(1).into_owned();
-        let heading = motion.angles.z;
+    pub fn measured(pose: &Pose, on_carrier: &Wrench<f64>) -> Self {
+        let axle = pose.axes.column(1).into_owned();
+        let heading = directions(pose);
         Self {
-            force: to_heading(heading, &on_carrier.force),
-            moment: to_heading(heading, &on_carrier.moment),
+            force: along(&heading, &on_carrier.force),
+            moment: along(&heading, &on_carrier.moment),
             on_rim: *on_carrier,
-            heading: directions(heading),
+            heading,
             axle,
             brake: axle.dot(&on_carrier.moment),
         }
@@ -151,38 +150,41 @@ impl Bearing {
     /// From what the tire does to a wheel on a carrier that is accelerated; torques of the brake and of the drive, and the
     /// speed of its spin.
     pub fn new(
-        axle: &Axle,
+        sizes: &Axle,
         carrier: &Body,
-        motion: &Motion<f64>,
+        pose: &Pose,
         on_rim: &Wrench<f64>,
         [brake, drive, speed]: [f64; 3],
         gravity: f64,
     ) -> Self {
-        let attitude = motion.attitude();
-        let along = attitude.rotation().column(1).into_owned();
-        let spin = attitude.rate_map() * motion.rates;
-        let turning = attitude.rate_map() * carrier.turning
-            + attitude.rate_map_derivative(&motion.rates) * motion.rates;
-        let force = on_rim.force - (carrier.acceleration + Vector3::new(0.0, 0.0, gravity)) * axle.wheel_mass;
+        let axle = pose.axes.column(1).into_owned();
+        let heading = directions(pose);
+        let turning = pose.attitude.rate_map() * carrier.turning
+            + pose.attitude.rate_map_derivative(&pose.rates) * pose.rates;
+        let force =
+            on_rim.force - (carrier.acceleration + Vector3::new(0.0, 0.0, gravity)) * sizes.wheel_mass;
         // about the axle the wheel turns by itself, and across it takes what its inertia and its spin need
-        let across = |v: &Vector3<f64>| v - along * along.dot(v);
-        let momentum = along * (axle.wheel_inertia * speed);
-        let moment =
-            across(&(on_rim.moment - turning * axle.wheel_transverse_inertia - cross(&spin, &momentum)));
-        let heading = motion.angles.z;
+        let momentum = axle * (sizes.wheel_inertia * speed);
+        let left = on_rim.moment - turning * sizes.wheel_transverse_inertia - cross(&pose.spin, &momentum);
+        let moment = left + axle * (brake - drive - axle.dot(&left));
         Self {
-            force: to_heading(heading, &force),
-            moment: to_heading(heading, &(moment + along * (brake - drive))),
+            force: along(&heading, &force),
+            moment: along(&heading, &moment),
             on_rim: *on_rim,
-            heading: directions(heading),
-            axle: along,
+            heading,
+            axle,
             brake,
         }
     }
 }
 
-/// Along a heading, to its left, and upward.
-fn directions(heading: f64) -> [Vector3<f64>; 3] {
-    let (sin, cos) = libm::sincos(heading);
+/// Along the heading of a carrier, to its left, and upward.
+fn directions(pose: &Pose) -> [Vector3<f64>; 3] {
+    let (sin, cos) = pose.attitude.z;
     [Vector3::new(cos, sin, 0.0), Vector3::new(-sin, cos, 0.0), Vector3::z()]
+}
+
+/// Components of a vector along three directions.
+fn along(directions: &[Vector3<f64>; 3], v: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::from(directions.each_ref().map(|direction| direction.dot(v)))
 }
