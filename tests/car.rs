@@ -224,6 +224,10 @@ fn anti_dive_is_what_it_says() {
         // the road's force at the wheel's centre less what the masses there take, and the brake's torque on the carrier, which
         // turns about the strut's top
         let expected = anti_dive * ((force - UNSPRUNG * slows) * (1.0 - height / TOP) + torque / TOP);
+        // the strut leans inward and cambers the wheel, whose centre, 12 mm outside of the ball joint, then rises a little more
+        let camber_rate = INCLINATION.tan() / (TOP - 0.17);
+        let rises = 1.0 + INCLINATION.tan().powi(2);
+        let expected = expected * rises / (rises + camber_rate * 0.0122);
         assert_close("lifted", lifted, expected, 0.01);
     }
 }
@@ -397,7 +401,11 @@ fn joints_that_do_not_hold_a_wheel_are_refused() {
         (&[("front_ball_joint_height", -0.1)][..], None, "front_ball_joint_height"),
         (&[("front_strut_top_height", 0.1)], None, "front_strut_top_height"),
         (
-            &[("front_anti_dive", 1.0), ("front_caster", -0.5), ("front_ball_joint_height", 0.6)],
+            &[
+                ("front_anti_dive", 1.0),
+                ("front_longitudinal_link_angle", 0.0),
+                ("front_ball_joint_height", 0.0),
+            ],
             None,
             "front_anti_dive",
         ),
@@ -409,7 +417,7 @@ fn joints_that_do_not_hold_a_wheel_are_refused() {
         (&[], Some(("rear_strut", "")), "rear_strut"),
         (&[], Some(("front_damper", "0 10; 1 20")), "front_damper"),
         (
-            &[("road_kind", 4.0), ("road_start", -2.0), ("road_height", 0.01), ("road_length", 0.5)],
+            &[("road_kind", 4.0), ("road_start", -2.5), ("road_height", 0.01), ("road_length", 0.5)],
             None,
             "rear left wheel",
         ),

@@ -301,7 +301,9 @@ mod tests {
     fn wheels_behind_share_the_pressure_of_the_one_that_slips() {
         for (select_low, with_it) in [(1.0, 1.0), (0.0, 0.0)] {
             let speeds = [1, 2, 3, 4].map(|i| format!("wheel_speed_{i}"));
-            let mut controller = start(&[("select_low", select_low), ("driver_pressure", 1e7)]);
+            let mut values: Vec<(&str, f64)> = speeds.iter().map(|name| (name.as_str(), 60.0)).collect();
+            values.extend([("select_low", select_low), ("driver_pressure", 1e7)]);
+            let mut controller = start(&values);
             let mut dumped = [0.0_f64; 4];
             for k in 0..40 {
                 let time = 5e-3 * f64::from(k);

@@ -59,6 +59,9 @@ pub struct Vehicle<T> {
     tires: [T; 2],
     wheels: [Mounted<T>; WHEELS],
     spins: [Spin; WHEELS],
+    /// Energy that the carriers' turning spared the brakes \[J\]: brakes resist a wheel's turning in space, because the inertia of a wheel that
+    /// stands is more than that of the carrier, which would have to take it along a step later.
+    spared: f64,
     car: Car,
     gravity: f64,
     front: FrontAxle,
@@ -90,6 +93,7 @@ clone_in_place!(Vehicle<T> {
     tires,
     wheels,
     spins,
+    spared,
     car,
     gravity,
     front,
@@ -191,14 +195,9 @@ impl<T: Tire> Model for Vehicle<T> {
         let rack_speed = self.front.rack.drift(length);
         let torques = self.torques();
         for i in 0..WHEELS {
-            let (inertia, brake) = (self.inertia(i), self.brakes[i]);
+            let inertia = self.inertia(i);
             let motion = &carriers[i];
-            let turning = about_axle(motion);
-            let speed = against(&mut self.spins[i], turning, |spin| {
-                let speed = spin.drift(inertia, brake, length);
-                spin.angle += turning * length;
-                speed + turning
-            });
+            let speed = self.spins[i].drift(inertia, self.brakes[i], length);
             let rim = rim(motion, self.spins[i].angle, speed);
             let ground = OnRoad {
                 road: &self.road,
@@ -212,7 +211,8 @@ impl<T: Tire> Model for Vehicle<T> {
             let torque =
                 self.wheels[i].spin_moment() + torques[i] + carried.inertia * carried.spin_acceleration;
             self.spins[i].free_acceleration = torque / inertia;
-            against(&mut self.spins[i], turning, |spin| spin.kick(inertia, brake, length));
+            self.spins[i].kick(inertia, self.brakes[i], length);
+            self.spared += length * self.spins[i].brake_torque * about_axle(motion);
         }
 
         // forces at the end, and the second half of the kick
@@ -237,14 +237,6 @@ fn rim(carrier: &Motion<f64>, angle: f64, speed: f64) -> Motion<f64> {
     rim.rates.y = 0.0;
     rim.rates.y = speed - about_axle(&rim);
     rim
-}
-
-/// Does something with a wheel's spin as its carrier sees it, which turns at a speed: a brake holds the wheel to the carrier.
-fn against<R>(spin: &mut Spin, turning: f64, act: impl FnOnce(&mut Spin) -> R) -> R {
-    spin.speed -= turning;
-    let done = act(spin);
-    spin.speed += turning;
-    done
 }
 
 /// Angular velocity about the lateral axis of the body or wheel itself \[rad/s\].
@@ -406,7 +398,7 @@ impl<T: Tire> Vehicle<T> {
     }
 
     fn brake_energy(&self) -> f64 {
-        self.spins.iter().map(|spin| spin.brake_energy).sum()
+        self.spins.iter().map(|spin| spin.brake_energy).sum::<f64>() - self.spared
     }
 
     fn friction_energy(&self) -> f64 {

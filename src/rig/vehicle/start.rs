@@ -71,7 +71,7 @@ impl<T: Tire> Vehicle<T> {
             loads.force.x -= (own + carried) * acceleration;
             self.hang(i, [&body, &carrier], &loads)?;
         }
-        self.taken = Taken::default();
+        (self.spared, self.taken) = (0.0, Taken::default());
         self.told = told::Told::default();
         let (body, carriers) = (self.body.motion, self.carriers.each_ref().map(|c| c.motion));
         self.accelerate(&body, &carriers, 0.0);
