@@ -472,6 +472,21 @@ mod tests {
                 ["front_track", "mount_z"],
                 ["chain_stiffness", "cabin_mass"],
             ),
+            (
+                "ring-brush-vehicle",
+                ["wheelbase", "front_caster"],
+                ["column_stiffness", "front_wheel_inertia"],
+            ),
+            (
+                "magic-formula-vehicle",
+                ["front_track", "front_anti_dive"],
+                ["rear_spring_stiffness", "vehicle_mass"],
+            ),
+            (
+                "axle",
+                ["front_steering_arm", "wheel_centre_height"],
+                ["front_longitudinal_link_stiffness", "front_carrier_mass"],
+            ),
         ] {
             let (free, left) = shares(model);
             assert!(
@@ -542,6 +557,6 @@ mod tests {
     /// What `shipped::MODELS` has beside those above would be tested by nobody.
     #[test]
     fn no_shipped_model_is_forgotten() {
-        assert_eq!(MODELS.len(), 42);
+        assert_eq!(MODELS.len(), 45);
     }
 }
