@@ -198,6 +198,19 @@ pub fn range_pairs(counted: &Rainflow, residue: Residue, width: f64, classes: us
     counts
 }
 
+/// Range pairs summed up from the largest: for each class from the largest that has any on, the number of cycles of its range and larger, and
+/// that range.
+pub fn summed_up(pairs: &[f64], width: f64) -> (Vec<f64>, Vec<f64>) {
+    let mut sum = 0.0;
+    let classes = pairs.iter().enumerate().rev().skip_while(|(_, n)| **n == 0.0);
+    classes
+        .map(|(class, n)| {
+            sum += n;
+            (sum, class as f64 * width)
+        })
+        .unzip()
+}
+
 /// The rainflow matrix: the number of cycles from each class of values to each class, rows `from`,
 /// `classes` of equal width between `low` and `high`; what lies outside counts in the outermost.
 pub fn rainflow_matrix(
@@ -267,6 +280,9 @@ mod tests {
         // classes 0-2, 2-4, 4-6, 6-8, 8 and more: 3 | 4 1.5 times | 6 | 8 twice half, 9
         assert_eq!(range_pairs(&counted, Residue::Half, 2.0, 5), [0.0, 0.5, 1.5, 0.5, 1.5]);
         assert_eq!(range_pairs(&counted, Residue::Half, 2.0, 0), Vec::<f64>::new());
+        // nothing in the largest class is left out, nothing below it
+        let summed = summed_up(&[0.0, 0.5, 0.0, 1.5, 0.0], 2.0);
+        assert_eq!(summed, (vec![1.5, 1.5, 2.0, 2.0], vec![6.0, 4.0, 2.0, 0.0]));
         // five classes of width 2 from -5 to 5: -1 lies in the third, 3 in the fifth
         let matrix = rainflow_matrix(&counted, Residue::Ignored, (-5.0, 5.0), 5);
         assert_eq!(matrix[2][4], 1.0);

@@ -8,6 +8,6 @@ mod table;
 pub use compare::{Band, Compared, Conditions, Event, Load, QUANTITIES, SURE, compare};
 pub use count::{
     Cycle, Rainflow, Residue, extremes, large_turning_points, level_crossings, rainflow, rainflow_matrix,
-    range_pairs, turning_points,
+    range_pairs, summed_up, turning_points,
 };
 pub use table::{counts, quantities};

@@ -46,10 +46,15 @@ fn is_stable(step: f64, hub: f64, links: &[Link]) -> bool {
 
 /// The longest stable step up to `step`.
 fn longest(step: f64, hub: f64, links: &[Link]) -> f64 {
+    bisected(step, |step| is_stable(step, hub, links))
+}
+
+/// The longest step up to one that is not stable.
+fn bisected(step: f64, is_stable: impl Fn(f64) -> bool) -> f64 {
     let (mut stable, mut unstable) = (0.0, step);
     for _ in 0..60 {
         let middle = 0.5 * (stable + unstable);
-        if is_stable(middle, hub, links) { stable = middle } else { unstable = middle }
+        if is_stable(middle) { stable = middle } else { unstable = middle }
     }
     stable
 }
@@ -89,8 +94,8 @@ pub struct Response {
     by_velocity: DMatrix<f64>,
 }
 
-/// Changes by which [`Response::new`] finds differences \[m or rad, m/s or rad/s\]: of linear springs any would do, and with these what is not
-/// linear changes accelerations by less than a thousandth.
+/// Changes by which [`Response::new`] finds differences \[m or rad, m/s or rad/s\]: small against gaps and strains, and large against
+/// rounding, which is some 1e-12 of accelerations.
 const PROBE: f64 = 1e-6;
 
 impl Response {
@@ -130,14 +135,13 @@ impl Response {
             let taken = more(step);
             spent(&taken).is_none() && largest(&matrix(taken, step)) < 1.0
         };
+        if !self.by_place.iter().chain(&self.by_velocity).all(|rate| rate.is_finite()) {
+            return Err(Error::numeric("the bodies have no finite accelerations where they are"));
+        }
         if is_stable(step) {
             return Ok(());
         }
-        let (mut stable, mut unstable) = (0.0, step);
-        while unstable - stable > 0.01 * unstable {
-            let middle = 0.5 * (stable + unstable);
-            if is_stable(middle) { stable = middle } else { unstable = middle }
-        }
+        let stable = bisected(step, is_stable);
         let taken = more(step);
         let only = spent(&taken);
         // powers of the matrix leave the shape of the mode that needs most

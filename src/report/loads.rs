@@ -1,7 +1,7 @@
 //! The page of loads: what of a simulation matters for damage, beside recordings of the same run.
 
 use super::plot::{Axis, Plot, Size};
-use crate::loads::{Compared, Conditions, Load, SURE};
+use crate::loads::{Compared, Conditions, Load, SURE, summed_up};
 use crate::page::{Html, Page, Section, Table, number};
 use crate::stats::extent;
 
@@ -92,15 +92,7 @@ fn crossings(one: &Compared) -> Html {
 /// Cycles summed up from the largest range.
 fn pairs(one: &Compared) -> Html {
     plotted(one, Axis::new("cycles of this range and larger", "1"), Axis::new("range", &one.unit), |load| {
-        let (mut sum, mut x, mut y) = (0.0, Vec::new(), Vec::new());
-        for (k, n) in load.pairs.iter().enumerate().rev() {
-            if *n > 0.0 || sum > 0.0 {
-                sum += n;
-                x.push(sum);
-                y.push(k as f64 * one.width);
-            }
-        }
-        (x, y)
+        summed_up(&load.pairs, one.width)
     })
 }
 

@@ -4,7 +4,7 @@ use super::compare::{Compared, Trace};
 use crate::diagnose::Diagnosis;
 use crate::loads::{
     Rainflow, Residue, extremes, large_turning_points, level_crossings, rainflow, rainflow_matrix,
-    range_pairs,
+    range_pairs, summed_up,
 };
 use crate::page::{Html, Section, Table, number};
 use crate::report::plot::{Axis, Plot, Size, Tone};
@@ -189,18 +189,6 @@ fn plotted(
         let y = (0..CLASSES).map(|i| low + (i as f64 + 0.5) * width).collect();
         (c.crossings.iter().map(|n| *n as f64).collect(), y)
     };
-    let pairs = |c: &Counted| {
-        let mut sum = 0.0;
-        let mut x: Vec<f64> = Vec::new();
-        let mut y: Vec<f64> = Vec::new();
-        for (i, n) in c.pairs.iter().enumerate().rev() {
-            if *n > 0.0 || sum > 0.0 {
-                sum += n;
-                x.push(sum);
-                y.push(i as f64 * width);
-            }
-        }
-        (x, y)
-    };
+    let pairs = |c: &Counted| summed_up(&c.pairs, width);
     [plot("up-crossings", "level", &levels), plot("cycles of this range and larger", "range", &pairs)]
 }
