@@ -38,6 +38,9 @@ pub mod fmi;
 pub mod identify;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only
+pub mod lint;
+#[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
 pub mod loads;
 pub mod mechanics;
 pub mod model;

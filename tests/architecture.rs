@@ -65,6 +65,7 @@ const ORDER: &[(&str, &str)] = &[
     ("characteristic", "stats model recording fit"),
     ("comparison", "stats recording characteristic"),
     ("loads", "stats model recording"),
+    ("lint", "model recording cosimulate"),
     ("identify", "stats model fmi fmi/entry shipped recording"),
     (
         "diagnose",
@@ -74,7 +75,7 @@ const ORDER: &[(&str, &str)] = &[
     (
         "cli",
         "page stats model tire tir road_file rig control effect fmi fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \
-         recording simulate cosimulate characteristic comparison loads identify diagnose report",
+         recording simulate cosimulate characteristic comparison loads lint identify diagnose report",
     ),
 ];
 

@@ -4,7 +4,8 @@ use super::compared::{Compared, sides};
 use super::{check_outputs, print, warn};
 use indicatif::{ProgressBar, ProgressStyle};
 use latsch::cosimulate::{
-    Experiment, Outcome, PortName, System, Until, cosimulate_until, energy_warnings, read_system,
+    Experiment, FrictionLevel, Outcome, Plan, Port, PortName, System, Until, WheelMatch, cosimulate_until,
+    energy_warnings, friction_inputs, friction_level, read_system,
 };
 use latsch::model::{Kind, Value};
 use latsch::recording::{Recording, profile_value, read_recording, write_recording};
@@ -65,6 +66,13 @@ pub struct Args {
     /// and compared beside this one
     #[arg(long, value_name = "F.csv")]
     replay: Option<PathBuf>,
+    /// Find the factor on the friction with which the wheels of the opened component turn as the recorded ones, and run with it. Its inputs are
+    /// those called `friction_factor`, or these
+    #[arg(long, value_name = "COMPONENT.VARIABLE,...", requires = "open", num_args = 0.., value_delimiter = ',')]
+    match_friction: Option<Vec<String>>,
+    /// Recording in the place of the one that the system's `[[inputs]]` names: the measured pressure of another stop
+    #[arg(long, value_name = "F.csv")]
+    inputs: Option<PathBuf>,
     #[command(flatten)]
     compared: Compared,
 }
@@ -72,6 +80,9 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let mut file = read_system(&args.system)?;
     let plan = &mut file.plan;
+    if let Some(inputs) = &args.inputs {
+        drive_with(plan, inputs)?;
+    }
     let mut files = plan.files();
     files.push(&args.system);
     files.extend(args.replay.as_deref());
@@ -86,23 +97,19 @@ pub fn run(args: &Args) -> Result<()> {
     plan.halvings = args.halvings.unwrap_or(plan.halvings);
     let replay = args.replay.as_deref().map(read_recording).transpose()?;
     let conditions = args.compared.conditions()?;
-    let mut system = plan.load()?;
-    for assignment in &args.set {
-        set(&mut system, assignment).map_err(|e| e.at(format!("--set {assignment}")))?;
-    }
-    let mut opened = Vec::new();
-    if let Some(replay) = &replay {
-        for name in &args.open {
-            let component = system.component(name).map_err(|e| e.at("--open"))?;
-            opened.extend(system.open(component, replay)?);
-        }
-    }
+    let fresh = || opened(plan, args, replay.as_ref());
+    let (mut system, opened) = fresh()?;
     let experiment = plan.experiment(&system, args.start, args.stop, args.step)?;
     let experiment = Experiment {
         record_every: args.record_every.unwrap_or(experiment.record_every),
         all: args.all,
         ..experiment
     };
+    let mut found = Vec::new();
+    if let (Some(names), Some(replay)) = (&args.match_friction, &replay) {
+        let level = match_friction(|| Ok(fresh()?.0), &mut system, &experiment, replay, (&args.open, names))?;
+        found = told(&level);
+    }
     let condition = args.until.as_deref();
     let until = condition.map(|u| until(&system, u).map_err(|e| e.at(format!("--until {u}")))).transpose()?;
     let outcome = run_with_progress(&mut system, &experiment, until, &args.system)?;
@@ -113,7 +120,8 @@ pub fn run(args: &Args) -> Result<()> {
     }
     write_recording(&args.output, &outcome.recording)?;
     if let Some(report) = &args.report {
-        let facts = facts(&system, &experiment, &outcome, &opened, &warnings);
+        let mut facts = facts(&system, &experiment, &outcome, &opened, &warnings);
+        facts.extend(found.iter().map(|line| ("Friction".into(), line.clone())));
         let measured = replay.as_ref().map(|r| comparable(r, &outcome.recording, &opened));
         let measured = measured.filter(|r| !r.channels.is_empty());
         let (simulated, measured) = sides(&outcome.recording, measured, &conditions)?;
@@ -128,8 +136,8 @@ pub fn run(args: &Args) -> Result<()> {
         );
         write_html(report, &page)?;
     }
-    for line in summary(&system, &outcome) {
-        print(&line)?;
+    for line in found.iter().chain(&summary(&system, &outcome)) {
+        print(line)?;
     }
     if let (Some(condition), Some(end)) = (condition, outcome.recording.time.last())
         && outcome.stopped.is_none()
@@ -147,13 +155,90 @@ pub fn run(args: &Args) -> Result<()> {
     }
 }
 
+/// Lets the system's only recorded inputs follow another file.
+fn drive_with(plan: &mut Plan, file: &Path) -> Result<()> {
+    match &mut plan.inputs[..] {
+        [inputs] => {
+            inputs.file = file.to_owned();
+            Ok(())
+        }
+        all => Err(Error::call(format!(
+            "--inputs stands for the file of the system's [[inputs]], of which {} has {}",
+            plan.source,
+            all.len()
+        ))),
+    }
+}
+
+/// The system with the values of the command line and what is to be opened of it, and the names of the inputs that follow the recording.
+fn opened(plan: &Plan, args: &Args, replay: Option<&Recording>) -> Result<(System, Vec<String>)> {
+    let mut system = plan.load()?;
+    for assignment in &args.set {
+        set(&mut system, assignment).map_err(|e| e.at(format!("--set {assignment}")))?;
+    }
+    let mut names = Vec::new();
+    if let Some(replay) = replay {
+        for name in &args.open {
+            let component = system.component(name).map_err(|e| e.at("--open"))?;
+            names.extend(system.open(component, replay)?);
+        }
+    }
+    Ok((system, names))
+}
+
+/// Finds the level of the friction and gives it to the system.
+fn match_friction(
+    fresh: impl Fn() -> Result<System>,
+    system: &mut System,
+    experiment: &Experiment,
+    replay: &Recording,
+    (open, names): (&[String], &[String]),
+) -> Result<FrictionLevel> {
+    let at = |e: Error| e.at("--match-friction");
+    let components = open.iter().map(|name| system.component(name)).collect::<Result<Vec<_>>>()?;
+    let inputs = match names {
+        [] => friction_inputs(system, &components),
+        names => names.iter().map(|name| port(system, name)).collect::<Result<_>>().map_err(at)?,
+    };
+    let level = friction_level(fresh, experiment, replay, &components, &inputs).map_err(at)?;
+    for input in inputs {
+        system.set(input, &Value::Real(level.level))?;
+    }
+    Ok(level)
+}
+
+/// What was found of the friction, a line for the level and one for each wheel.
+fn told(found: &FrictionLevel) -> Vec<String> {
+    let level = format!(
+        "level of the friction {:.3}, the best of {} between {:.2} and {:.2}",
+        found.level,
+        found.tried.len(),
+        found.tried.first().map_or(0.0, |tried| tried.level),
+        found.tried.last().map_or(0.0, |tried| tried.level)
+    );
+    let wheel = |wheel: &WheelMatch| {
+        let [simulated, recorded] = wheel.locked;
+        format!(
+            "{}: off by {:.3} rad/s (rms), locked for {simulated:.3} s, recorded {recorded:.3} s",
+            wheel.name, wheel.error
+        )
+    };
+    std::iter::once(level).chain(found.wheels.iter().map(wheel)).collect()
+}
+
+/// A variable as a user names it.
+fn port(system: &System, name: &str) -> Result<Port> {
+    let PortName { component, variable } = name.trim().parse().map_err(Error::variable)?;
+    system.port(&component, &variable)
+}
+
 fn set(system: &mut System, assignment: &str) -> Result<()> {
     let Some((name, value)) = assignment.split_once('=') else {
         return Err(Error::variable("the form is COMPONENT.VARIABLE=VALUE"));
     };
-    let PortName { component, variable } = name.trim().parse().map_err(Error::variable)?;
-    let port = system.port(&component, &variable)?;
-    let value = profile_value(&variable, Value::from_text(system.info(port), value.trim())?, Path::new(""))?;
+    let port = port(system, name)?;
+    let value = Value::from_text(system.info(port), value.trim())?;
+    let value = profile_value(&system.info(port).name, value, Path::new(""))?;
     system.set(port, &value)
 }
 
@@ -163,8 +248,7 @@ fn until(system: &System, condition: &str) -> Result<Until> {
         return Err(Error::variable("the form is COMPONENT.VARIABLE<VALUE or COMPONENT.VARIABLE>VALUE"));
     };
     let (name, value) = (condition[..sign].trim(), condition[sign + 1..].trim());
-    let PortName { component, variable } = name.parse().map_err(Error::variable)?;
-    let port = system.port(&component, &variable)?;
+    let port = port(system, name)?;
     let info = system.info(port);
     let value = match Value::from_text(info, value)? {
         Value::Real(value) => value,

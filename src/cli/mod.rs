@@ -11,6 +11,7 @@ mod diagnose;
 mod export;
 mod given;
 mod identify;
+mod lint;
 mod loads;
 mod models;
 mod plan;
@@ -42,6 +43,7 @@ enum Command {
     Export(export::Args),
     Simulate(simulate::Args),
     Cosimulate(cosimulate::Args),
+    Lint(lint::Args),
     Check(check::Args),
     Tire(tire::Args),
     Convert(convert::Args),
@@ -79,6 +81,7 @@ pub fn run() -> ExitCode {
         Command::Export(args) => export::run(&args).map(done),
         Command::Simulate(args) => simulate::run(&args).map(done),
         Command::Cosimulate(args) => cosimulate::run(&args).map(done),
+        Command::Lint(args) => lint::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Tire(args) => tire::run(&args).map(done),
         Command::Convert(args) => convert::run(&args).map(done),

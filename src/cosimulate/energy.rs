@@ -59,6 +59,17 @@ pub enum BondKind {
 }
 
 impl Bond {
+    /// The outputs, effort and motion.
+    pub fn outputs(&self) -> [Port; 2] {
+        [self.effort.from, self.motion.from]
+    }
+
+    /// True if it is a moment and an angle or angular speed.
+    pub fn turns(&self, system: &System) -> bool {
+        let unit = system.info(self.effort.from).unit.as_deref();
+        unit.and_then(role).is_some_and(|(_, rotation)| rotation)
+    }
+
     /// The damper on the motion that would take the same energy \[N.s/m or N.m.s/rad\]; negative where the
     /// coupling excites. NaN without motion.
     pub fn equivalent_damping(&self) -> f64 {

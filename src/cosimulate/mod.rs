@@ -13,6 +13,7 @@
 mod corrected;
 mod energy;
 mod file;
+mod friction_level;
 mod master;
 mod plan;
 mod run;
@@ -25,6 +26,7 @@ mod write;
 pub use corrected::write_corrected;
 pub use energy::{Bond, BondKind};
 pub use file::{SystemFile, read_system};
+pub use friction_level::{FrictionLevel, Tried, WheelMatch, friction_inputs, friction_level};
 pub use master::{Coupling, Turn};
 pub use plan::{
     Assignment, Plan, PlannedBond, PlannedComponent, PlannedConnection, PlannedConnector, PlannedInputs,

@@ -47,8 +47,7 @@ pub struct Until {
 
 impl Until {
     fn is_met(&self, system: &mut System) -> Result<bool> {
-        let component = &mut system.components[self.port.component];
-        let value = component.slave.get(self.port.variable).map_err(|e| e.at(&component.name))?;
+        let value = system.number(self.port)?;
         Ok(if self.above { value > self.value } else { value < self.value })
     }
 }
@@ -216,7 +215,6 @@ fn coarse_replay(system: &System, schedule: &Schedule) -> Vec<String> {
 pub fn energy_warnings(system: &System, step: f64) -> Vec<String> {
     let warning = |bond: &Bond| {
         let (effort, motion) = &bond.name;
-        let rotation = system.info(bond.effort.from).unit.as_deref().is_some_and(|u| u.contains('m'));
         format!(
             "the coupling of {effort} and {motion} {} {:.3e} J, {:.1} % of the {:.3e} J that it passed on, as a damper of {:.4e} {} on {motion} would; a communication step of {:e} s would bring that below {} %, or --iterate, or one component for both",
             if bond.generated > 0.0 { "made" } else { "took" },
@@ -224,7 +222,7 @@ pub fn energy_warnings(system: &System, step: f64) -> Vec<String> {
             100.0 * bond.share().abs(),
             bond.exchanged,
             bond.equivalent_damping(),
-            if rotation { "N.m.s/rad" } else { "N.s/m" },
+            if bond.turns(system) { "N.m.s/rad" } else { "N.s/m" },
             round_down(step * ENERGY_SHARE / bond.share().abs()),
             100.0 * ENERGY_SHARE
         )

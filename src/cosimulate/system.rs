@@ -4,7 +4,7 @@ use super::energy::Bond;
 use super::master::{Coupling, Exchange};
 use crate::model::unit::Unit;
 use crate::model::{Causality, Interface, Kind, Role, Slave, Value, VariableInfo};
-use crate::recording::{Recording, interpolate};
+use crate::recording::{Channel, Recording, interpolate};
 use crate::shown::one_line;
 use crate::{Error, Result};
 use std::collections::{HashMap, HashSet};
@@ -217,6 +217,20 @@ impl System {
         &self.components[port.component].interface().variables[port.variable]
     }
 
+    /// Output and input of each connection.
+    pub fn connections(&self) -> impl Iterator<Item = (Port, Port)> {
+        self.wires.iter().map(|wire| (wire.from, wire.to))
+    }
+
+    /// What a component has for a number now.
+    ///
+    /// # Errors
+    /// A text, or a component that does not say.
+    pub fn number(&mut self, port: Port) -> Result<f64> {
+        let component = &mut self.components[port.component];
+        component.slave.get(port.variable).map_err(|e| e.at(&component.name))
+    }
+
     /// Gives a parameter its value, or an input a constant one, before the start.
     ///
     /// # Errors
@@ -351,7 +365,7 @@ impl System {
     }
 
     /// Opens the loop at a component: its connected inputs no longer follow their sources but the
-    /// channels `component.input` of a recording. Gives the names of those inputs.
+    /// channels `component.input` of a recording, or where it has none the channel of the source. Gives the names of those inputs.
     ///
     /// In an interval they hold the sample at its end: a recording tells what an input had until then, and
     /// a source that is stepped first is that much ahead (Mack 2009, section 5.6). So a recording of all
@@ -367,15 +381,36 @@ impl System {
             return Err(Error::call(format!("{name} has no connected input: there is nothing to cut")));
         }
         let mut names = Vec::new();
-        for wire in cut {
-            let name = self.name(wire.to);
-            self.feed(wire.to, recording, &name, false)?;
+        for cut in cut {
+            let name = self.name(cut.to);
+            let source = self.name(cut.from);
+            if !recording.has(&name) && recording.has(&source) {
+                self.feed(cut.to, &self.behind(&cut, recording)?, &name, false)?;
+            } else {
+                self.feed(cut.to, recording, &name, false)?;
+            }
             if let Some(feed) = self.feeds.last_mut() {
                 feed.lead = true;
             }
             names.push(name);
         }
         Ok(names)
+    }
+
+    /// The recorded output of a connection as what its input got.
+    fn behind(&self, cut: &Cut, recording: &Recording) -> Result<Recording> {
+        let unit = |port: Port| self.info(port).unit.as_deref().unwrap_or("1");
+        let values = recording.channel_in(&self.name(cut.from), unit(cut.from))?;
+        let channel = Channel {
+            name: self.name(cut.to),
+            unit: unit(cut.to).to_owned(),
+            values: values.iter().map(|value| cut.factor * value + cut.offset).collect(),
+        };
+        Ok(Recording {
+            time: recording.time.clone(),
+            channels: vec![channel],
+            source: recording.source.clone(),
+        })
     }
 
     /// Cuts all connections into a component: its connected inputs become free ones.
@@ -392,6 +427,11 @@ impl System {
             Cut { from: wire.from, to: wire.to, factor, offset }
         };
         cut.into_iter().map(of).collect()
+    }
+
+    /// True if an input has no source of any kind.
+    pub fn is_free(&self, to: Port) -> bool {
+        self.check_unset(to, "").is_ok()
     }
 
     /// Fails if an input follows an output or a recording.

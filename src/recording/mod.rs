@@ -1,8 +1,9 @@
-//! Recordings: measured or simulated channels over time, with units, and the CSV and TYDEX files that hold them.
+//! Recordings: measured or simulated channels over time, with units, and the CSV, TYDEX and RPC III files that hold them.
 
 mod csv;
 mod noise;
 mod profile;
+mod rpc;
 mod shortest;
 mod smooth;
 mod tydex;
@@ -12,6 +13,7 @@ pub use csv::{parse_csv, read_csv, to_csv, write_csv};
 pub use noise::add_noise;
 pub(crate) use profile::points_from_csv;
 pub use profile::{profile_from_csv, profile_value, read_settings};
+pub use rpc::{RPC_ENDINGS, parse_rpc, read_rpc, to_rpc, write_rpc};
 pub use smooth::Smooth;
 pub use tydex::{TYDEX_ENDINGS, parse_tydex, read_tydex, to_tydex, write_tydex};
 
@@ -106,29 +108,52 @@ impl Recording {
     }
 }
 
-/// Reads a recording: a TYDEX file if its name ends like one of those ([`TYDEX_ENDINGS`], in small letters or capitals), else CSV.
+/// The files that hold recordings.
+enum Form {
+    Csv,
+    Tydex,
+    Rpc,
+}
+
+impl Form {
+    /// By the ending of a file's name, in small letters or capitals.
+    fn of(path: &Path) -> Self {
+        let ending = crate::file::ending(path);
+        match () {
+            () if TYDEX_ENDINGS.contains(&ending.as_str()) => Self::Tydex,
+            () if RPC_ENDINGS.contains(&ending.as_str()) => Self::Rpc,
+            () => Self::Csv,
+        }
+    }
+}
+
+/// Reads a recording: a TYDEX or RPC III file if its name ends like one of those ([`TYDEX_ENDINGS`], [`RPC_ENDINGS`]), else CSV.
 ///
 /// # Errors
-/// As [`read_tydex`] and [`read_csv`].
+/// As [`read_tydex`], [`read_rpc`] and [`read_csv`].
 pub fn read_recording(path: &Path) -> Result<Recording> {
-    if is_tydex(path) { read_tydex(path) } else { read_csv(path) }
+    match Form::of(path) {
+        Form::Csv => read_csv(path),
+        Form::Tydex => read_tydex(path),
+        Form::Rpc => read_rpc(path),
+    }
 }
 
 /// Writes a recording as [`read_recording`] would read it.
 ///
 /// # Errors
-/// As [`write_tydex`] and [`write_csv`].
+/// As [`write_tydex`], [`write_rpc`] and [`write_csv`].
 pub fn write_recording(path: &Path, recording: &Recording) -> Result<()> {
-    if is_tydex(path) { write_tydex(path, recording) } else { write_csv(path, recording) }
+    match Form::of(path) {
+        Form::Csv => write_csv(path, recording),
+        Form::Tydex => write_tydex(path, recording),
+        Form::Rpc => write_rpc(path, recording),
+    }
 }
 
 /// What the names of recordings in a folder end in, in small letters.
 pub fn recording_endings() -> Vec<&'static str> {
-    std::iter::once("csv").chain(TYDEX_ENDINGS).collect()
-}
-
-fn is_tydex(path: &Path) -> bool {
-    path.extension().is_some_and(|own| TYDEX_ENDINGS.iter().any(|ending| own.eq_ignore_ascii_case(ending)))
+    std::iter::once("csv").chain(TYDEX_ENDINGS).chain(RPC_ENDINGS).collect()
 }
 
 #[cfg(test)]
