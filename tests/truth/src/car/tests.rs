@@ -1,0 +1,1 @@
+//! The car, and cases as they are drawn.
