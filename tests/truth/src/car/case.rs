@@ -65,9 +65,14 @@ impl Drawn {
 
 /// Share of a channel's spread over all runs that its noise has, and its constant offset over the noise.
 const NOISE: (f64, f64) = (0.005, 0.01);
+/// The same of the driver's pressure, which drives a simulation: more of it would be a torque that is not there in gentle stops.
+const NOISE_OF_PRESSURE: (f64, f64) = (0.001, 0.0025);
 const OFFSET: f64 = 1.0;
 /// Of the driver's pressure \[bar\].
 const LEAST_PRESSURE: f64 = 0.1;
+
+/// A cause that leaves less than that of the noise is seen in no channel.
+const HARDLY: f64 = 0.01;
 
 /// Noise, constant offset and resolution of a channel.
 struct Sensor {
@@ -82,7 +87,8 @@ fn sensors(session: &[Ideal], random: &mut Random) -> Vec<Sensor> {
     let mut all = Vec::new();
     for (c, least) in least.into_iter().enumerate() {
         let own = spread(session.iter().flat_map(|ideal| channel(ideal, c).iter().copied()));
-        let deviation = (random.within(NOISE.0, NOISE.1) * own).max(least);
+        let (low, high) = if c == 0 { NOISE_OF_PRESSURE } else { NOISE };
+        let deviation = (random.within(low, high) * own).max(least);
         let noise = Noise::draw(random, deviation);
         let offset = deviation * random.within(-OFFSET, OFFSET);
         all.push(Sensor { noise, offset, quantum: quantum(deviation * random.log_within(0.05, 0.3)) });
@@ -96,7 +102,8 @@ fn channel(ideal: &Ideal, c: usize) -> &[f64] {
     list.map_or(&[], Vec::as_slice)
 }
 
-fn record(drawn: &Drawn, number: usize, random: &mut Random) -> Option<Recorded> {
+/// All of a case, simulated and recorded; none if the car cannot be driven.
+pub(crate) fn record(drawn: &Drawn, number: usize, random: &mut Random) -> Option<Recorded> {
     let session: Vec<Ideal> =
         drawn.runs.iter().map(|run| drawn.world.run(run, STEP)).collect::<Option<_>>()?;
     if !session.iter().all(|ideal| ideal.outputs.iter().flatten().all(|v| v.is_finite())) {
@@ -140,23 +147,28 @@ fn record(drawn: &Drawn, number: usize, random: &mut Random) -> Option<Recorded>
     Some(Recorded { files, answer, reference: Reference { runs: floor } })
 }
 
-/// What remains of each channel's noise and more in a gentle stop and one with controller, had nothing been concealed: rms over the noise.
+/// A stop with controller is compared until as long after the brake's onset \[s\]: behind the first dip its decisions part, whatever is
+/// concealed.
+const FIRST_DIP: f64 = 0.35;
+
+/// What is seen of a cause in a gentle stop, and in the first dip of one with controller: rms over the noise.
 fn seen(drawn: &Drawn, session: &[Ideal], sensors: &[Sensor]) -> Option<Vec<f64>> {
     let bare = World { p: drawn.belief.clone(), ..drawn.world.clone() };
-    let mut squares = vec![0.0; sensors.len()];
-    let mut count = 0.0;
-    for (run, with) in drawn.runs.iter().zip(session) {
-        if run.number != 1 || run.kind == "fast" || run.slabs.is_some() {
+    let dip = ((programme::ONSET + FIRST_DIP) / INTERVAL).round() as usize;
+    let mut most = vec![0.0_f64; sensors.len()];
+    for (kind, samples) in [("flat", dip), ("partial", usize::MAX)] {
+        let Some((run, with)) = drawn.runs.iter().zip(session).find(|(run, _)| run.kind == kind) else {
             continue;
-        }
+        };
         let without = bare.run(run, STEP)?;
-        for (c, sum) in squares.iter_mut().enumerate() {
-            let both = channel(with, c).iter().zip(channel(&without, c));
-            *sum += both.map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+        for (c, most) in most.iter_mut().enumerate() {
+            let both = channel(with, c).iter().zip(channel(&without, c)).take(samples);
+            let count = both.len().max(1) as f64;
+            let square = both.map(|(a, b)| (a - b) * (a - b)).sum::<f64>() / count;
+            *most = most.max(square.sqrt() / sensors[c].noise.deviation);
         }
-        count += channel(with, 0).len().min(channel(&without, 0).len()) as f64;
     }
-    Some(squares.iter().zip(sensors).map(|(s, sensor)| (s / count).sqrt() / sensor.noise.deviation).collect())
+    Some(most)
 }
 
 fn answer(drawn: &Drawn, number: usize, (session, sensors): (&[Ideal], &[Sensor])) -> Option<Answer> {
@@ -167,6 +179,7 @@ fn answer(drawn: &Drawn, number: usize, (session, sensors): (&[Ideal], &[Sensor]
     if !causes.is_empty() {
         let (most, order) = strongest(&seen(drawn, session, sensors)?);
         over_noise = most;
+        let order = if most > HARDLY { order } else { Vec::new() };
         channels = order.into_iter().filter_map(|c| names.get(c).cloned()).collect();
     }
     let (believed, true_ones) = (drawn.belief.named(), drawn.world.p.named());

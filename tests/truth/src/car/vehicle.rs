@@ -181,10 +181,23 @@ impl Vehicle {
         std::array::from_fn(|k| self.state[BODY + k * WHEEL + SPIN])
     }
 
-    /// Place of the body's centre of mass along the road \[m\].
+    /// Gives the rack a velocity to the left \[m/s\].
     #[cfg(test)]
-    pub(crate) fn place(&self) -> f64 {
-        self.state[0]
+    pub(crate) fn nudge_rack(&mut self, velocity: f64) {
+        self.state[RACK + 1] += velocity;
+    }
+
+    /// Its centre of mass, and how far the wheels' centres of both axles are before it and over the road.
+    #[cfg(test)]
+    pub(crate) fn stance(&self) -> (Vector, [Vector; 2]) {
+        let at = |from: usize| v(self.state[from], self.state[from + 1], self.state[from + 2]);
+        let wheels: [Vector; 4] = std::array::from_fn(|k| at(BODY + k * WHEEL));
+        let mut sum = at(0) * self.body.mass;
+        for (wheel, hub) in wheels.iter().zip(&self.hubs) {
+            sum += *wheel * (hub.wheel_mass + CARRIER.0);
+        }
+        let centre = sum * (1.0 / self.p.vehicle_mass);
+        (centre, [wheels[0] - centre, wheels[2] - centre].map(|w| v(w.x(), 0.0, w.z() + centre.z())))
     }
 
     /// What it tells under these brake torques.
@@ -500,7 +513,7 @@ impl Vehicle {
             + y[TAKEN..].iter().sum::<f64>();
         let left = body.axes.0[1];
         let mut ways = [0.0; 4];
-        for k in 0..4 {
+        for (k, way) in ways.iter_mut().enumerate() {
             let (hub, corner, from) = (&self.hubs[k], &self.corners[k], BODY + k * WHEEL);
             let pose = Pose::of(&y[from..]);
             let axle = pose.axes.out(corner.axle);
@@ -521,7 +534,7 @@ impl Vehicle {
                 energy += longer * (link.standing + 0.5 * link.stiffness * longer);
             }
             let top = body.place + body.axes.out(corner.strut.ends[0]) - pose.place;
-            ways[k] = match corner.strut.guide {
+            *way = match corner.strut.guide {
                 Guide::Axis { axis, mount, standing } => {
                     let off = pose.axes.back(top) - corner.strut.ends[1];
                     let along = off.dot(axis);
@@ -531,7 +544,7 @@ impl Vehicle {
                 }
                 Guide::Ends { length } => length - (top - pose.axes.out(corner.strut.ends[1])).length(),
             };
-            energy += corner.strut.energy(ways[k]);
+            energy += corner.strut.energy(*way);
         }
         for axle in [0, 2] {
             let roll = ways[axle] - ways[axle + 1];
