@@ -71,7 +71,6 @@ pub(crate) struct CarTold {
     pub(crate) speed: f64,
     pub(crate) acceleration: f64,
     pub(crate) yaw_rate: f64,
-    pub(crate) pitch: f64,
     pub(crate) column: f64,
     pub(crate) wheels: [WheelTold; 4],
 }
@@ -457,13 +456,12 @@ impl Vehicle {
         moves(&mut rates[..BODY], &y[..BODY], &body, (acceleration, turn));
         rates[TAKEN..].copy_from_slice(&[braked, damped, rubbed, airy]);
 
-        let nose = body.axes.0[0];
-        let level = v(nose.x(), nose.y(), 0.0);
-        let heading = level.unit();
+        // heading and yaw are those of the body's axis to the left, as a wheel's are those of its axle
+        let heading = wheel_axes(left, UP)[0];
+        let level = v(left.x(), left.y(), 0.0);
         told.speed = body.velocity.dot(heading);
         told.acceleration = acceleration.dot(heading);
-        told.yaw_rate = UP.dot(level.cross(body.turning.cross(nose))) / level.dot(level);
-        told.pitch = libm::asin(-nose.z());
+        told.yaw_rate = UP.dot(level.cross(body.turning.cross(left))) / level.dot(level);
         Now { rates, told, tires, turning }
     }
 
