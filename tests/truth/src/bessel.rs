@@ -1,24 +1,30 @@
 //! The anti-alias filter of all channels: a Bessel filter of fourth order.
 
-/// Limit at which it halves the power \[Hz\].
-const LIMIT: f64 = 60.0;
+/// Limit at which it halves the power in most recordings \[Hz\].
+pub(crate) const LIMIT: f64 = 60.0;
 /// That limit, in radians per common delay (of the polynomial s⁴ + 10 s³ + 45 s² + 105 s + 105).
 const LIMIT_BY_DELAY: f64 = 2.113_917_674_904_22;
 
-/// Delay of all slow parts, which recorders of a rig take off \[s\].
-pub(crate) const DELAY: f64 = LIMIT_BY_DELAY / (std::f64::consts::TAU * LIMIT);
+/// Delay of all slow parts with that limit, which recorders of a rig take off \[s\].
+pub(crate) const DELAY: f64 = delay(LIMIT);
+
+/// Delay of all slow parts with a limit \[Hz\] of its own \[s\].
+pub(crate) const fn delay(limit: f64) -> f64 {
+    LIMIT_BY_DELAY / (std::f64::consts::TAU * limit)
+}
 
 /// One channel: the delayed value and its first derivatives, in units of the delay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bessel {
     state: [f64; 4],
     last: f64,
+    delay: f64,
 }
 
 impl Bessel {
-    /// At rest at a value.
-    pub(crate) fn new(value: f64) -> Self {
-        Self { state: [value, 0.0, 0.0, 0.0], last: value }
+    /// At rest at a value, with a delay \[s\].
+    pub(crate) fn new(value: f64, delay: f64) -> Self {
+        Self { state: [value, 0.0, 0.0, 0.0], last: value, delay }
     }
 
     fn slope(x: [f64; 4], u: f64) -> [f64; 4] {
@@ -28,7 +34,7 @@ impl Bessel {
     /// Follows a value that runs straight to `to` within `dt` seconds (Kutta's classical rule; a step is some percent of
     /// the delay), and tells what comes out.
     pub(crate) fn follow(&mut self, to: f64, dt: f64) -> f64 {
-        let h = dt / DELAY;
+        let h = dt / self.delay;
         let ahead =
             |x: [f64; 4], k: [f64; 4], h: f64| -> [f64; 4] { std::array::from_fn(|i| x[i] + h * k[i]) };
         let middle = 0.5 * (self.last + to);
@@ -51,7 +57,7 @@ mod tests {
     fn halves_the_power_at_its_limit_and_delays_what_is_slow() {
         let dt = 1e-4;
         for (frequency, gain) in [(60.0, 0.5_f64.sqrt()), (5.0, 0.9976)] {
-            let mut filter = Bessel::new(0.0);
+            let mut filter = Bessel::new(0.0, DELAY);
             let (mut largest, mut off) = (0.0_f64, 0.0_f64);
             for n in 1..20_000 {
                 let t = f64::from(n) * dt;

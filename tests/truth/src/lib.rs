@@ -3,7 +3,8 @@
 //! Nothing here depends on latsch, but for the tire that [`flat_track`] rolls. A [`study`] is a list of kinds, shuffled by its seed; [`draw`] makes
 //! a case of one of them: a base machine with parameters of its own, what is [hidden] in it, a
 //! [`programme`], [sensors](sensor) and perhaps a [`fault`] of the recording; [`recording`] simulates it.
-//! The same seed gives the same bytes on every machine. [`machines`], [`sessions`] and [`solid`] are studies of their own.
+//! The same seed gives the same bytes on every machine. [`machines`], [`sessions`], [`solid`] and [`car`] are studies of
+//! their own.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 // the same bits on every processor, as clippy.toml says
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
@@ -11,6 +12,7 @@
 pub mod answer;
 pub mod base;
 mod bessel;
+pub mod car;
 pub mod catalogue;
 pub mod draw;
 pub mod fault;

@@ -3,7 +3,7 @@
 use clap::Parser;
 use latsch_truth::machines::{self, View};
 use latsch_truth::study::{name, study};
-use latsch_truth::{files, score, sessions, solid};
+use latsch_truth::{car, files, score, sessions, solid};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -18,7 +18,7 @@ enum Command {
         #[arg(long)]
         output: PathBuf,
         /// How a machine is told: larger, smaller, slower, faster, turned, renamed, reordered, beside, doubled, spoilt
-        #[arg(long, default_value = "same", requires = "machines", conflicts_with_all = ["sessions", "solid"])]
+        #[arg(long, default_value = "same", requires = "machines", conflicts_with_all = ["sessions", "solid", "car"])]
         view: View,
         #[command(flatten)]
         seed: Seed,
@@ -89,6 +89,9 @@ struct Of {
     /// The study of a solid rubber tire under a cylinder and on a drum, with a tire of its own
     #[arg(long, conflicts_with_all = ["machines", "sessions"])]
     solid: bool,
+    /// The study of a car that brakes, wired to four brakes and a controller, with a car of its own
+    #[arg(long, conflicts_with_all = ["machines", "sessions", "solid"])]
+    car: bool,
 }
 
 impl Of {
@@ -97,6 +100,7 @@ impl Of {
             Self { machines: true, .. } => machines::count(),
             Self { sessions: true, .. } => sessions::count(),
             Self { solid: true, .. } => solid::count(),
+            Self { car: true, .. } => car::count(),
             _ => study(seed).len(),
         }
     }
@@ -124,6 +128,7 @@ fn run(command: &Command) -> Result<(), String> {
                 Of { machines: true, .. } => machines::write_case(seed.seed, number, *view, output),
                 Of { sessions: true, .. } => sessions::case(seed.seed, number)?.write_case(output),
                 Of { solid: true, .. } => solid::case(seed.seed, number)?.write_case(output),
+                Of { car: true, .. } => car::case(seed.seed, number)?.write_case(output),
                 _ => files::case(seed.seed, number)?.write_case(output),
             }
         }
@@ -132,6 +137,7 @@ fn run(command: &Command) -> Result<(), String> {
                 Of { machines: true, .. } => machines::recorded(seed.seed, number),
                 Of { sessions: true, .. } => sessions::case(seed.seed, number),
                 Of { solid: true, .. } => solid::case(seed.seed, number),
+                Of { car: true, .. } => car::case(seed.seed, number),
                 _ => files::case(seed.seed, number),
             };
             let all: Vec<usize> = (1..=of.count(seed.seed)).collect();
