@@ -12,6 +12,9 @@
 mod bounded;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only
+pub mod causes;
+#[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
 pub mod characteristic;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only

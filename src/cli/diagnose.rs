@@ -22,34 +22,37 @@ use std::path::{Path, PathBuf};
 pub struct Args {
     /// Name of a shipped model (see `latsch models`), an FMU file or a wired system
     #[arg(value_name = "MODEL|F.fmu|F.ssd|F.toml")]
-    model: String,
+    pub(super) model: String,
     /// Folder of recordings: CSV with the columns `time [s]` and `name [unit]`; columns named like inputs drive the
     /// model, columns named like outputs are compared. `runs.toml` in it says which runs are to fit and which to check
     #[arg(long, value_name = "DIR")]
-    recordings: PathBuf,
+    pub(super) recordings: PathBuf,
     /// Parameters of the model: TOML with [parameters], and [fit] for those that may be fitted
     #[arg(long, value_name = "F.toml")]
-    parameters: Option<PathBuf>,
+    pub(super) parameters: Option<PathBuf>,
     /// What the channels are: TOML with [channels] and [roles]
     #[arg(long, value_name = "F.toml")]
-    map: Option<PathBuf>,
+    pub(super) map: Option<PathBuf>,
     /// Communication step [s] [default: one that suits model and recordings]
     #[arg(long, value_name = "H")]
-    step: Option<f64>,
+    pub(super) step: Option<f64>,
     /// Runs at the same time; the answer is the same with any number [default: the number of cores]
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     jobs: usize,
     /// Folder for what comes out
     #[arg(long, short, value_name = "DIR")]
-    output: PathBuf,
+    pub(super) output: PathBuf,
     /// How the verdict is printed
     #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    pub(super) format: Format,
 }
 
 pub fn run(args: &Args) -> Result<()> {
     if args.step.is_some_and(|s| !(s.is_finite() && s > 0.0)) {
         return Err(Error::call("--step has to be a positive time"));
+    }
+    if latsch::causes::has_repeats(&args.recordings) {
+        return super::causes::run(args);
     }
     // what a long search ends with is not missed then
     let library = ModelLibrary::shipped(MODELS)?;

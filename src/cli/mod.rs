@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand.
 
+mod causes;
 mod characterize;
 mod check;
 mod compared;

@@ -171,6 +171,11 @@ impl System {
         &self.components
     }
 
+    /// A component by itself, with the values that it was given.
+    pub fn into_slave(mut self, index: usize) -> Box<dyn Slave> {
+        self.components.swap_remove(index).slave
+    }
+
     /// A component, to say more about it.
     pub fn component_mut(&mut self, index: usize) -> &mut Component {
         &mut self.components[index]

@@ -1,0 +1,109 @@
+//! A part of the system by itself, driven by recordings.
+
+use super::cause::{Cause, How};
+use super::runs::{Recorded, given};
+use crate::cosimulate::{Plan, PlannedComponent, Source};
+use crate::model::{Slave, Value};
+use crate::{Error, Result};
+
+/// A part with its causes.
+pub(super) trait Part: Sync {
+    /// What it is, and how it was opened.
+    fn name(&self) -> String;
+    fn runs(&self) -> &[Recorded];
+    fn causes(&self) -> &[Cause];
+    /// What is compared.
+    fn channels(&self) -> &[String];
+    /// True for a channel that may be off by a constant: a sensor's zero.
+    fn has_offset(&self, channel: usize) -> bool;
+    /// Measured less simulated of each channel at the samples of a run that are compared, with values of unknowns of causes.
+    fn errors(&self, run: usize, changes: &[(usize, Vec<f64>)]) -> Result<Vec<Vec<f64>>>;
+    /// Values of parameters that such a change makes.
+    fn values(&self, cause: usize, x: &[f64]) -> Result<Vec<(String, Value, Value)>>;
+}
+
+/// A variable's value in the system, else its own.
+pub(super) fn value_of(component: &PlannedComponent, slave: &dyn Slave, variable: &str) -> Option<Value> {
+    let own = || {
+        let index = slave.find(variable).ok()?;
+        slave.interface().variables[index].start.clone()
+    };
+    let value = given(&component.set, variable).cloned().or_else(own)?;
+    let index = slave.find(variable).ok()?;
+    slave.interface().variables[index].accept_quantity(&value).ok()
+}
+
+/// What a change of a cause makes of a component's parameters: before and after.
+pub(super) fn changed(
+    component: &PlannedComponent,
+    slave: &dyn Slave,
+    cause: &Cause,
+    x: &[f64],
+) -> Result<Vec<(String, Value, Value)>> {
+    let mut values = Vec::new();
+    for (unknown, x) in cause.unknowns.iter().zip(x) {
+        if matches!(unknown.how, How::Friction | How::Input) {
+            continue;
+        }
+        for name in &unknown.names {
+            let Some(before) = value_of(component, slave, name) else { continue };
+            let mut after = unknown.how.changed(name, &before, *x)?;
+            if let (Value::Real(v), Ok(index)) = (&mut after, slave.find(name)) {
+                let info = &slave.interface().variables[index];
+                *v = v.clamp(info.min.unwrap_or(f64::NEG_INFINITY), info.max.unwrap_or(f64::INFINITY));
+            }
+            values.push(((*name).to_owned(), before, after));
+        }
+    }
+    Ok(values)
+}
+
+/// A component made anew.
+///
+/// # Errors
+/// It cannot be made, or a value is not accepted.
+pub(super) fn slave(component: &PlannedComponent) -> Result<Box<dyn Slave>> {
+    let one =
+        Plan { components: vec![component.clone()], source: component.place.clone(), ..Plan::default() };
+    let system = one.load()?;
+    let index = system.component(&component.name)?;
+    Ok(system.into_slave(index))
+}
+
+/// The component of a plan by its name.
+pub(super) fn component<'a>(plan: &'a Plan, name: &str) -> Result<&'a PlannedComponent> {
+    let found = plan.components.iter().find(|c| c.name == name);
+    found.ok_or_else(|| Error::variable(format!("{}: there is no component {name:?}", plan.source)))
+}
+
+/// A component with other values.
+pub(super) fn with(component: &PlannedComponent, values: &[(String, Value, Value)]) -> PlannedComponent {
+    let mut one = component.clone();
+    for (name, _, after) in values {
+        one.set.retain(|a| a.variable != *name);
+        one.set.push(crate::cosimulate::Assignment {
+            variable: name.clone(),
+            value: after.clone(),
+            place: component.place.clone(),
+        });
+    }
+    one
+}
+
+/// True for a component that is a model or FMU with all these variables.
+pub(super) fn has_all(slave: &dyn Slave, variables: &[&str]) -> bool {
+    variables.iter().all(|name| slave.find(name).is_ok())
+}
+
+/// The communication step of a plan.
+pub(super) fn step(plan: &Plan) -> Result<f64> {
+    plan.step.ok_or_else(|| Error::call(format!("{}: there is no communication step", plan.source)))
+}
+
+/// Whether a component is made from a file: for messages.
+pub(super) fn source(component: &PlannedComponent) -> String {
+    match &component.source {
+        Source::Model(name, _) => name.clone(),
+        Source::Fmu(path) => path.display().to_string(),
+    }
+}
