@@ -35,6 +35,9 @@ pub mod fit;
 pub mod fmi;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only
+pub mod freeze;
+#[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
 pub mod identify;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only

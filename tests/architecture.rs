@@ -66,6 +66,7 @@ const ORDER: &[(&str, &str)] = &[
     ("comparison", "stats recording characteristic"),
     ("loads", "stats model recording"),
     ("lint", "model recording cosimulate"),
+    ("freeze", "model fmi/import cosimulate"),
     ("identify", "stats model fmi fmi/entry shipped recording"),
     (
         "diagnose",
@@ -75,7 +76,7 @@ const ORDER: &[(&str, &str)] = &[
     (
         "cli",
         "page stats model tire tir road_file rig control effect fmi fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \
-         recording simulate cosimulate characteristic comparison loads lint identify diagnose report",
+         recording simulate cosimulate characteristic comparison loads lint freeze identify diagnose report",
     ),
 ];
 

@@ -9,6 +9,7 @@ mod demo;
 mod describe;
 mod diagnose;
 mod export;
+mod freeze;
 mod given;
 mod identify;
 mod lint;
@@ -44,6 +45,7 @@ enum Command {
     Simulate(simulate::Args),
     Cosimulate(cosimulate::Args),
     Lint(lint::Args),
+    Freeze(freeze::Args),
     Check(check::Args),
     Tire(tire::Args),
     Convert(convert::Args),
@@ -82,6 +84,7 @@ pub fn run() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args).map(done),
         Command::Cosimulate(args) => cosimulate::run(&args).map(done),
         Command::Lint(args) => lint::run(&args),
+        Command::Freeze(args) => freeze::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Tire(args) => tire::run(&args).map(done),
         Command::Convert(args) => convert::run(&args).map(done),
