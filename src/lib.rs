@@ -45,6 +45,9 @@ pub mod lint;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only
 pub mod loads;
+#[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
+pub mod manoeuvre;
 pub mod mechanics;
 pub mod model;
 #[cfg(feature = "host")]

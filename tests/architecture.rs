@@ -67,6 +67,7 @@ const ORDER: &[(&str, &str)] = &[
     ("loads", "stats model recording"),
     ("lint", "model recording cosimulate"),
     ("freeze", "model fmi/import cosimulate"),
+    ("manoeuvre", "stats model recording cosimulate"),
     ("identify", "stats model fmi fmi/entry shipped recording"),
     (
         "diagnose",
@@ -76,7 +77,7 @@ const ORDER: &[(&str, &str)] = &[
     (
         "cli",
         "page stats model tire tir road_file rig control effect fmi fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \
-         recording simulate cosimulate characteristic comparison loads lint freeze identify diagnose report",
+         recording simulate cosimulate characteristic comparison loads lint freeze manoeuvre identify diagnose report",
     ),
 ];
 

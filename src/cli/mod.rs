@@ -14,6 +14,7 @@ mod given;
 mod identify;
 mod lint;
 mod loads;
+mod manoeuvre;
 mod models;
 mod plan;
 mod planned;
@@ -46,6 +47,7 @@ enum Command {
     Cosimulate(cosimulate::Args),
     Lint(lint::Args),
     Freeze(freeze::Args),
+    Manoeuvre(manoeuvre::Args),
     Check(check::Args),
     Tire(tire::Args),
     Convert(convert::Args),
@@ -85,6 +87,7 @@ pub fn run() -> ExitCode {
         Command::Cosimulate(args) => cosimulate::run(&args).map(done),
         Command::Lint(args) => lint::run(&args),
         Command::Freeze(args) => freeze::run(&args),
+        Command::Manoeuvre(args) => manoeuvre::run(&args).map(done),
         Command::Check(args) => check::run(&args),
         Command::Tire(args) => tire::run(&args).map(done),
         Command::Convert(args) => convert::run(&args).map(done),
