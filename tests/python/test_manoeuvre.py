@@ -58,7 +58,7 @@ def test_stops_with_abs_grow_with_the_square_of_the_speed(tmp_path):
         for wheel in ("front_left", "front_right", "rear_left", "rear_right"):
             assert 0.9 < found[f"greatest force over load {wheel}"]["value"] < 1.1 * 1.1
             assert found[f"openings of the outlet valve {wheel}"]["value"] >= 3
-    # the square of the speeds is 1.56, and what is lost below 20 km/h, where wheels swing and pressure is let go, is lost in both
+    # the square of the speeds is 1.56, and what is lost below 20 km/h, where brake torques fall to a tenth, is lost in both
     assert 1.3 < long["stopping distance"]["value"] / short["stopping distance"]["value"] < 1.57
 
 
