@@ -38,6 +38,9 @@ pub mod fit;
 pub mod fmi;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only
+pub mod freeze;
+#[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
 pub mod identify;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only
@@ -45,6 +48,9 @@ pub mod lint;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only
 pub mod loads;
+#[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
+pub mod manoeuvre;
 pub mod mechanics;
 pub mod model;
 #[cfg(feature = "host")]

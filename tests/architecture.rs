@@ -67,6 +67,8 @@ const ORDER: &[(&str, &str)] = &[
     ("loads", "stats model recording"),
     ("lint", "model recording cosimulate"),
     ("causes", "stats model recording cosimulate fit"),
+    ("freeze", "model fmi/import cosimulate"),
+    ("manoeuvre", "stats model recording cosimulate"),
     ("identify", "stats model fmi fmi/entry shipped recording"),
     (
         "diagnose",
@@ -76,7 +78,7 @@ const ORDER: &[(&str, &str)] = &[
     (
         "cli",
         "page stats model tire tir road_file rig control effect fmi fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \
-         recording simulate cosimulate characteristic comparison loads lint causes identify diagnose report",
+         recording simulate cosimulate characteristic comparison loads lint causes freeze manoeuvre identify diagnose report",
     ),
 ];
 

@@ -47,6 +47,14 @@ pub(super) enum How {
     Input,
 }
 
+impl Cause {
+    /// Twice the change does not do twice as much.
+    pub(super) fn is_bent(&self) -> bool {
+        self.unknowns.iter().any(|unknown| unknown.how == How::Over)
+            || self.probes.len() > self.unknowns.len()
+    }
+}
+
 impl How {
     /// A parameter's value after the change.
     pub(super) fn changed(self, name: &str, before: &Value, x: f64) -> Result<Value> {

@@ -87,11 +87,13 @@ pub(super) fn search(part: &dyn Part) -> Result<PartFindings> {
     let mut findings =
         PartFindings { part: part.name(), found: Vec::new(), left: Vec::new(), hidden: Vec::new() };
     loop {
-        let round = Round::new(part, &changes)?;
+        let mut round = Round::new(part, &changes)?;
         if findings.found.is_empty() {
             findings.hidden = round.hidden();
         }
         let mut fitted = round.fitted();
+        round.sharpen(&fitted);
+        let mut fitted: Vec<Fitted> = fitted.drain(..).map(|one| round.judged(one)).collect();
         fitted.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let candidate = |f: &Fitted| Candidate {
             id: part.causes()[f.cause].id,
@@ -125,7 +127,14 @@ pub(super) fn search(part: &dyn Part) -> Result<PartFindings> {
     }
 }
 
-/// A cause, fitted.
+/// A cause with values of its unknowns, and what is left with them.
+struct Tried {
+    cause: usize,
+    x: Vec<f64>,
+    errors: Errors,
+}
+
+/// A cause, fitted and judged.
 struct Fitted {
     cause: usize,
     x: Vec<f64>,
@@ -308,7 +317,7 @@ impl<'a> Round<'a> {
     }
 
     /// The likeliest causes, fitted to the runs to fit and tried on all.
-    fn fitted(&self) -> Vec<Fitted> {
+    fn fitted(&self) -> Vec<Tried> {
         let mut first: Vec<(f64, usize, Vec<f64>)> = Vec::new();
         let mut fitted = Vec::new();
         for (cause, probes) in self.probes.iter().enumerate() {
@@ -329,7 +338,17 @@ impl<'a> Round<'a> {
             for ((probe, _), weight) in probes.iter().zip(weights.iter()) {
                 x.iter_mut().zip(probe).for_each(|(x, p)| *x += weight * p);
             }
-            first.push((weights.dot(&right), cause, x));
+            let mut start = (weights.dot(&right), x);
+            // of what is bent the sum foretells too much: a first change by itself is known
+            let known = |does: &Errors| self.whole() - self.weighted(&difference(&self.base, does));
+            if self.part.causes()[cause].is_bent() {
+                start = probes
+                    .iter()
+                    .map(|(probe, does)| (known(does), probe.clone()))
+                    .max_by(|a, b| a.0.total_cmp(&b.0))
+                    .unwrap_or(start);
+            }
+            first.push((start.0, cause, start.1));
         }
         first.sort_by(|a, b| b.0.total_cmp(&a.0));
         let best = first.into_iter().take(FITTED);
@@ -342,7 +361,7 @@ impl<'a> Round<'a> {
         x.iter().zip(ranges).map(|(x, [low, high])| x.clamp(low, high)).collect()
     }
 
-    fn fit(&self, cause: usize, start: &[f64]) -> Option<Fitted> {
+    fn fit(&self, cause: usize, start: &[f64]) -> Option<Tried> {
         let start = self.bounded(cause, start);
         let probe = &self.probes[cause].first()?.0;
         let unknowns: Vec<Unknown> = self.part.causes()[cause]
@@ -376,7 +395,7 @@ impl<'a> Round<'a> {
     }
 
     /// A cause that is tried value after value.
-    fn scanned(&self, cause: usize) -> Option<Fitted> {
+    fn scanned(&self, cause: usize) -> Option<Tried> {
         let probe = &self.part.causes()[cause].probes[0];
         let runs = self.used(Use::Fit);
         let squares = |x: &[f64]| -> Option<f64> {
@@ -392,9 +411,23 @@ impl<'a> Round<'a> {
         self.tried(cause, at(best.1))
     }
 
-    /// What a cause explains of all runs.
-    fn tried(&self, cause: usize, x: Vec<f64>) -> Option<Fitted> {
+    fn tried(&self, cause: usize, x: Vec<f64>) -> Option<Tried> {
         let errors = self.errors(cause, &x, &self.all())?;
+        Some(Tried { cause, x, errors })
+    }
+
+    /// What the best of all causes leaves of a channel is the most that its scatter can be: what is bent, sums of first changes do not foretell.
+    fn sharpen(&mut self, all: &[Tried]) {
+        for tried in all {
+            for (key, square) in self.squares(&tried.errors) {
+                let scatter = self.scatter.entry(key).or_insert(square);
+                *scatter = scatter.min(square);
+            }
+        }
+    }
+
+    /// What a cause explains of all runs.
+    fn judged(&self, Tried { cause, x, errors }: Tried) -> Fitted {
         let gains: Vec<f64> = self
             .all()
             .into_iter()
@@ -411,7 +444,7 @@ impl<'a> Round<'a> {
             .into_iter()
             .map(|run| [self.of_run(run, &does[run]), self.product(run, &does[run], &self.base[run])])
             .collect();
-        Some(Fitted { cause, x, gain: gains.iter().sum(), explains, chance: by_chance(&tells), errors })
+        Fitted { cause, x, gain: gains.iter().sum(), explains, chance: by_chance(&tells), errors }
     }
 
     /// Channels by how much their error falls.

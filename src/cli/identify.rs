@@ -21,8 +21,8 @@ pub struct Args {
     /// The plan, or the name of one that is shipped: ring-brush-flat-track
     #[arg(value_name = "PLAN|F.toml", requires_all = ["recordings", "output"])]
     plan: Option<String>,
-    /// Folder with the recordings: CSV with the columns `time [s]` and `name [unit]`, inputs and outputs of the plan's model, or
-    /// TYDEX (.tdx, .tda, .tdb)
+    /// Folder with the recordings: CSV with the columns `time [s]` and `name [unit]`, inputs and outputs of the plan's model,
+    /// TYDEX (.tdx, .tda, .tdb) or RPC III (.rsp, .drv, .tim, .rpc)
     #[arg(long, value_name = "DIR", requires = "plan")]
     recordings: Option<PathBuf>,
     /// Parameters to write: TOML for `latsch export` and `latsch simulate`, with intervals, within which `latsch diagnose` then looks

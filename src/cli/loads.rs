@@ -1,7 +1,7 @@
 //! `latsch loads`: a simulation beside recordings of the same run, by what matters for damage.
 
 use super::{check_outputs, print, warn};
-use latsch::loads::{Band, Conditions, Event, compare, counts, quantities};
+use latsch::loads::{Band, Conditions, Event, compare, counts, matrices, quantities};
 use latsch::recording::read_recording;
 use latsch::report::{loads_report, write_html};
 use latsch::{Error, Result, write_file};
@@ -49,14 +49,20 @@ pub struct Args {
     /// Table of the classes to write: level crossings and range pairs
     #[arg(long, value_name = "F.csv")]
     counts: Option<PathBuf>,
+    /// From-to matrices of the cycles to write: a row for each cell of each channel and run that has cycles
+    #[arg(long, value_name = "F.csv")]
+    matrix: Option<PathBuf>,
 }
 
 /// More would be a plot of nothing but classes.
 const MOST_CLASSES: usize = 1024;
 
 pub fn run(args: &Args) -> Result<()> {
-    let written: Vec<&Path> =
-        [&args.report, &args.table, &args.counts].into_iter().flatten().map(PathBuf::as_path).collect();
+    let written: Vec<&Path> = [&args.report, &args.table, &args.counts, &args.matrix]
+        .into_iter()
+        .flatten()
+        .map(PathBuf::as_path)
+        .collect();
     let read: Vec<&Path> =
         std::iter::once(&args.results).chain(&args.recording).map(PathBuf::as_path).collect();
     check_outputs(&written, &read)?;
@@ -81,6 +87,9 @@ pub fn run(args: &Args) -> Result<()> {
     }
     if let Some(file) = &args.counts {
         write_file(file, counts(&all, recorded.len())?.as_bytes())?;
+    }
+    if let Some(file) = &args.matrix {
+        write_file(file, matrices(&all)?.as_bytes())?;
     }
     if let Some(file) = &args.report {
         let names: Vec<String> = args.recording.iter().map(|f| f.display().to_string()).collect();

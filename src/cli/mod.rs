@@ -10,10 +10,12 @@ mod demo;
 mod describe;
 mod diagnose;
 mod export;
+mod freeze;
 mod given;
 mod identify;
 mod lint;
 mod loads;
+mod manoeuvre;
 mod models;
 mod plan;
 mod planned;
@@ -45,6 +47,8 @@ enum Command {
     Simulate(simulate::Args),
     Cosimulate(cosimulate::Args),
     Lint(lint::Args),
+    Freeze(freeze::Args),
+    Manoeuvre(manoeuvre::Args),
     Check(check::Args),
     Tire(tire::Args),
     Convert(convert::Args),
@@ -83,6 +87,8 @@ pub fn run() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args).map(done),
         Command::Cosimulate(args) => cosimulate::run(&args).map(done),
         Command::Lint(args) => lint::run(&args),
+        Command::Freeze(args) => freeze::run(&args),
+        Command::Manoeuvre(args) => manoeuvre::run(&args).map(done),
         Command::Check(args) => check::run(&args),
         Command::Tire(args) => tire::run(&args).map(done),
         Command::Convert(args) => convert::run(&args).map(done),

@@ -29,8 +29,8 @@ pub struct Args {
     /// Name of a shipped model (see `latsch models`) or an FMU file
     #[arg(value_name = "MODEL|F.fmu")]
     model: String,
-    /// Recorded inputs: CSV with the columns `time [s]` and `name [unit]`, or TYDEX (.tdx, .tda, .tdb); columns named like outputs
-    /// are shown beside the simulation. A folder, such as `latsch rig-program` writes, is run file by file, each with the values in
+    /// Recorded inputs: CSV with the columns `time [s]` and `name [unit]`, TYDEX (.tdx, .tda, .tdb) or RPC III (.rsp, .drv,
+    /// .tim, .rpc); columns named like outputs are shown beside the simulation. A folder, such as `latsch rig-program` writes, is run file by file, each with the values in
     /// the TOML of its name
     #[arg(long, value_name = "F.csv|DIR")]
     inputs: Option<PathBuf>,
@@ -51,7 +51,7 @@ pub struct Args {
     /// Communication step [s] [default: the model's]
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     step: Option<f64>,
-    /// Results to write: CSV with the inputs and outputs, or TYDEX if the name ends like that; a folder of them, which is made, if --inputs is one
+    /// Results to write: CSV with the inputs and outputs, or TYDEX or RPC III if the name ends like that; a folder of them, which is made, if --inputs is one
     #[arg(long, short, value_name = "F.csv|DIR")]
     output: PathBuf,
     /// White noise on the outputs, as a share of what each of them ranges over in all that is run: 0.01 for 1 %

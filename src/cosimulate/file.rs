@@ -7,7 +7,7 @@ use crate::bounded::{self, MAX_TEXT};
 use crate::fmi::import::Archive;
 use crate::temporary::Folder;
 use crate::{Error, Result};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The name of the description in an SSP archive.
 pub(super) const IN_ARCHIVE: &str = "SystemStructure.ssd";
@@ -17,8 +17,11 @@ pub(super) const IN_ARCHIVE: &str = "SystemStructure.ssd";
 pub struct SystemFile {
     /// The system.
     pub plan: Plan,
+    /// Where its parts lie: the file's own folder, or that of an unpacked archive. Paths of the plan begin with it, unless the file has absolute
+    /// ones.
+    pub folder: PathBuf,
     /// An unpacked archive, removed with this value.
-    _folder: Option<Folder>,
+    _unpacked: Option<Folder>,
 }
 
 /// Reads a system: the short form (`.toml`), a System Structure Description (`.ssd`) or an SSP archive
@@ -34,11 +37,13 @@ pub fn read_system(path: &Path) -> Result<SystemFile> {
     match crate::ending(path).as_str() {
         "toml" => {
             let text = bounded::read_text(path, MAX_TEXT).map_err(io)?;
-            Ok(SystemFile { plan: parse_toml(&text, &name, folder)?, _folder: None })
+            let plan = parse_toml(&text, &name, folder)?;
+            Ok(SystemFile { plan, folder: folder.into(), _unpacked: None })
         }
         "ssd" => {
             let bytes = bounded::read(path, MAX_TEXT).map_err(io)?;
-            Ok(SystemFile { plan: parse_ssd(&bytes, &name, folder)?, _folder: None })
+            let plan = parse_ssd(&bytes, &name, folder)?;
+            Ok(SystemFile { plan, folder: folder.into(), _unpacked: None })
         }
         "ssp" => {
             std::fs::metadata(path).map_err(|e| io(e.to_string()))?;
@@ -51,7 +56,7 @@ pub fn read_system(path: &Path) -> Result<SystemFile> {
             let bytes =
                 bounded::read(&description, MAX_TEXT).map_err(|e| Error::file(format!("{place}: {e}")))?;
             let plan = parse_ssd_in_archive(&bytes, &place, folder.path())?;
-            Ok(SystemFile { plan, _folder: Some(folder) })
+            Ok(SystemFile { plan, folder: folder.path().into(), _unpacked: Some(folder) })
         }
         _ => Err(Error::file(format!("{name}: a system is a .toml, .ssd or .ssp file"))),
     }

@@ -227,6 +227,14 @@ impl System {
         self.wires.iter().map(|wire| (wire.from, wire.to))
     }
 
+    /// What a parameter, or an input that has no other source, is before the start: the value that was set, else what the component starts
+    /// with; `None` if it does not say.
+    pub fn given(&self, port: Port) -> Option<&Value> {
+        let component = &self.components[port.component];
+        let set = component.set.iter().find(|(variable, _)| *variable == port.variable);
+        set.map(|(_, value)| value).or(self.info(port).start.as_ref())
+    }
+
     /// What a component has for a number now.
     ///
     /// # Errors
@@ -432,6 +440,11 @@ impl System {
             Cut { from: wire.from, to: wire.to, factor, offset }
         };
         cut.into_iter().map(of).collect()
+    }
+
+    /// True if an input follows a recording.
+    pub fn follows(&self, to: Port) -> bool {
+        self.feeds.iter().any(|feed| feed.to == to)
     }
 
     /// True if an input has no source of any kind.

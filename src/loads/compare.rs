@@ -1,6 +1,8 @@
 //! A simulation beside one or several recordings of the same run: counted alike, and judged by what recordings differ by.
 
-use super::count::{Residue, extremes, large_turning_points, level_crossings, rainflow, range_pairs};
+use super::count::{
+    Classes, Cycle, Residue, extremes, large_turning_points, level_crossings, rainflow, range_pairs,
+};
 use crate::model::unit::Unit;
 use crate::recording::{Recording, interpolate};
 use crate::stats::{
@@ -54,6 +56,8 @@ pub struct Load {
     pub middle: usize,
     /// Cycles in each class of range.
     pub pairs: Vec<f64>,
+    /// All cycles and how often each counts: 1, or 0.5 for those of the residue.
+    pub counted: Vec<(Cycle, f64)>,
     /// Amplitudes over frequency; none of a short history.
     pub spectrum: Option<Spectrum>,
 }
@@ -107,8 +111,8 @@ pub struct Compared {
     pub unit: String,
     /// Levels that crossings are counted at.
     pub levels: Vec<f64>,
-    /// Width of a class of ranges.
-    pub width: f64,
+    /// Classes of values, over the recorded span; ranges have classes of the same width.
+    pub values: Classes,
     /// Movements below this were left out.
     pub gate: f64,
     /// Interval of the samples \[s\] that all were brought to.
@@ -341,7 +345,7 @@ pub fn compare(
             name: name.clone(),
             unit,
             levels: count.levels.clone(),
-            width: count.width,
+            values: count.values,
             gate: count.gate,
             interval,
             simulated: load,
@@ -357,7 +361,7 @@ pub fn compare(
 struct Counting {
     levels: Vec<f64>,
     middle: f64,
-    width: f64,
+    values: Classes,
     gate: f64,
     slope: f64,
     interval: f64,
@@ -365,12 +369,12 @@ struct Counting {
 
 impl Counting {
     fn new([low, high]: [f64; 2], conditions: &Conditions, interval: f64) -> Self {
-        let width = (high - low) / conditions.classes as f64;
-        let levels = (0..conditions.classes).map(|i| low + (i as f64 + 0.5) * width).collect();
+        let values = Classes::new([low, high], conditions.classes);
+        let levels = (0..conditions.classes).map(|i| low + (i as f64 + 0.5) * values.width).collect();
         Self {
             levels,
             middle: 0.5 * (low + high),
-            width,
+            values,
             gate: conditions.gate * (high - low),
             slope: conditions.slope,
             interval,
@@ -387,11 +391,15 @@ impl Counting {
             extremes: [low, high],
             cycles: cycles.iter().map(|(_, n)| n).sum(),
             largest_range: cycles.iter().map(|(cycle, _)| cycle.range()).fold(0.0, f64::max),
-            damage: cycles.iter().map(|(cycle, n)| n * (cycle.range() / self.width).powf(self.slope)).sum(),
+            damage: cycles
+                .iter()
+                .map(|(cycle, n)| n * (cycle.range() / self.values.width).powf(self.slope))
+                .sum(),
             crossings: level_crossings(&points, &self.levels),
             middle: level_crossings(&points, &[self.middle])[0],
             // a simulation may reach farther than the recordings
-            pairs: range_pairs(&counted, Residue::Half, self.width, 2 * self.levels.len()),
+            pairs: range_pairs(&counted, Residue::Half, self.values.width, 2 * self.levels.len()),
+            counted: cycles,
             spectrum: spectrum(values, self.interval),
         }
     }

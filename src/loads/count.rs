@@ -4,6 +4,8 @@
 //! (Mack 2009, L2229, L2252). Definitions are the standard ones; for rainflow the four-point
 //! method, which is independent of the order in which cycles are found.
 
+use std::collections::BTreeMap;
+
 /// Smallest and largest of the finite values; `None` without any.
 pub fn extremes(values: &[f64]) -> Option<(f64, f64)> {
     values.iter().filter(|v| v.is_finite()).fold(None, |found, v| match found {
@@ -211,6 +213,48 @@ pub fn summed_up(pairs: &[f64], width: f64) -> (Vec<f64>, Vec<f64>) {
         .unzip()
 }
 
+/// Classes of equal width over a span, which go on beyond it with the same width: a simulation may reach farther than recordings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Classes {
+    /// The span.
+    pub span: [f64; 2],
+    /// Classes within the span.
+    pub number: usize,
+    /// Width of a class \[unit of the values\].
+    pub width: f64,
+}
+
+impl Classes {
+    /// So many classes over a span.
+    pub fn new([low, high]: [f64; 2], number: usize) -> Self {
+        Self { span: [low, high], number, width: (high - low) / number as f64 }
+    }
+
+    /// The class of a value, from 0 at the span's low end; negative below it. The lower end of a class belongs to it, and the span's high end to
+    /// the last class.
+    pub fn of(&self, value: f64) -> i64 {
+        let last = self.number as i64 - 1;
+        // the cast stops at its ends
+        let class = ((value - self.span[0]) / self.width).floor() as i64;
+        if class == last + 1 && value <= self.span[1] { last } else { class }
+    }
+
+    /// Where a class begins and ends.
+    pub fn ends(&self, class: i64) -> [f64; 2] {
+        [class, class.saturating_add(1)].map(|edge| self.span[0] + edge as f64 * self.width)
+    }
+}
+
+/// The cells of the from-to matrix that have cycles: class of the turning point that came first, class of the other one, and the number of cycles
+/// between them. Rows of the matrix one after the other.
+pub fn from_to(counted: &[(Cycle, f64)], classes: &Classes) -> Vec<([i64; 2], f64)> {
+    let mut cells = BTreeMap::new();
+    for (cycle, count) in counted {
+        *cells.entry([classes.of(cycle.from), classes.of(cycle.to)]).or_insert(0.0) += count;
+    }
+    cells.into_iter().collect()
+}
+
 /// The rainflow matrix: the number of cycles from each class of values to each class, rows `from`,
 /// `classes` of equal width between `low` and `high`; what lies outside counts in the outermost.
 pub fn rainflow_matrix(
@@ -287,6 +331,29 @@ mod tests {
         let matrix = rainflow_matrix(&counted, Residue::Ignored, (-5.0, 5.0), 5);
         assert_eq!(matrix[2][4], 1.0);
         assert_eq!(matrix.iter().flatten().sum::<f64>(), 1.0);
+    }
+
+    #[test]
+    fn the_from_to_matrix_of_the_example_goes_on_beyond_its_span() {
+        // four classes of width 2 from -4 to 4: 5 is in the first one beyond, 4 in the last one, -4 in the first
+        let classes = Classes::new([-4.0, 4.0], 4);
+        assert_eq!(
+            [-4.1, -4.0, -2.1, 0.0, 3.9, 4.0, 4.1, 5.0].map(|v| classes.of(v)),
+            [-1, 0, 0, 2, 3, 3, 4, 4]
+        );
+        assert_eq!([classes.ends(-1), classes.ends(4)], [[-6.0, -4.0], [4.0, 6.0]]);
+        // -2 1 -3 5 -4 4 -2 as halves, and -1 to 3
+        let cells = from_to(&rainflow(&ASTM).counted(Residue::Half), &classes);
+        let expected = [
+            ([0, 3], 0.5),
+            ([0, 4], 0.5),
+            ([1, 2], 0.5),
+            ([1, 3], 1.0),
+            ([2, 0], 0.5),
+            ([3, 1], 0.5),
+            ([4, 0], 0.5),
+        ];
+        assert_eq!(cells, expected);
     }
 
     #[test]

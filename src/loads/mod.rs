@@ -7,7 +7,7 @@ mod table;
 
 pub use compare::{Band, Compared, Conditions, Event, Load, QUANTITIES, SURE, compare};
 pub use count::{
-    Cycle, Rainflow, Residue, extremes, large_turning_points, level_crossings, rainflow, rainflow_matrix,
-    range_pairs, summed_up, turning_points,
+    Classes, Cycle, Rainflow, Residue, extremes, from_to, large_turning_points, level_crossings, rainflow,
+    rainflow_matrix, range_pairs, summed_up, turning_points,
 };
-pub use table::{counts, quantities};
+pub use table::{counts, matrices, quantities};

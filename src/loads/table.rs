@@ -1,6 +1,7 @@
 //! What was compared, as CSV.
 
 use super::compare::{Compared, QUANTITIES};
+use super::count::from_to;
 use crate::{Error, Result};
 
 fn written(rows: Vec<Vec<String>>) -> Result<String> {
@@ -63,9 +64,30 @@ pub fn counts(all: &[Compared], runs: usize) -> Result<String> {
             row.extend(
                 loads.iter().map(|load| load.crossings.get(k).map_or(String::new(), usize::to_string)),
             );
-            row.extend([k, k + 1].map(|k| (k as f64 * one.width).to_string()));
+            row.extend([k, k + 1].map(|k| (k as f64 * one.values.width).to_string()));
             row.extend(loads.iter().map(|load| load.pairs[k].to_string()));
             rows.push(row);
+        }
+    }
+    written(rows)
+}
+
+/// The from-to matrix of each channel and run: a row for each cell that has cycles, with the classes that they lead from and to and their number.
+///
+/// # Errors
+/// The writer fails.
+pub fn matrices(all: &[Compared]) -> Result<String> {
+    let head = ["channel", "unit", "run", "from_low", "from_high", "to_low", "to_high", "cycles"];
+    let mut rows = vec![head.map(String::from).to_vec()];
+    for one in all {
+        let recorded = one.recorded.iter().enumerate().map(|(k, load)| (format!("recorded_{}", k + 1), load));
+        for (run, load) in std::iter::once(("simulated".to_owned(), &one.simulated)).chain(recorded) {
+            for (cell, cycles) in from_to(&load.counted, &one.values) {
+                let mut row = vec![one.name.clone(), one.unit.clone(), run.clone()];
+                row.extend(cell.iter().flat_map(|class| one.values.ends(*class)).map(|end| end.to_string()));
+                row.push(cycles.to_string());
+                rows.push(row);
+            }
         }
     }
     written(rows)

@@ -216,7 +216,7 @@ pub fn to_rpc(recording: &Recording) -> Result<Vec<u8>> {
         ("TIME_TYPE", "RESPONSE".into()),
         ("DATA_TYPE", "SHORT_INTEGER".into()),
         ("OPERATION", format!("latsch {VERSION}")),
-        ("DELTA_T", format!("{interval:e}")),
+        ("DELTA_T", real(interval)),
         ("CHANNELS", count.to_string()),
         ("PTS_PER_FRAME", FRAME.to_string()),
         ("PTS_PER_GROUP", FRAME.to_string()),
@@ -245,9 +245,9 @@ pub fn to_rpc(recording: &Recording) -> Result<Vec<u8>> {
         let mut push = |name: &str, value: String| entries.push((format!("{name}.CHAN_{}", c + 1), value));
         push("DESC", channel.name.clone());
         push("UNITS", channel.unit.clone());
-        push("SCALE", format!("{scale:e}"));
-        push("LOWER_LIMIT", format!("{:e}", ends[0]));
-        push("UPPER_LIMIT", format!("{:e}", ends[1]));
+        push("SCALE", real(scale));
+        push("LOWER_LIMIT", real(ends[0]));
+        push("UPPER_LIMIT", real(ends[1]));
         push("MAP", (c + 1).to_string());
     }
     let number = entries.len() + 3;
@@ -273,6 +273,12 @@ pub fn to_rpc(recording: &Recording) -> Result<Vec<u8>> {
         }
     }
     Ok(bytes)
+}
+
+/// A real number with a point, without which `rpc3-file` takes it for a whole one and fails at the exponent.
+fn real(number: f64) -> String {
+    let text = format!("{number:e}");
+    if text.contains('.') { text } else { text.replace('e', ".0e") }
 }
 
 /// The interval of evenly spaced samples \[s\].

@@ -92,7 +92,7 @@ fn crossings(one: &Compared) -> Html {
 /// Cycles summed up from the largest range.
 fn pairs(one: &Compared) -> Html {
     plotted(one, Axis::new("cycles of this range and larger", "1"), Axis::new("range", &one.unit), |load| {
-        summed_up(&load.pairs, one.width)
+        summed_up(&load.pairs, one.values.width)
     })
 }
 

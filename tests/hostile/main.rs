@@ -20,7 +20,7 @@ mod sizes;
 use common::FlatTrack;
 use latsch::fmi::import::{Archive, Description};
 use latsch::model::{Settings, Slave};
-use latsch::recording::{parse_csv, parse_tydex};
+use latsch::recording::{Channel, Recording, parse_csv, parse_rpc, parse_tydex, to_rpc};
 use latsch::write_file;
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -214,6 +214,22 @@ const TYDEX_WORDS: &[&str] = &[
     "é",
     "\0",
 ];
+const RPC_WORDS: &[&str] = &[
+    "0",
+    "-1",
+    "9007199254740992",
+    "18446744073709551615",
+    "1e300",
+    "nan",
+    "0.5",
+    "FLOATING_POINT\0",
+    "FREQUENCY",
+    "PTS_PER_GROUP\0",
+    "SAMPLES\0",
+    "DESC.CHAN_2\0",
+    "\0",
+    "\u{7f}",
+];
 const TOML_WORDS: &[&str] = &[
     "[parameters]",
     "[inputs]",
@@ -253,6 +269,28 @@ const XML_WORDS: &[&str] = &[
     "\0",
     "é",
 ];
+
+/// Two channels, of which the last frame is not full.
+fn rpc() -> &'static [u8] {
+    static FILE: OnceLock<Vec<u8>> = OnceLock::new();
+    FILE.get_or_init(|| {
+        let time: Vec<f64> = (0..1100).map(|k| f64::from(k) * 1e-3).collect();
+        let channels = [("force_z", 4000.0), ("rest", 0.0)].map(|(name, most)| Channel {
+            name: name.into(),
+            unit: "N".into(),
+            values: time.iter().map(|t| most * t).collect(),
+        });
+        to_rpc(&Recording { time, channels: channels.into(), source: String::new() }).unwrap()
+    })
+}
+
+/// Where the numbers are that the length of what is read comes from: the header's entries.
+fn in_header(length: usize, damages: &[Damage]) -> Vec<u8> {
+    let (header, samples) = rpc().split_at(length);
+    let mut header = apply(header.to_vec(), damages);
+    header.resize(length, 0);
+    [&header, samples].concat()
+}
 
 fn toml() -> String {
     Settings::default().to_file(&FlatTrack::table()).unwrap()
@@ -317,6 +355,33 @@ proptest! {
         for text in [&text, &*String::from_utf8_lossy(&bytes)] {
             let _ = in_time(|| parse_tydex(text, "hostile.tdx"));
         }
+    }
+
+    #[test]
+    fn rpc_recordings(damages in damage(RPC_WORDS), everywhere in any::<bool>()) {
+        let header = 512 * 8;
+        let bytes = if everywhere { apply(rpc().to_vec(), &damages) } else { in_header(header, &damages) };
+        let read = in_time(|| parse_rpc(&bytes, "hostile.rsp"));
+        if let Ok(recording) = read {
+            // what is accepted is a recording that can be written
+            assert!(recording.channels.iter().all(|c| c.values.len() == recording.time.len()));
+        }
+    }
+
+    /// Any number in an entry that says how much there is.
+    #[test]
+    fn rpc_recordings_with_other_numbers(
+        entry in proptest::sample::select(&["NUM_HEADER_BLOCKS", "NUM_PARAMS", "CHANNELS", "PTS_PER_FRAME", "PTS_PER_GROUP", "FRAMES", "SAMPLES", "DELTA_T"][..]),
+        number in prop_oneof![any::<u64>().prop_map(|n| n.to_string()), any::<f64>().prop_map(|x| x.to_string()), (0..3000_u32).prop_map(|n| n.to_string())],
+    ) {
+        let mut bytes = rpc().to_vec();
+        let place = bytes.chunks_exact(128).position(|chunk| chunk[..32].starts_with(entry.as_bytes()) && chunk[entry.len()] == 0).unwrap();
+        let value = &mut bytes[place * 128 + 32..(place + 1) * 128];
+        value.fill(0);
+        for (to, from) in value.iter_mut().zip(number.bytes().take(95)) {
+            *to = from;
+        }
+        let _ = in_time(|| parse_rpc(&bytes, "hostile.rsp"));
     }
 
     #[test]

@@ -74,6 +74,41 @@ def test_cycles_and_damage_are_those_of_rainflow_and_fatpack(tmp_path):
     assert float(found["damage"]["simulated"]) == pytest.approx(ratio, rel=1e-9)
 
 
+def test_matrices_are_those_of_the_package(tmp_path):
+    """Each cell against the package's cycles, sorted into classes one by one; the simulation reaches beyond the recorded span."""
+    write(tmp_path / "simulated.csv", *history(6, scale=1.3))
+    write(tmp_path / "recorded.csv", *history(7))
+    loads(
+        tmp_path / "simulated.csv", "--recording", tmp_path / "recorded.csv", "--gate", 0, "--classes", 20,
+        "--matrix", tmp_path / "matrix.csv", "--counts", tmp_path / "counts.csv", "--table", tmp_path / "table.csv",
+    )
+    rows = table(tmp_path / "matrix.csv")
+    pairs = table(tmp_path / "counts.csv")
+    found = {row["quantity"]: row for row in table(tmp_path / "table.csv")}
+    low, high = (f(history(7)[1]) for f in (min, max))
+    width = (high - low) / 20
+    for run, force in [("simulated", history(6, scale=1.3)[1]), ("recorded_1", history(7)[1])]:
+        ours = {}
+        for row in (row for row in rows if row["run"] == run):
+            assert row["channel"] == "F_SS" and row["unit"] == "N"
+            assert float(row["from_high"]) - float(row["from_low"]) == pytest.approx(width, rel=1e-9)
+            cell = tuple(round((float(row[name]) - low) / width) for name in ("from_low", "to_low"))
+            assert cell not in ours
+            ours[cell] = float(row["cycles"])
+        theirs = {}
+        for _, _, count, start, end in rainflow.extract_cycles(force):
+            cell = tuple(19 if v == high else int(np.floor((v - low) / width)) for v in (force[start], force[end]))
+            theirs[cell] = theirs.get(cell, 0.0) + count
+        assert ours == theirs
+        assert sum(ours.values()) == sum(float(row[f"{run}_cycles"]) for row in pairs) == float(found["cycles"][run])
+        # ends of a range of k classes are k or k + 1 classes apart, or one less where the highest value belongs to the last class
+        for k, row in enumerate(pairs[:39]):
+            both = sum(n for (a, b), n in ours.items() if abs(a - b) in (k - 1, k, k + 1))
+            assert both >= float(row[f"{run}_cycles"])
+    assert min(min(cell) for cell in ours) == 0 and max(max(cell) for cell in ours) == 19
+    assert any(row["run"] == "simulated" and float(row["to_low"]) >= high - 1e-9 for row in rows)
+
+
 def test_level_crossings_are_counted_as_by_hand(tmp_path):
     for name, seed in [("simulated", 3), ("recorded", 4)]:
         write(tmp_path / f"{name}.csv", *history(seed))
