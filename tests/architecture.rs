@@ -66,7 +66,7 @@ const ORDER: &[(&str, &str)] = &[
     ("comparison", "stats recording characteristic"),
     ("loads", "stats model recording"),
     ("lint", "model recording cosimulate"),
-    ("causes", "stats model recording cosimulate fit"),
+    ("causes", "stats model recording cosimulate fit loads"),
     ("freeze", "model fmi/import cosimulate"),
     ("manoeuvre", "stats model recording cosimulate"),
     ("identify", "stats model fmi fmi/entry shipped recording"),
@@ -74,7 +74,10 @@ const ORDER: &[(&str, &str)] = &[
         "diagnose",
         "page stats model effect fmi fmi/entry fmi/import shipped recording simulate cosimulate fit",
     ),
-    ("report", "page stats model tire rig recording characteristic comparison loads identify diagnose"),
+    (
+        "report",
+        "page stats model tire rig recording characteristic comparison loads causes identify diagnose",
+    ),
     (
         "cli",
         "page stats model tire tir road_file rig control effect fmi fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \

@@ -82,12 +82,12 @@ type Changes = Vec<(usize, Vec<f64>)>;
 ///
 /// # Errors
 /// A part that does not run as it is.
-pub(super) fn search(part: &dyn Part) -> Result<PartFindings> {
+pub(super) fn search(part: &dyn Part, jobs: usize) -> Result<PartFindings> {
     let mut changes = Changes::new();
     let mut findings =
         PartFindings { part: part.name(), found: Vec::new(), left: Vec::new(), hidden: Vec::new() };
     loop {
-        let mut round = Round::new(part, &changes)?;
+        let mut round = Round::new(part, &changes, jobs)?;
         if findings.found.is_empty() {
             findings.hidden = round.hidden();
         }
@@ -155,6 +155,8 @@ impl Fitted {
 struct Round<'a> {
     part: &'a dyn Part,
     known: &'a Changes,
+    /// Runs that are simulated at the same time.
+    jobs: usize,
     base: Errors,
     /// Squared scatter of each channel in each group of repeats.
     scatter: HashMap<(String, usize), f64>,
@@ -163,12 +165,12 @@ struct Round<'a> {
 }
 
 impl<'a> Round<'a> {
-    fn new(part: &'a dyn Part, known: &'a Changes) -> Result<Self> {
+    fn new(part: &'a dyn Part, known: &'a Changes, jobs: usize) -> Result<Self> {
         let runs: Vec<usize> = (0..part.runs().len()).collect();
-        let base: Errors = at_once(&runs, |run| centred(part, part.errors(*run, known)))
+        let base: Errors = at_once(jobs, &runs, |run| centred(part, part.errors(*run, known)))
             .into_iter()
             .collect::<Result<_>>()?;
-        let mut round = Self { part, known, base, scatter: HashMap::new(), probes: Vec::new() };
+        let mut round = Self { part, known, jobs, base, scatter: HashMap::new(), probes: Vec::new() };
         round.scatter = round.squares(&round.base);
         for cause in 0..part.causes().len() {
             let probes = if known.iter().any(|(c, _)| *c == cause) || part.causes()[cause].scanned {
@@ -194,7 +196,9 @@ impl<'a> Round<'a> {
 
     fn errors(&self, cause: usize, x: &[f64], runs: &[usize]) -> Option<Errors> {
         let changes = self.changes(cause, x);
-        at_once(runs, |run| centred(self.part, self.part.errors(*run, &changes)).ok()).into_iter().collect()
+        at_once(self.jobs, runs, |run| centred(self.part, self.part.errors(*run, &changes)).ok())
+            .into_iter()
+            .collect()
     }
 
     fn all(&self) -> Vec<usize> {
@@ -312,7 +316,7 @@ impl<'a> Round<'a> {
         causes
             .filter(|(_, probes)| !probes.is_empty())
             .filter(|(_, probes)| probes.iter().all(|(_, does)| self.weighted(does) < HIDDEN * whole))
-            .map(|(cause, _)| Hidden { id: cause.id, shown_by: cause.shown_by })
+            .map(|(cause, _)| Hidden { id: cause.id, title: cause.title, shown_by: cause.shown_by })
             .collect()
     }
 
@@ -540,16 +544,17 @@ fn subtract(from: &mut Errors, what: &Errors, times: f64) {
     }
 }
 
-/// Does something for all runs, on all cores, in their order.
-fn at_once<R: Send>(runs: &[usize], what: impl Fn(&usize) -> R + Sync) -> Vec<R> {
-    let cores = thread::available_parallelism().map_or(1, usize::from).min(runs.len()).max(1);
+/// Does something for all runs, some at the same time, and gives what came out in their order. 0: as many as there are cores.
+fn at_once<R: Send>(jobs: usize, runs: &[usize], what: impl Fn(&usize) -> R + Sync) -> Vec<R> {
+    let cores = if jobs == 0 { thread::available_parallelism().map_or(1, usize::from) } else { jobs };
+    let workers = cores.min(runs.len()).max(1);
     let mut results: Vec<Option<R>> = runs.iter().map(|_| None).collect();
     thread::scope(|scope| {
         let what = &what;
-        let workers: Vec<_> = (0..cores)
+        let workers: Vec<_> = (0..workers)
             .map(|worker| {
                 scope.spawn(move || {
-                    (worker..runs.len()).step_by(cores).map(|k| (k, what(&runs[k]))).collect::<Vec<_>>()
+                    (worker..runs.len()).step_by(workers).map(|k| (k, what(&runs[k]))).collect::<Vec<_>>()
                 })
             })
             .collect();

@@ -8,6 +8,7 @@
 //! that belongs together ([`Cause`]), in as far as every run agrees, those for checking and on other roads too.
 
 mod cause;
+mod closed;
 mod evidence;
 mod hydraulics;
 mod pads;
@@ -16,6 +17,7 @@ mod runs;
 mod vehicle;
 
 pub use cause::Cause;
+pub use closed::{ClosedLoop, closed_loops};
 pub use evidence::{Candidate, Found};
 pub use runs::{Recorded, Use, has_repeats, read_runs};
 
@@ -43,34 +45,41 @@ pub struct PartFindings {
 pub struct Hidden {
     /// The cause.
     pub id: &'static str,
+    /// Its name for people.
+    pub title: &'static str,
     /// What manoeuvre would show it.
     pub shown_by: &'static str,
 }
 
-/// Finds causes, part after part. `progress` is told what is done now.
+/// Finds causes, part after part, with so many runs simulated at the same time (0: as many as there are cores). `progress` is told what is done now.
 ///
 /// # Errors
 /// A system that is no vehicle with brakes as the parts need it, recordings without the channels that they need, models that do not run.
-pub fn find(plan: &Plan, runs: &[Recorded], progress: &mut dyn FnMut(&str)) -> Result<Vec<PartFindings>> {
+pub fn find(
+    plan: &Plan,
+    runs: &[Recorded],
+    jobs: usize,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Vec<PartFindings>> {
     let mut findings = Vec::new();
     let mut corrected = plan.clone();
     let vehicle = vehicle::Vehicle::new(&corrected, runs)?;
     progress("the vehicle under the recorded torques");
-    findings.push(one(vehicle, &mut corrected)?);
+    findings.push(one(vehicle, &mut corrected, jobs)?);
     if let Some(pads) = pads::Pads::new(&corrected, runs)? {
         progress("pads at the recorded pressure");
-        findings.push(one(pads, &mut corrected)?);
+        findings.push(one(pads, &mut corrected, jobs)?);
     }
     if let Some(hydraulics) = hydraulics::Hydraulics::new(&corrected, runs)? {
         progress("hydraulics and controller at the recorded wheel speeds");
-        findings.push(one(hydraulics, &mut corrected)?);
+        findings.push(one(hydraulics, &mut corrected, jobs)?);
     }
     Ok(findings)
 }
 
 /// Searches a part and corrects the system by what was found.
-fn one(part: impl Part, corrected: &mut Plan) -> Result<PartFindings> {
-    let findings = search(&part)?;
+fn one(part: impl Part, corrected: &mut Plan, jobs: usize) -> Result<PartFindings> {
+    let findings = search(&part, jobs)?;
     for found in &findings.found {
         // a recorded input is no parameter
         for change in found.changes.iter().filter(|change| change.name.contains('.')) {

@@ -2,9 +2,10 @@
 
 use super::diagnose::Args;
 use super::{Format, print, print_json};
-use latsch::causes::{Found, PartFindings, correct, find, read_runs};
+use latsch::causes::{Found, PartFindings, closed_loops, correct, find, read_runs};
 use latsch::cosimulate::read_system;
 use latsch::model::Value;
+use latsch::report::{causes_report, write_html};
 use latsch::{Error, Result, write_file};
 use serde_json::json;
 use std::path::Path;
@@ -25,22 +26,36 @@ pub fn run(args: &Args) -> Result<()> {
     let runs = read_runs(&args.recordings)?;
     std::fs::create_dir_all(&args.output)
         .map_err(|e| Error::file(format!("{} cannot be made: {e}", args.output.display())))?;
-    let findings = find(&file.plan, &runs, &mut |_| ())?;
+    let findings = find(&file.plan, &runs, args.jobs, &mut |_| ())?;
     let mut plan = file.plan.clone();
     for change in findings.iter().flat_map(|part| &part.found).flat_map(|found| &found.changes) {
         if change.name.contains('.') {
             correct(&mut plan, &change.name, change.value.clone())?;
         }
     }
-    let text = plan.to_toml(&|path| path.display().to_string());
-    write_file(&args.output.join("corrected.toml"), text.as_bytes())?;
+    let absolute =
+        |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()).display().to_string();
+    write_file(&args.output.join("corrected.toml"), plan.to_toml(&absolute).as_bytes())?;
+    let closed = closed_loops(&file.plan, &plan, &runs)?;
+    let summary = summary(&findings);
+    let page = causes_report(&format!("Diagnosis of {}", args.model), &summary, &findings, &closed);
+    write_html(&args.output.join("report.html"), &page)?;
     let verdict = if findings.iter().all(|part| part.found.is_empty()) { "nothing" } else { "causes" };
-    let answer = json!({ "verdict": verdict, "summary": summary(&findings), "parts": findings });
+    let answer = json!({ "verdict": verdict, "summary": summary, "parts": findings, "closed_loop": closed });
     let whole = serde_json::to_string_pretty(&answer).map_err(|e| Error::file(e.to_string()))?;
     write_file(&args.output.join("diagnosis.json"), whole.as_bytes())?;
     match args.format {
         Format::Json => print_json(&answer),
-        Format::Text => findings.iter().flat_map(lines).try_for_each(|line| print(&line)),
+        Format::Text => {
+            findings.iter().flat_map(lines).try_for_each(|line| print(&line))?;
+            for group in &closed {
+                print(&format!(
+                    "closed loop beside {} runs {}: {} of {} quantities of forces are outside of what a further run would be in, {} with what was found",
+                    group.runs, group.group, group.outside[0], group.quantities, group.outside[1]
+                ))?;
+            }
+            print(&args.output.join("report.html").display().to_string())
+        }
     }
 }
 
@@ -81,7 +96,8 @@ fn lines(part: &PartFindings) -> Vec<String> {
         ));
     }
     for hidden in &part.hidden {
-        lines.push(format!("  these recordings do not show {}; what does: {}", hidden.id, hidden.shown_by));
+        lines
+            .push(format!("  these recordings do not show {}; what does: {}", hidden.title, hidden.shown_by));
     }
     lines
 }

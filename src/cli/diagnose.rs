@@ -38,7 +38,7 @@ pub struct Args {
     pub(super) step: Option<f64>,
     /// Runs at the same time; the answer is the same with any number [default: the number of cores]
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
-    jobs: usize,
+    pub(super) jobs: usize,
     /// Folder for what comes out
     #[arg(long, short, value_name = "DIR")]
     pub(super) output: PathBuf,

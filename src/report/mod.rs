@@ -5,6 +5,7 @@
 //! diagnosis, [`identification_report`] that of an identification, [`characteristic_report`] that of a characterization, [`plan_report`] that of a plan's check, [`loads_report`] that of loads. Whoever makes a page of
 //! their own with drawings of patches has their scales in [`Picture`].
 
+mod causes;
 mod characteristic;
 mod diagnosis;
 mod heat;
@@ -18,6 +19,7 @@ mod scale;
 mod simulation;
 
 pub use crate::page::{Html, Page, Section, Table, escape};
+pub use causes::causes_report;
 pub use characteristic::characteristic_report;
 pub use diagnosis::{CheckRun, diagnosis_report};
 pub use heat::{HeatCell, HeatMap};

@@ -1,6 +1,7 @@
 //! The car's stop with four channels of ABS.
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod causes;
 #[path = "../common/mod.rs"]
 mod common;
 mod controller;

@@ -12,13 +12,13 @@ use latsch::recording::Recording;
 use std::path::Path;
 
 /// The example's stop on Magic Formula tires, with values that differ from the example's.
-struct Wired {
-    plan: Plan,
+pub struct Wired {
+    pub plan: Plan,
     values: Vec<(String, f64)>,
 }
 
 impl Wired {
-    fn new(values: &[(&str, f64)]) -> Self {
+    pub fn new(values: &[(&str, f64)]) -> Self {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/car-abs-stop/system.toml");
         let mut plan = read_system(&file).unwrap().plan;
         let car = plan.components.iter_mut().find(|c| c.name == "car").unwrap();
@@ -59,7 +59,13 @@ impl Wired {
         self.plan.experiment(&self.system(), None, None, None).unwrap()
     }
 
-    fn run(&self) -> Recording {
+    /// With another end \[s\].
+    pub fn until(mut self, stop: f64) -> Self {
+        self.plan.stop = Some(stop);
+        self
+    }
+
+    pub fn run(&self) -> Recording {
         cosimulate(&mut self.system(), &self.experiment(), |_| {}).unwrap().recording
     }
 

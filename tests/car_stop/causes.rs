@@ -1,0 +1,86 @@
+//! Causes are found in recordings of another car than the one that is believed, and none where only the road's friction is another. The recordings are the shipped
+//! car's own here, without noise; `tests/truth` has those of another program.
+
+use crate::WHEELS;
+use crate::procedures::Wired;
+use latsch::causes::{PartFindings, Recorded, Use, find};
+use latsch::recording::{Channel, Recording, interpolate};
+
+/// Two stops to fit and two to check, each on a road whose friction scatters otherwise, sampled every 2 ms.
+fn recorded(values: &[(&str, f64)]) -> Vec<Recorded> {
+    (1..=4)
+        .map(|k| {
+            let seed = f64::from(k);
+            let scatter = [
+                ("car.road_friction_deviation", 0.03),
+                ("car.road_friction_seed", 10.0 * seed),
+                ("car.road_friction_seed_right", 10.0 * seed + 1.0),
+                ("car.initial_speed", if k > 2 { 20.0 } else { 17.0 }),
+            ];
+            let run = Wired::new(&[values, &scatter].concat()).until(2.0).run();
+            let initial = ("car.initial_speed".to_owned(), latsch::model::Value::Real(scatter[3].1));
+            Recorded {
+                name: format!("stop-{k}.csv"),
+                recording: sampled(&run),
+                used: if k > 2 { Use::Check } else { Use::Fit },
+                group: if k > 2 { "fast" } else { "slow" }.into(),
+                set: vec![initial],
+            }
+        })
+        .collect()
+}
+
+fn sampled(run: &Recording) -> Recording {
+    let mut names: Vec<String> =
+        ["vehicle_speed", "longitudinal_acceleration", "yaw_rate"].map(|n| format!("car.{n}")).into();
+    for wheel in WHEELS {
+        names.extend(["wheel_speed", "carrier_moment_y"].map(|n| format!("car.{wheel}.{n}")));
+    }
+    for wheel in &WHEELS[..2] {
+        let forces =
+            ["carrier_force_x", "carrier_force_y", "carrier_force_z", "tie_rod_force", "strut_force"];
+        names.extend(forces.map(|n| format!("car.{wheel}.{n}")));
+    }
+    names.extend(["fl", "fr", "rl", "rr"].map(|b| format!("brake_{b}.caliper_pressure")));
+    let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * 2e-3).collect();
+    let of = |name: &str, as_name: &str| {
+        let channel = run.channel(name).unwrap();
+        Channel {
+            name: as_name.to_owned(),
+            unit: channel.unit.clone(),
+            values: time.iter().map(|t| interpolate(&run.time, &channel.values, *t)).collect(),
+        }
+    };
+    let mut channels: Vec<Channel> = names.iter().map(|name| of(name, name)).collect();
+    channels.push(of("abs.driver_pressure", "driver_pressure"));
+    Recording { time, channels, source: "stop".into() }
+}
+
+fn causes(recorded: &[Recorded]) -> Vec<PartFindings> {
+    find(&Wired::new(&[]).plan, recorded, 0, &mut |_| {}).unwrap()
+}
+
+#[test]
+fn causes_are_named_in_the_part_that_has_them_and_with_their_size() {
+    let brakes = ["fl", "fr", "rl", "rr"].map(|b| format!("brake_{b}.caliper_lag"));
+    let mut values: Vec<(&str, f64)> = brakes.iter().map(|name| (name.as_str(), 0.02)).collect();
+    values.push(("car.front_anti_dive", 0.3));
+    let findings = causes(&recorded(&values));
+    let named = |k: usize| findings[k].found.iter().map(|found| found.id).collect::<Vec<_>>();
+    assert_eq!(named(0), ["anti_dive"], "{findings:#?}");
+    assert_eq!(named(1), Vec::<&str>::new(), "{findings:#?}");
+    assert_eq!(named(2), ["caliper_lag"], "{findings:#?}");
+    let value = |k: usize| match findings[k].found[0].changes[0].value {
+        latsch::model::Value::Real(value) => value,
+        _ => f64::NAN,
+    };
+    assert!((value(0) - 0.3).abs() < 0.01, "{}", value(0));
+    assert!((value(2) - 0.02).abs() < 1e-3, "{}", value(2));
+}
+
+#[test]
+fn nothing_is_named_where_only_the_friction_scatters() {
+    for part in causes(&recorded(&[])) {
+        assert!(part.found.is_empty(), "{part:#?}");
+    }
+}
