@@ -235,18 +235,8 @@ pub(super) fn of_pads() -> Vec<Cause> {
     ]
 }
 
-/// Causes in hydraulics and controller.
+/// Causes in the hydraulics.
 pub(super) fn of_hydraulics() -> Vec<Cause> {
-    let radius = |names: &[&'static str]| Cause {
-        scanned: true,
-        shown_by: "a stop with controller; of a radius that is wrong on all wheels alike a controller that takes its reference from the wheels knows nothing",
-        ..one(
-            "controller_radius",
-            "radius of the wheels in the controller",
-            names,
-            (How::Times, 0.01, [-0.05, 0.05]),
-        )
-    };
     vec![
         one(
             "master_pressure",
@@ -255,7 +245,20 @@ pub(super) fn of_hydraulics() -> Vec<Cause> {
             (How::Input, 0.03, [-0.5, 0.5]),
         ),
         one("caliper_lag", "lag of the calipers", &["caliper_lag"], (How::Plus, 0.005, [-0.05, 0.1])),
-        radius(&["rolling_radius_1", "rolling_radius_2"]),
-        radius(&["rolling_radius_3", "rolling_radius_4"]),
     ]
+}
+
+/// Causes in the controller.
+pub(super) fn of_controllers() -> Vec<Cause> {
+    let radius = |names: &[&'static str]| Cause {
+        scanned: true,
+        shown_by: "a stop with controller; of a radius that is wrong on all wheels alike a controller that takes its reference from the wheels knows nothing",
+        ..one(
+            "controller_radius",
+            "radius of the wheels in the controller",
+            names,
+            (How::Times, 0.01, [-0.06, 0.06]),
+        )
+    };
+    vec![radius(&["rolling_radius_1", "rolling_radius_2"]), radius(&["rolling_radius_3", "rolling_radius_4"])]
 }

@@ -15,6 +15,9 @@ use std::thread;
 /// A cause has to explain so much of the squared error, in the runs to fit and in those to check: what a model of the machine that is right leaves beside
 /// noise (filters of sensors, its own steps, slips that are not followed in time) looks like small changes of masses and inertias.
 const SHARE: f64 = 0.1;
+/// A channel scatters by this share of what it varies by in any case: sensors are calibrated to a percent or two, and another program of the same car
+/// differs by up to 2.7 % from the shipped one. Errors below that name nothing.
+const ACCURACY: f64 = 0.02;
 /// Runs agree on a cause by chance less often than this, over all causes that are tried.
 const CHANCE: f64 = 0.01;
 /// So many causes of a part are looked for.
@@ -25,8 +28,10 @@ const FITTED: usize = 4;
 const HIDDEN: f64 = 1e-3;
 /// First changes are made smaller until they do no more than so many times what there is to explain.
 const TOO_MUCH: f64 = 4.0;
-/// Steps of a cause that is tried value after value, on each side.
-const SCANNED: i32 = 10;
+/// Steps of a cause that is tried value after value, on each side: up to 6 % of a radius in steps of 0.5 %.
+const SCANNED: i32 = 12;
+/// Values on each side that count with one that is tried.
+const NEIGHBOURS: usize = 2;
 
 /// A cause that was named.
 #[derive(Debug, Clone, Serialize)]
@@ -93,7 +98,18 @@ pub(super) fn search(part: &dyn Part, jobs: usize) -> Result<PartFindings> {
         }
         let mut fitted = round.fitted();
         round.sharpen(&fitted);
+        // with what its channels really scatter by, the likeliest one is found more exactly
+        let gain = |one: &Tried| round.whole() - round.weighted(&one.errors);
+        let likeliest = (0..fitted.len()).max_by(|a, b| gain(&fitted[*a]).total_cmp(&gain(&fitted[*b])));
+        if let Some(k) = likeliest
+            && let Some(again) = round.fit(fitted[k].cause, &fitted[k].x)
+        {
+            fitted[k] = again;
+        }
         let mut fitted: Vec<Fitted> = fitted.drain(..).map(|one| round.judged(one)).collect();
+        let unknown = |cause: &usize| !changes.iter().any(|(known, _)| known == cause);
+        let scanned = (0..part.causes().len()).filter(|cause| part.causes()[*cause].scanned).filter(unknown);
+        fitted.extend(scanned.filter_map(|cause| round.scanned(cause)));
         fitted.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let candidate = |f: &Fitted| Candidate {
             id: part.causes()[f.cause].id,
@@ -160,6 +176,8 @@ struct Round<'a> {
     base: Errors,
     /// Squared scatter of each channel in each group of repeats.
     scatter: HashMap<(String, usize), f64>,
+    /// The least that it can be.
+    least: HashMap<(String, usize), f64>,
     /// First changes of each cause and what they do.
     probes: Vec<Vec<(Vec<f64>, Errors)>>,
 }
@@ -170,8 +188,18 @@ impl<'a> Round<'a> {
         let base: Errors = at_once(jobs, &runs, |run| centred(part, part.errors(*run, known)))
             .into_iter()
             .collect::<Result<_>>()?;
-        let mut round = Self { part, known, jobs, base, scatter: HashMap::new(), probes: Vec::new() };
+        let mut round = Self {
+            part,
+            known,
+            jobs,
+            base,
+            scatter: HashMap::new(),
+            least: HashMap::new(),
+            probes: Vec::new(),
+        };
+        round.least = round.accuracy()?;
         round.scatter = round.squares(&round.base);
+        round.keep_accuracy();
         for cause in 0..part.causes().len() {
             let probes = if known.iter().any(|(c, _)| *c == cause) || part.causes()[cause].scanned {
                 Vec::new()
@@ -184,6 +212,7 @@ impl<'a> Round<'a> {
         for _ in 0..2 {
             let left = round.unexplained();
             round.scatter = round.squares(&left);
+            round.keep_accuracy();
         }
         Ok(round)
     }
@@ -328,10 +357,6 @@ impl<'a> Round<'a> {
             if self.known.iter().any(|(c, _)| *c == cause) {
                 continue;
             }
-            if self.part.causes()[cause].scanned {
-                fitted.extend(self.scanned(cause));
-                continue;
-            }
             if probes.is_empty() {
                 continue;
             }
@@ -355,8 +380,12 @@ impl<'a> Round<'a> {
             first.push((start.0, cause, start.1));
         }
         first.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let best = first.into_iter().take(FITTED);
-        fitted.extend(best.filter_map(|(_, cause, x)| self.fit(cause, &x)));
+        // first changes say little of what is bent
+        let likely = first
+            .iter()
+            .enumerate()
+            .filter(|(k, (_, cause, _))| *k < FITTED || self.part.causes()[*cause].is_bent());
+        fitted.extend(likely.filter_map(|(_, (_, cause, x))| self.fit(*cause, x)));
         fitted
     }
 
@@ -398,21 +427,43 @@ impl<'a> Round<'a> {
         self.tried(cause, fit.x)
     }
 
-    /// A cause that is tried value after value.
-    fn scanned(&self, cause: usize) -> Option<Tried> {
+    /// A cause that is tried value after value. Decisions fall otherwise for reasons as small as a sensor's noise, so that what is left jumps from value to value: each
+    /// counts with its neighbours.
+    fn scanned(&self, cause: usize) -> Option<Fitted> {
         let probe = &self.part.causes()[cause].probes[0];
-        let runs = self.used(Use::Fit);
-        let squares = |x: &[f64]| -> Option<f64> {
-            let errors = self.errors(cause, x, &runs)?;
-            Some(runs.iter().zip(&errors).map(|(run, errors)| self.of_run(*run, errors)).sum())
-        };
+        let runs = self.all();
         let at =
             |k: i32| self.bounded(cause, &probe.iter().map(|p| 0.5 * f64::from(k) * p).collect::<Vec<_>>());
-        let best = (-SCANNED..=SCANNED)
-            .filter(|k| *k != 0)
-            .filter_map(|k| Some((squares(&at(k))?, k)))
-            .min_by(|a, b| a.0.total_cmp(&b.0))?;
-        self.tried(cause, at(best.1))
+        let squares = |k: i32| -> Option<(Errors, Vec<f64>)> {
+            let errors = self.errors(cause, &at(k), &runs)?;
+            let squares = runs.iter().map(|run| self.of_run(*run, &errors[*run])).collect();
+            Some((errors, squares))
+        };
+        let tried: Vec<(Errors, Vec<f64>)> = (-SCANNED..=SCANNED).map(squares).collect::<Option<_>>()?;
+        let around = |k: usize, run: usize| {
+            let near = &tried[k.saturating_sub(NEIGHBOURS)..(k + NEIGHBOURS + 1).min(tried.len())];
+            near.iter().map(|(_, squares)| squares[run]).sum::<f64>() / near.len() as f64
+        };
+        let fit = self.used(Use::Fit);
+        let left = |k: usize| fit.iter().map(|run| around(k, *run)).sum::<f64>();
+        let middle = SCANNED as usize;
+        let best = (NEIGHBOURS..tried.len() - NEIGHBOURS).min_by(|a, b| left(*a).total_cmp(&left(*b)))?;
+        let tells: Vec<[f64; 2]> = runs
+            .iter()
+            .map(|run| [around(middle, *run), around(middle, *run) - around(best, *run)])
+            .collect();
+        let explains = [Use::Fit, Use::Check].map(|used| {
+            let sum = |of: usize| self.used(used).iter().map(|run| tells[*run][of]).sum::<f64>();
+            sum(1) / sum(0).max(f64::MIN_POSITIVE)
+        });
+        Some(Fitted {
+            cause,
+            x: at(best as i32 - SCANNED),
+            gain: tells.iter().map(|[_, gain]| gain).sum(),
+            explains,
+            chance: by_chance(&tells),
+            errors: tried.into_iter().nth(best)?.0,
+        })
     }
 
     fn tried(&self, cause: usize, x: Vec<f64>) -> Option<Tried> {
@@ -427,6 +478,26 @@ impl<'a> Round<'a> {
                 let scatter = self.scatter.entry(key).or_insert(square);
                 *scatter = scatter.min(square);
             }
+        }
+        self.keep_accuracy();
+    }
+
+    /// What models and sensors are believed to at best.
+    fn accuracy(&self) -> Result<HashMap<(String, usize), f64>> {
+        let mut sums: HashMap<(String, usize), (f64, f64)> = HashMap::new();
+        for (k, run) in self.part.runs().iter().enumerate() {
+            for (c, square) in self.part.variation(k)?.into_iter().enumerate() {
+                let sum = sums.entry((run.group.clone(), c)).or_default();
+                *sum = (sum.0 + square, sum.1 + 1.0);
+            }
+        }
+        Ok(sums.into_iter().map(|(key, (sum, n))| (key, ACCURACY * ACCURACY * sum / n)).collect())
+    }
+
+    fn keep_accuracy(&mut self) {
+        for (key, least) in &self.least {
+            let scatter = self.scatter.entry(key.clone()).or_insert(*least);
+            *scatter = scatter.max(*least);
         }
     }
 

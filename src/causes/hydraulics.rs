@@ -1,6 +1,7 @@
-//! Controller and hydraulics by themselves: what is before the calipers, with the recorded wheel speeds and the driver's recorded pressure.
+//! Controller and hydraulics by themselves, with the recorded wheel speeds and the driver's recorded pressure: hydraulics until the controller's first decision, then the
+//! controller.
 
-use super::cause::{Cause, How, of_hydraulics};
+use super::cause::{Cause, How, of_controllers, of_hydraulics};
 use super::pads::moving;
 use super::part::{Part, changed, has_all, slave, step, with};
 use super::runs::Recorded;
@@ -18,11 +19,26 @@ pub(super) struct Hydraulics<'a> {
     causes: Vec<Cause>,
     channels: Vec<String>,
     step: f64,
+    until: Until,
+    /// Samples of each run that are compared.
+    ends: Vec<usize>,
 }
+
+/// How far a run is compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Until {
+    /// The controller's first decision: what it does with the pressure tells of the controller.
+    FirstDecision,
+    /// The end.
+    Slow,
+}
+
+/// A decision may come so much earlier in the recording \[s\].
+const MARGIN: f64 = 0.015;
 
 impl<'a> Hydraulics<'a> {
     /// None where recordings do not have pressures of calipers, and all that drives controller and brakes.
-    pub(super) fn new(plan: &Plan, runs: &'a [Recorded]) -> Result<Option<Self>> {
+    pub(super) fn new(plan: &Plan, runs: &'a [Recorded], until: Until) -> Result<Option<Self>> {
         let mut part = plan.clone();
         let mut kept = Vec::new();
         let mut channels = Vec::new();
@@ -65,34 +81,34 @@ impl<'a> Hydraulics<'a> {
         if !driven.iter().all(|(.., channel)| runs.iter().all(|run| run.recording.has(channel))) {
             return Ok(None);
         }
-        let causes = of_hydraulics();
-        Ok(Some(Self { plan: part, runs, driven, causes, channels, step: step(plan)? }))
-    }
-}
-
-impl Part for Hydraulics<'_> {
-    fn name(&self) -> String {
-        let names: Vec<&str> = self.plan.components.iter().map(|c| c.name.as_str()).collect();
-        format!("{} at the recorded wheel speeds and the driver's recorded pressure", names.join(", "))
-    }
-
-    fn runs(&self) -> &[Recorded] {
-        self.runs
+        let causes = match until {
+            Until::FirstDecision => of_hydraulics(),
+            Until::Slow => of_controllers(),
+        };
+        let ends: Vec<usize> =
+            runs.iter().map(|run| moving(&run.recording, run.recording.time.len())).collect();
+        let mut all = Self { plan: part, runs, driven, causes, channels, step: step(plan)?, until, ends };
+        if until == Until::FirstDecision {
+            all.ends = (0..runs.len()).map(|run| all.first_decision(run)).collect::<Result<_>>()?;
+        }
+        Ok(Some(all))
     }
 
-    fn causes(&self) -> &[Cause] {
-        &self.causes
+    /// The sample before a valve first moves.
+    fn first_decision(&self, run: usize) -> Result<usize> {
+        let simulated = self.simulated(run, &[])?;
+        let valves: Vec<String> =
+            self.plan.connections.iter().map(|c| format!("{}.{}", c.to.component, c.to.variable)).collect();
+        let moved = |name: &String| {
+            let values = &simulated.channel(name).ok()?.values;
+            values.iter().position(|v| *v != values[0]).map(|k| simulated.time[k])
+        };
+        let first = valves.iter().filter_map(moved).fold(f64::INFINITY, f64::min) - MARGIN;
+        Ok(self.runs[run].recording.time.iter().take(self.ends[run]).filter(|t| **t < first).count().max(2))
     }
 
-    fn channels(&self) -> &[String] {
-        &self.channels
-    }
-
-    fn has_offset(&self, _: usize) -> bool {
-        true
-    }
-
-    fn errors(&self, run: usize, changes: &[(usize, Vec<f64>)]) -> Result<Vec<Vec<f64>>> {
+    /// The part's own run.
+    fn simulated(&self, run: usize, changes: &[(usize, Vec<f64>)]) -> Result<Recording> {
         let recorded = &self.runs[run];
         let recording = &recorded.recording;
         let mut plan = self.plan.clone();
@@ -127,28 +143,71 @@ impl Part for Hydraulics<'_> {
             };
             system.feed(port, &drive, channel, false)?;
         }
-        let end = moving(recording, recording.time.len());
         let experiment = Experiment {
             start: recording.time[0],
-            stop: recording.time[end - 1],
+            stop: recording.time[self.ends[run] - 1].max(recording.time[0] + self.step),
             step: self.step,
             record_every: 1,
             all: false,
             log: false,
         };
         let outcome = cosimulate(&mut system, &experiment, |_| {})?;
-        if let Some(error) = outcome.stopped {
-            return Err(error.at(&recorded.name));
+        match outcome.stopped {
+            None => Ok(outcome.recording),
+            Some(error) => Err(error.at(&recorded.name)),
         }
+    }
+}
+
+impl Part for Hydraulics<'_> {
+    fn name(&self) -> String {
+        let names: Vec<&str> = self.plan.components.iter().map(|c| c.name.as_str()).collect();
+        let until = match self.until {
+            Until::FirstDecision => "until the controller's first decision",
+            Until::Slow => "with the controller's decisions",
+        };
+        format!(
+            "{} at the recorded wheel speeds and the driver's recorded pressure, {until}",
+            names.join(", ")
+        )
+    }
+
+    fn runs(&self) -> &[Recorded] {
+        self.runs
+    }
+
+    fn causes(&self) -> &[Cause] {
+        &self.causes
+    }
+
+    fn channels(&self) -> &[String] {
+        &self.channels
+    }
+
+    fn has_offset(&self, _: usize) -> bool {
+        true
+    }
+
+    fn errors(&self, run: usize, changes: &[(usize, Vec<f64>)]) -> Result<Vec<Vec<f64>>> {
+        let run_of = self.simulated(run, changes)?;
+        let recording = &self.runs[run].recording;
         self.channels
             .iter()
             .map(|channel| {
-                let simulated = outcome.recording.channel_in(channel, "Pa")?;
+                let simulated = run_of.channel_in(channel, "Pa")?;
                 let measured = recording.channel_in(channel, "Pa")?;
-                let at = |k: usize| interpolate(&outcome.recording.time, &simulated, recording.time[k]);
-                Ok((0..end).map(|k| measured[k] - at(k)).collect())
+                let at = |k: usize| interpolate(&run_of.time, &simulated, recording.time[k]);
+                Ok((0..self.ends[run]).map(|k| measured[k] - at(k)).collect())
             })
             .collect()
+    }
+
+    fn variation(&self, run: usize) -> Result<Vec<f64>> {
+        let recording = &self.runs[run].recording;
+        let end = moving(recording, recording.time.len());
+        let of =
+            |name: &String| Ok(crate::stats::deviation(&recording.channel_in(name, "Pa")?[..end]).powi(2));
+        self.channels.iter().map(of).collect()
     }
 
     fn values(&self, cause: usize, x: &[f64]) -> Result<Vec<(String, Value, Value)>> {

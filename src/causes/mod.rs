@@ -24,6 +24,7 @@ pub use runs::{Recorded, Use, has_repeats, read_runs};
 use crate::cosimulate::{Assignment, Plan};
 use crate::{Error, Result};
 use evidence::search;
+use hydraulics::{Hydraulics, Until};
 use part::Part;
 use serde::Serialize;
 
@@ -70,9 +71,11 @@ pub fn find(
         progress("pads at the recorded pressure");
         findings.push(one(pads, &mut corrected, jobs)?);
     }
-    if let Some(hydraulics) = hydraulics::Hydraulics::new(&corrected, runs)? {
-        progress("hydraulics and controller at the recorded wheel speeds");
-        findings.push(one(hydraulics, &mut corrected, jobs)?);
+    for until in [Until::FirstDecision, Until::Slow] {
+        if let Some(hydraulics) = Hydraulics::new(&corrected, runs, until)? {
+            progress("hydraulics and controller at the recorded wheel speeds");
+            findings.push(one(hydraulics, &mut corrected, jobs)?);
+        }
     }
     Ok(findings)
 }

@@ -165,6 +165,14 @@ impl Part for Pads<'_> {
         Ok(errors)
     }
 
+    fn variation(&self, run: usize) -> Result<Vec<f64>> {
+        let recording = &self.runs[run].recording;
+        let end = moving(recording, recording.time.len());
+        let of =
+            |name: &String| Ok(crate::stats::deviation(&recording.channel_in(name, "N.m")?[..end]).powi(2));
+        self.channels.iter().map(of).collect()
+    }
+
     fn values(&self, cause: usize, x: &[f64]) -> Result<Vec<(String, Value, Value)>> {
         let mut all = Vec::new();
         for b in &self.of[cause] {

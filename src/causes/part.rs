@@ -18,6 +18,8 @@ pub(super) trait Part: Sync {
     fn has_offset(&self, channel: usize) -> bool;
     /// Measured less simulated of each channel at the samples of a run that are compared, with values of unknowns of causes.
     fn errors(&self, run: usize, changes: &[(usize, Vec<f64>)]) -> Result<Vec<Vec<f64>>>;
+    /// Mean square of what each channel varies by in a run, of a friction factor its square.
+    fn variation(&self, run: usize) -> Result<Vec<f64>>;
     /// Values of parameters that such a change makes.
     fn values(&self, cause: usize, x: &[f64]) -> Result<Vec<(String, Value, Value)>>;
 }

@@ -164,6 +164,21 @@ impl<'a> Vehicle<'a> {
         Ok(())
     }
 
+    /// Recorded courses of the channels, at least as long as what is compared.
+    fn measured(&self, run: usize) -> Result<Vec<Vec<f64>>> {
+        let recording = &self.runs[run].recording;
+        let part = slave(&self.driven[run].component)?;
+        let prefix = format!("{}.", self.name);
+        let of = |(c, name): (usize, &String)| -> Result<Vec<f64>> {
+            if !self.has_offset(c) {
+                return Ok(vec![1.0; self.driven[run].end]);
+            }
+            let info = &part.interface().variables[part.find(name.strip_prefix(&prefix).unwrap_or(name))?];
+            recording.channel_in(name, info.unit.as_deref().unwrap_or("1"))
+        };
+        self.channels.iter().enumerate().map(of).collect()
+    }
+
     /// Courses of the channels at the samples that are compared.
     fn simulated(&self, run: usize, changes: &[(usize, Vec<f64>)]) -> Result<Vec<Vec<f64>>> {
         let driven = &self.driven[run];
@@ -275,22 +290,17 @@ impl Part for Vehicle<'_> {
 
     fn errors(&self, run: usize, changes: &[(usize, Vec<f64>)]) -> Result<Vec<Vec<f64>>> {
         let simulated = self.simulated(run, changes).map_err(|e| e.at(&self.runs[run].name))?;
-        let recording = &self.runs[run].recording;
-        let part = slave(&self.driven[run].component)?;
-        let prefix = format!("{}.", self.name);
-        let measured = |c: usize| -> Result<Vec<f64>> {
-            if !self.has_offset(c) {
-                return Ok(vec![1.0; self.driven[run].end]);
-            }
-            let name = &self.channels[c];
-            let info = &part.interface().variables[part.find(name.strip_prefix(&prefix).unwrap_or(name))?];
-            recording.channel_in(name, info.unit.as_deref().unwrap_or("1"))
+        let measured = self.measured(run)?;
+        let error = |(m, s): (Vec<f64>, Vec<f64>)| m.iter().zip(&s).map(|(m, s)| m - s).collect();
+        Ok(measured.into_iter().zip(simulated).map(error).collect())
+    }
+
+    fn variation(&self, run: usize) -> Result<Vec<f64>> {
+        let of = |(c, values): (usize, &Vec<f64>)| match self.has_offset(c) {
+            true => crate::stats::deviation(&values[..self.driven[run].end]).powi(2),
+            false => 1.0,
         };
-        simulated
-            .into_iter()
-            .enumerate()
-            .map(|(c, simulated)| Ok(measured(c)?.iter().zip(&simulated).map(|(m, s)| m - s).collect()))
-            .collect()
+        Ok(self.measured(run)?.iter().enumerate().map(of).collect())
     }
 
     fn values(&self, cause: usize, x: &[f64]) -> Result<Vec<(String, Value, Value)>> {
