@@ -2,7 +2,7 @@
 //! controller.
 
 use super::cause::{Cause, How, of_controllers, of_hydraulics};
-use super::pads::moving;
+use super::pads::{ahead, moving};
 use super::part::{Part, changed, has_all, slave, step, with};
 use super::runs::Recorded;
 use crate::Result;
@@ -135,17 +135,19 @@ impl<'a> Hydraulics<'a> {
             let values = recording.channel_in(channel, &unit)?;
             // noise about zero is beyond what a pressure can be
             let values = values.iter().map(|v| (factor * v).clamp(range[0], range[1])).collect();
-            let one = Channel { name: channel.clone(), unit, values };
-            let drive = Recording {
-                time: recording.time.clone(),
-                channels: vec![one],
-                source: recorded.name.clone(),
+            let time = match variable.as_str() {
+                "driver_pressure" => ahead(&recording.time, self.step),
+                _ => recording.time.clone(),
             };
+            let one = Channel { name: channel.clone(), unit, values };
+            let drive = Recording { time, channels: vec![one], source: recorded.name.clone() };
             system.feed(port, &drive, channel, false)?;
         }
         let experiment = Experiment {
             start: recording.time[0],
-            stop: recording.time[self.ends[run] - 1].max(recording.time[0] + self.step),
+            stop: recording.time[self.ends[run] - 1]
+                .min(recording.time[recording.time.len() - 1] - self.step)
+                .max(recording.time[0] + self.step),
             step: self.step,
             record_every: 1,
             all: false,
@@ -191,12 +193,14 @@ impl Part for Hydraulics<'_> {
     fn errors(&self, run: usize, changes: &[(usize, Vec<f64>)]) -> Result<Vec<Vec<f64>>> {
         let run_of = self.simulated(run, changes)?;
         let recording = &self.runs[run].recording;
+        // the drive ends a step before the recording
+        let last = run_of.time.last().copied().unwrap_or_default();
         self.channels
             .iter()
             .map(|channel| {
                 let simulated = run_of.channel_in(channel, "Pa")?;
                 let measured = recording.channel_in(channel, "Pa")?;
-                let at = |k: usize| interpolate(&run_of.time, &simulated, recording.time[k]);
+                let at = |k: usize| interpolate(&run_of.time, &simulated, recording.time[k].min(last));
                 Ok((0..self.ends[run]).map(|k| measured[k] - at(k)).collect())
             })
             .collect()

@@ -133,7 +133,7 @@ impl Part for Pads<'_> {
                 values: pressure.iter().map(|p| (p - rest).max(0.0)).collect(),
             };
             let drive = Recording {
-                time: recording.time.clone(),
+                time: ahead(&recording.time, self.step),
                 channels: vec![pressure],
                 source: self.runs[run].name.clone(),
             };
@@ -144,7 +144,7 @@ impl Part for Pads<'_> {
             system.feed(input, &drive, "pressure", false)?;
             let experiment = Experiment {
                 start: recording.time[0],
-                stop: recording.time[end - 1],
+                stop: recording.time[end - 1].min(recording.time[recording.time.len() - 1] - self.step),
                 step: self.step,
                 record_every: 1,
                 all: false,
@@ -157,8 +157,12 @@ impl Part for Pads<'_> {
             let name = format!("{}.brake_torque", brake.component.name);
             let simulated = outcome.recording.channel_in(&name, "N.m")?;
             let rest = zero(&torques[b]);
+            // the drive ends a step before the recording
+            let last = outcome.recording.time.last().copied().unwrap_or_default();
             let error = |k: usize| {
-                torques[b][k] - rest - interpolate(&outcome.recording.time, &simulated, recording.time[k])
+                torques[b][k]
+                    - rest
+                    - interpolate(&outcome.recording.time, &simulated, recording.time[k].min(last))
             };
             errors.push((0..end).map(error).collect());
         }
@@ -189,4 +193,10 @@ pub(super) fn moving(recording: &Recording, samples: usize) -> usize {
     let speed = recording.channels.iter().find(|c| c.name.ends_with("vehicle_speed"));
     let slow = speed.and_then(|c| recording.channel_in(&c.name, "m/s").ok());
     slow.and_then(|v| v.iter().position(|v| *v < 5.0)).unwrap_or(samples).max(2)
+}
+
+/// Times of samples, so that what is held over a step is what the recording has at its end: the torque follows from the pressure of the same time, and the line
+/// from the driver's.
+pub(super) fn ahead(time: &[f64], step: f64) -> Vec<f64> {
+    time.iter().map(|t| t - step).collect()
 }

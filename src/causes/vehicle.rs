@@ -11,8 +11,8 @@ use crate::{Error, Result};
 /// How much the factor on the friction of a wheel answers to its speed being off \[s/rad\]: slip follows within some ten ms, and
 /// noise of a wheel's speed of 0.3 rad/s becomes 3 % of friction.
 const FOLLOWS: f64 = 0.1;
-/// That factor stays within these.
-const FRICTION: [f64; 2] = [0.05, 3.0];
+/// That factor stays within these: no road scatters by more, and beyond a wheel that is about to lock cannot be followed.
+const FRICTION: [f64; 2] = [0.5, 1.5];
 /// Slower than this, slip says nothing: noise of the recorded speed is several percent of it \[m/s\].
 const SLOWEST: f64 = 5.0;
 /// The recorded speed is smoothed over so long to each side \[s\].
@@ -250,7 +250,7 @@ impl<'a> Vehicle<'a> {
             for wheel in 0..self.wheels.len() {
                 let target = at(&driven.wheel_speeds[wheel], t) * speed / at(&driven.speed, t);
                 let off = target - slave.get(spin_out[wheel])?;
-                factors[wheel] = (level + FOLLOWS * off).clamp(FRICTION[0], FRICTION[1]);
+                factors[wheel] = level * (1.0 + FOLLOWS * off / level).clamp(FRICTION[0], FRICTION[1]);
                 slave.set(friction_in[wheel], factors[wheel])?;
                 let told = if k == 0 { 0.0 } else { torques[wheel] - slave.get(moment_out[wheel])? };
                 let wanted = at(&driven.torques[wheel], (t + self.step).min(time[time.len() - 1]));
