@@ -1,10 +1,11 @@
 //! The closed loop beside the repeats, before and after what was found: by what counts for damage, because errors over time rank nothing there.
 
+use super::part::{along, follow, step};
 use super::runs::Recorded;
-use crate::cosimulate::{Experiment, Plan, cosimulate};
+use crate::Result;
+use crate::cosimulate::Plan;
 use crate::loads::{Conditions, compare};
 use crate::recording::{Channel, Recording};
-use crate::{Error, Result};
 use serde::Serialize;
 
 /// Slope of the S-N line that damage is compared with: links and welds.
@@ -103,24 +104,8 @@ fn driven(plan: &Plan, run: &Recorded, end: f64) -> Result<Recording> {
     let mut system = plan.load()?;
     for (channel, to) in inputs.iter().flat_map(|inputs| &inputs.connect) {
         let port = system.port(&to.component, &to.variable)?;
-        let info = system.info(port);
-        let unit = info.unit.clone().unwrap_or_else(|| "1".into());
-        let [low, high] = [info.min.unwrap_or(f64::NEG_INFINITY), info.max.unwrap_or(f64::INFINITY)];
-        let values = run.recording.channel_in(channel, &unit)?;
-        // noise about zero is beyond what a pressure can be
-        let values = values.iter().map(|v| v.clamp(low, high)).collect();
-        let one = Channel { name: channel.clone(), unit, values };
-        let drive =
-            Recording { time: run.recording.time.clone(), channels: vec![one], source: run.name.clone() };
-        system.feed(port, &drive, channel, false)?;
+        follow(&mut system, port, (&run.recording, channel), |v| v, 0.0)?;
     }
-    let step =
-        plan.step.ok_or_else(|| Error::call(format!("{}: there is no communication step", plan.source)))?;
-    let experiment =
-        Experiment { start: run.recording.time[0], stop: end, step, record_every: 1, all: false, log: false };
-    let outcome = cosimulate(&mut system, &experiment, |_| {})?;
-    match outcome.stopped {
-        None => Ok(outcome.recording),
-        Some(error) => Err(error.at(&run.name)),
-    }
+    let end = run.recording.time.partition_point(|t| *t <= end);
+    along(&mut system, &run.recording, end, step(&plan)?)
 }

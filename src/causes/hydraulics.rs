@@ -1,24 +1,21 @@
 //! Controller and hydraulics by themselves, with the recorded wheel speeds and the driver's recorded pressure: hydraulics until the controller's first decision, then the
 //! controller.
 
-use super::cause::{Cause, How, of_controllers, of_hydraulics};
-use super::pads::{ahead, moving};
-use super::part::{Part, changed, has_all, slave, step, with};
+use super::cause::{How, of_controllers, of_hydraulics};
+use super::pads::moving;
+use super::part::{Opened, Part, along, changed, follow, has_all, less, slave, step, with};
 use super::runs::Recorded;
 use crate::Result;
-use crate::cosimulate::{Experiment, Plan, cosimulate};
+use crate::cosimulate::Plan;
 use crate::model::Value;
-use crate::recording::{Channel, Recording, interpolate};
+use crate::recording::Recording;
 
 pub(super) struct Hydraulics<'a> {
     /// Controller and brakes, and what is between them.
     plan: Plan,
-    runs: &'a [Recorded],
+    opened: Opened<'a>,
     /// Inputs that follow channels: component, variable, channel.
     driven: Vec<(String, String, String)>,
-    causes: Vec<Cause>,
-    channels: Vec<String>,
-    step: f64,
     until: Until,
     /// Samples of each run that are compared.
     ends: Vec<usize>,
@@ -85,9 +82,9 @@ impl<'a> Hydraulics<'a> {
             Until::FirstDecision => of_hydraulics(),
             Until::Slow => of_controllers(),
         };
-        let ends: Vec<usize> =
-            runs.iter().map(|run| moving(&run.recording, run.recording.time.len())).collect();
-        let mut all = Self { plan: part, runs, driven, causes, channels, step: step(plan)?, until, ends };
+        let ends: Vec<usize> = runs.iter().map(|run| moving(&run.recording)).collect();
+        let opened = Opened { runs, causes, channels, step: step(plan)? };
+        let mut all = Self { plan: part, opened, driven, until, ends };
         if until == Until::FirstDecision {
             all.ends = (0..runs.len()).map(|run| all.first_decision(run)).collect::<Result<_>>()?;
         }
@@ -104,17 +101,16 @@ impl<'a> Hydraulics<'a> {
             values.iter().position(|v| *v != values[0]).map(|k| simulated.time[k])
         };
         let first = valves.iter().filter_map(moved).fold(f64::INFINITY, f64::min) - MARGIN;
-        Ok(self.runs[run].recording.time.iter().take(self.ends[run]).filter(|t| **t < first).count().max(2))
+        Ok(self.runs()[run].recording.time.iter().take(self.ends[run]).filter(|t| **t < first).count().max(2))
     }
 
     /// The part's own run.
     fn simulated(&self, run: usize, changes: &[(usize, Vec<f64>)]) -> Result<Recording> {
-        let recorded = &self.runs[run];
-        let recording = &recorded.recording;
+        let recording = &self.runs()[run].recording;
         let mut plan = self.plan.clone();
         let mut gain = 1.0;
         for (cause, x) in changes {
-            let cause = &self.causes[*cause];
+            let cause = &self.causes()[*cause];
             for component in &mut plan.components {
                 let values = changed(component, &*slave(component)?, cause, x)?;
                 *component = with(component, &values);
@@ -128,36 +124,14 @@ impl<'a> Hydraulics<'a> {
         let mut system = plan.load()?;
         for (component, variable, channel) in &self.driven {
             let port = system.port(component, variable)?;
-            let info = system.info(port);
-            let unit = info.unit.clone().unwrap_or_else(|| "1".into());
-            let range = [info.min.unwrap_or(f64::NEG_INFINITY), info.max.unwrap_or(f64::INFINITY)];
-            let factor = if variable == "driver_pressure" { gain } else { 1.0 };
-            let values = recording.channel_in(channel, &unit)?;
-            // noise about zero is beyond what a pressure can be
-            let values = values.iter().map(|v| (factor * v).clamp(range[0], range[1])).collect();
-            let time = match variable.as_str() {
-                "driver_pressure" => ahead(&recording.time, self.step),
-                _ => recording.time.clone(),
+            // the line follows the driver at once, while a controller looks at wheels as they are
+            let (factor, ahead) = match variable.as_str() {
+                "driver_pressure" => (gain, self.opened.step),
+                _ => (1.0, 0.0),
             };
-            let one = Channel { name: channel.clone(), unit, values };
-            let drive = Recording { time, channels: vec![one], source: recorded.name.clone() };
-            system.feed(port, &drive, channel, false)?;
+            follow(&mut system, port, (recording, channel), |v| factor * v, ahead)?;
         }
-        let experiment = Experiment {
-            start: recording.time[0],
-            stop: recording.time[self.ends[run] - 1]
-                .min(recording.time[recording.time.len() - 1] - self.step)
-                .max(recording.time[0] + self.step),
-            step: self.step,
-            record_every: 1,
-            all: false,
-            log: false,
-        };
-        let outcome = cosimulate(&mut system, &experiment, |_| {})?;
-        match outcome.stopped {
-            None => Ok(outcome.recording),
-            Some(error) => Err(error.at(&recorded.name)),
-        }
+        along(&mut system, recording, self.ends[run], self.opened.step)
     }
 }
 
@@ -174,16 +148,8 @@ impl Part for Hydraulics<'_> {
         )
     }
 
-    fn runs(&self) -> &[Recorded] {
-        self.runs
-    }
-
-    fn causes(&self) -> &[Cause] {
-        &self.causes
-    }
-
-    fn channels(&self) -> &[String] {
-        &self.channels
+    fn opened(&self) -> &Opened<'_> {
+        &self.opened
     }
 
     fn has_offset(&self, _: usize) -> bool {
@@ -192,30 +158,25 @@ impl Part for Hydraulics<'_> {
 
     fn errors(&self, run: usize, changes: &[(usize, Vec<f64>)]) -> Result<Vec<Vec<f64>>> {
         let run_of = self.simulated(run, changes)?;
-        let recording = &self.runs[run].recording;
-        // the drive ends a step before the recording
-        let last = run_of.time.last().copied().unwrap_or_default();
-        self.channels
-            .iter()
-            .map(|channel| {
-                let simulated = run_of.channel_in(channel, "Pa")?;
-                let measured = recording.channel_in(channel, "Pa")?;
-                let at = |k: usize| interpolate(&run_of.time, &simulated, recording.time[k].min(last));
-                Ok((0..self.ends[run]).map(|k| measured[k] - at(k)).collect())
-            })
-            .collect()
+        let recording = &self.runs()[run].recording;
+        let of = |channel: &String| -> Result<Vec<f64>> {
+            let measured = recording.channel_in(channel, "Pa")?;
+            let simulated = run_of.channel_in(channel, "Pa")?;
+            Ok(less(&measured[..self.ends[run]], &recording.time, &run_of, &simulated))
+        };
+        self.channels().iter().map(of).collect()
     }
 
     fn variation(&self, run: usize) -> Result<Vec<f64>> {
-        let recording = &self.runs[run].recording;
-        let end = moving(recording, recording.time.len());
+        let recording = &self.runs()[run].recording;
+        let end = moving(recording);
         let of =
             |name: &String| Ok(crate::stats::deviation(&recording.channel_in(name, "Pa")?[..end]).powi(2));
-        self.channels.iter().map(of).collect()
+        self.channels().iter().map(of).collect()
     }
 
     fn values(&self, cause: usize, x: &[f64]) -> Result<Vec<(String, Value, Value)>> {
-        let cause = &self.causes[cause];
+        let cause = &self.causes()[cause];
         let mut all = Vec::new();
         for component in &self.plan.components {
             let values = changed(component, &*slave(component)?, cause, x)?;

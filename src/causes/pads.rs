@@ -1,26 +1,23 @@
 //! The pads by themselves: brakes at the recorded pressure of their calipers, with nothing of hydraulics before them.
 
-use super::cause::{Cause, of_pads};
-use super::part::{Part, changed, has_all, slave, step, with};
+use super::cause::of_pads;
+use super::part::{Opened, Part, along, changed, follow, has_all, less, slave, step, with};
 use super::runs::Recorded;
 use super::vehicle::onset;
 use crate::Result;
-use crate::cosimulate::{Experiment, Plan, PlannedComponent, cosimulate};
+use crate::cosimulate::{Plan, PlannedComponent};
 use crate::model::Value;
-use crate::recording::{Channel, Recording, interpolate};
+use crate::recording::Recording;
 
 /// A brake in which pressure goes where it is told to at once.
 const DIRECT: [(&str, f64); 4] =
     [("caliper_lag", 0.0), ("build_rate", 1e11), ("dump_rate", 1e11), ("release_rate", 1e11)];
 
 pub(super) struct Pads<'a> {
-    runs: &'a [Recorded],
+    opened: Opened<'a>,
     brakes: Vec<Brake>,
-    causes: Vec<Cause>,
     /// Which brakes a cause is of.
     of: Vec<Vec<usize>>,
-    channels: Vec<String>,
-    step: f64,
 }
 
 /// A brake, and the channels that tell its pressure and torque.
@@ -65,7 +62,8 @@ impl<'a> Pads<'a> {
                 of.push(all.clone());
             }
         }
-        Ok(Some(Self { runs, brakes, causes, of, channels, step: step(plan)? }))
+        let opened = Opened { runs, causes, channels, step: step(plan)? };
+        Ok(Some(Self { opened, brakes, of }))
     }
 }
 
@@ -87,16 +85,8 @@ impl Part for Pads<'_> {
         format!("pads of {} at the recorded pressure", names.join(", "))
     }
 
-    fn runs(&self) -> &[Recorded] {
-        self.runs
-    }
-
-    fn causes(&self) -> &[Cause] {
-        &self.causes
-    }
-
-    fn channels(&self) -> &[String] {
-        &self.channels
+    fn opened(&self) -> &Opened<'_> {
+        &self.opened
     }
 
     fn has_offset(&self, _: usize) -> bool {
@@ -104,99 +94,139 @@ impl Part for Pads<'_> {
     }
 
     fn errors(&self, run: usize, changes: &[(usize, Vec<f64>)]) -> Result<Vec<Vec<f64>>> {
-        let recording = &self.runs[run].recording;
+        let recording = &self.runs()[run].recording;
         let torques: Vec<Vec<f64>> =
             self.brakes.iter().map(|b| recording.channel_in(&b.torque, "N.m")).collect::<Result<_>>()?;
         let begin = onset(&torques);
         let zero = |values: &[f64]| crate::stats::mean_or_zero(&values[..begin]);
-        let end = moving(recording, self.runs[run].recording.time.len());
+        let moves = moving(recording);
         let mut errors = Vec::new();
         for (b, brake) in self.brakes.iter().enumerate() {
             let mut component = brake.component.clone();
             for (cause, x) in changes.iter().filter(|(cause, _)| self.of[*cause].contains(&b)) {
-                let values = changed(&component, &*slave(&component)?, &self.causes[*cause], x)?;
+                let values = changed(&component, &*slave(&component)?, &self.causes()[*cause], x)?;
                 component = with(&component, &values);
             }
-            let direct: Vec<(String, Value, Value)> = DIRECT
-                .iter()
-                .map(|(name, value)| ((*name).to_owned(), Value::Real(*value), Value::Real(*value)))
-                .collect();
+            let direct =
+                DIRECT.map(|(name, value)| (name.to_owned(), Value::Real(value), Value::Real(value)));
             component = with(&component, &direct);
-            component.set.retain(|a| {
-                !["driver_pressure", "inlet_valve", "outlet_valve"].contains(&a.variable.as_str())
-            });
-            let pressure = recording.channel_in(&brake.pressure, "Pa")?;
-            let rest = zero(&pressure);
-            let pressure = Channel {
-                name: "pressure".into(),
-                unit: "Pa".into(),
-                values: pressure.iter().map(|p| (p - rest).max(0.0)).collect(),
-            };
-            let drive = Recording {
-                time: ahead(&recording.time, self.step),
-                channels: vec![pressure],
-                source: self.runs[run].name.clone(),
-            };
+            let driven = ["driver_pressure", "inlet_valve", "outlet_valve"];
+            component.set.retain(|a| !driven.contains(&a.variable.as_str()));
             let plan =
                 Plan { components: vec![component], source: brake.component.name.clone(), ..Plan::default() };
             let mut system = plan.load()?;
             let input = system.port(&brake.component.name, "driver_pressure")?;
-            system.feed(input, &drive, "pressure", false)?;
-            let experiment = Experiment {
-                start: recording.time[0],
-                stop: recording.time[end - 1].min(recording.time[recording.time.len() - 1] - self.step),
-                step: self.step,
-                record_every: 1,
-                all: false,
-                log: false,
-            };
-            let outcome = cosimulate(&mut system, &experiment, |_| {})?;
-            if let Some(error) = outcome.stopped {
-                return Err(error.at(&self.runs[run].name));
-            }
-            let name = format!("{}.brake_torque", brake.component.name);
-            let simulated = outcome.recording.channel_in(&name, "N.m")?;
+            let pressure = recording.channel_in(&brake.pressure, "Pa")?;
+            let rest = zero(&pressure);
+            let end = moves.min(lifted(&pressure));
+            let step = self.opened.step;
+            follow(&mut system, input, (recording, &brake.pressure), |p| p - rest, step)?;
+            let run_of = along(&mut system, recording, end, step)?;
+            let simulated = run_of.channel_in(&format!("{}.brake_torque", brake.component.name), "N.m")?;
             let rest = zero(&torques[b]);
-            // the drive ends a step before the recording
-            let last = outcome.recording.time.last().copied().unwrap_or_default();
-            let error = |k: usize| {
-                torques[b][k]
-                    - rest
-                    - interpolate(&outcome.recording.time, &simulated, recording.time[k].min(last))
-            };
-            errors.push((0..end).map(error).collect());
+            let measured: Vec<f64> = torques[b][..end].iter().map(|torque| torque - rest).collect();
+            let mut error = less(&measured, &recording.time, &run_of, &simulated);
+            let turns = turning(recording, &brake.torque);
+            error.iter_mut().zip(turns).filter(|(_, turns)| !turns).for_each(|(error, _)| *error = 0.0);
+            errors.push(error);
         }
         Ok(errors)
     }
 
     fn variation(&self, run: usize) -> Result<Vec<f64>> {
-        let recording = &self.runs[run].recording;
-        let end = moving(recording, recording.time.len());
+        let recording = &self.runs()[run].recording;
+        let end = moving(recording);
         let of =
             |name: &String| Ok(crate::stats::deviation(&recording.channel_in(name, "N.m")?[..end]).powi(2));
-        self.channels.iter().map(of).collect()
+        self.channels().iter().map(of).collect()
     }
 
     fn values(&self, cause: usize, x: &[f64]) -> Result<Vec<(String, Value, Value)>> {
         let mut all = Vec::new();
         for b in &self.of[cause] {
             let component = &self.brakes[*b].component;
-            let values = changed(component, &*slave(component)?, &self.causes[cause], x)?;
+            let values = changed(component, &*slave(component)?, &self.causes()[cause], x)?;
             all.extend(values.into_iter().map(|(n, a, b)| (format!("{}.{n}", component.name), a, b)));
         }
         Ok(all)
     }
 }
 
-/// How many samples the vehicle moves for: a brake that holds a wheel at rest has the torque that it takes for that.
-pub(super) fn moving(recording: &Recording, samples: usize) -> usize {
-    let speed = recording.channels.iter().find(|c| c.name.ends_with("vehicle_speed"));
-    let slow = speed.and_then(|c| recording.channel_in(&c.name, "m/s").ok());
-    slow.and_then(|v| v.iter().position(|v| *v < 5.0)).unwrap_or(samples).max(2)
+/// Below this pressure pads are about to leave the disc, and how far their friction has built up starts anew when they are back: a decision by tenths of a bar, which a recording
+/// does not tell \[Pa\].
+const LIFTING: f64 = 2e5;
+
+/// The sample at which the pads of a braked wheel are about to lift.
+fn lifted(pressure: &[f64]) -> usize {
+    let pressed = pressure.iter().position(|p| *p > 2.0 * LIFTING).unwrap_or(pressure.len());
+    let lifted = pressure[pressed..].iter().position(|p| *p < LIFTING);
+    lifted.map_or(pressure.len(), |k| pressed + k).max(2)
 }
 
-/// Times of samples, so that what is held over a step is what the recording has at its end: the torque follows from the pressure of the same time, and the line
-/// from the driver's.
-pub(super) fn ahead(time: &[f64], step: f64) -> Vec<f64> {
-    time.iter().map(|t| t - step).collect()
+/// A wheel that turns slower than this share of the fastest is locked,
+const LOCKED: f64 = 0.05;
+/// and so long before and after that the filter of a recorder still shows it \[s\].
+const SMEARED: f64 = 0.01;
+
+/// Samples at which the wheel of a torque turns: one that is locked is held by what it takes, and not by the friction of its pads (6.34).
+fn turning(recording: &Recording, torque: &str) -> Vec<bool> {
+    let speed = |name: &str| recording.channel_in(name, "rad/s").ok();
+    let own = torque.strip_suffix("carrier_moment_y").and_then(|place| speed(&format!("{place}wheel_speed")));
+    let samples = recording.time.len();
+    let Some(own) = own else { return vec![true; samples] };
+    let names = recording.channels.iter().map(|c| &c.name).filter(|name| name.ends_with(".wheel_speed"));
+    let all: Vec<Vec<f64>> = names.filter_map(|name| speed(name)).collect();
+    let mut turns = vec![true; samples];
+    for k in 0..samples {
+        let fastest = all.iter().map(|speeds| speeds[k].abs()).fold(0.0, f64::max);
+        if own[k].abs() < LOCKED * fastest {
+            let from = recording.time.partition_point(|t| *t < recording.time[k] - SMEARED);
+            let to = recording.time.partition_point(|t| *t <= recording.time[k] + SMEARED);
+            turns[from..to].fill(false);
+        }
+    }
+    turns
+}
+
+/// Slower than this a vehicle is about to stand, and a brake that holds a wheel at rest has the torque that it takes for that \[m/s\].
+pub(super) const SLOWEST: f64 = 5.0;
+
+/// How many samples the vehicle moves for.
+pub(super) fn moving(recording: &Recording) -> usize {
+    let speed = recording.channels.iter().find(|c| c.name.ends_with("vehicle_speed"));
+    let slow = speed.and_then(|c| recording.channel_in(&c.name, "m/s").ok());
+    slow.and_then(|v| v.iter().position(|v| *v < SLOWEST)).unwrap_or(recording.time.len()).max(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_locked_wheel_says_nothing_of_its_pads() {
+        let channel = |name: &str, values: [f64; 5]| crate::recording::Channel {
+            name: name.into(),
+            unit: "rad/s".into(),
+            values: values.to_vec(),
+        };
+        let recording = Recording {
+            time: vec![0.0, 0.1, 0.2, 0.205, 0.3],
+            channels: vec![
+                channel("car.left.wheel_speed", [60.0, 50.0, 1.0, 20.0, 30.0]),
+                channel("car.right.wheel_speed", [60.0, 55.0, 50.0, 50.0, 40.0]),
+            ],
+            source: String::new(),
+        };
+        let turns = |side: &str| turning(&recording, &format!("car.{side}.carrier_moment_y"));
+        assert_eq!(turns("left"), [true, true, false, false, true]);
+        assert_eq!(turns("right"), [true; 5]);
+    }
+
+    #[test]
+    fn pads_are_compared_until_they_lift() {
+        let pressure = [0.0, 1e5, 3e5, 50e5, 1e6, 1.9e5, 0.0, 50e5];
+        assert_eq!(lifted(&pressure), 5);
+        assert_eq!(lifted(&pressure[..5]), 5);
+        assert_eq!(lifted(&[0.0, 0.0, 0.0]), 3);
+    }
 }

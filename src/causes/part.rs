@@ -2,18 +2,27 @@
 
 use super::cause::{Cause, How};
 use super::runs::{Recorded, given};
-use crate::cosimulate::{Plan, PlannedComponent, Source};
+use crate::cosimulate::{Assignment, Experiment, Plan, PlannedComponent, Port, Source, System, cosimulate};
 use crate::model::{Slave, Value};
+use crate::recording::{Channel, Recording, interpolate};
 use crate::{Error, Result};
+
+/// What all parts have.
+pub(super) struct Opened<'a> {
+    pub(super) runs: &'a [Recorded],
+    /// What can differ in it.
+    pub(super) causes: Vec<Cause>,
+    /// What is compared.
+    pub(super) channels: Vec<String>,
+    /// Communication step \[s\].
+    pub(super) step: f64,
+}
 
 /// A part with its causes.
 pub(super) trait Part: Sync {
     /// What it is, and how it was opened.
     fn name(&self) -> String;
-    fn runs(&self) -> &[Recorded];
-    fn causes(&self) -> &[Cause];
-    /// What is compared.
-    fn channels(&self) -> &[String];
+    fn opened(&self) -> &Opened<'_>;
     /// True for a channel that may be off by a constant: a sensor's zero.
     fn has_offset(&self, channel: usize) -> bool;
     /// Measured less simulated of each channel at the samples of a run that are compared, with values of unknowns of causes.
@@ -22,6 +31,65 @@ pub(super) trait Part: Sync {
     fn variation(&self, run: usize) -> Result<Vec<f64>>;
     /// Values of parameters that such a change makes.
     fn values(&self, cause: usize, x: &[f64]) -> Result<Vec<(String, Value, Value)>>;
+
+    fn runs(&self) -> &[Recorded] {
+        self.opened().runs
+    }
+
+    fn causes(&self) -> &[Cause] {
+        &self.opened().causes
+    }
+
+    fn channels(&self) -> &[String] {
+        &self.opened().channels
+    }
+}
+
+/// Lets an input follow a channel of a recording, changed on the way and kept within what the input can be: noise about zero is beyond what a pressure can be. `ahead`: what is held over a
+/// step is what the recording has at its end, for what follows at once.
+pub(super) fn follow(
+    system: &mut System,
+    port: Port,
+    (recording, channel): (&Recording, &str),
+    change: impl Fn(f64) -> f64,
+    ahead: f64,
+) -> Result<()> {
+    let info = system.info(port);
+    let unit = info.unit.clone().unwrap_or_else(|| "1".into());
+    let [low, high] = [info.min.unwrap_or(f64::NEG_INFINITY), info.max.unwrap_or(f64::INFINITY)];
+    let values = recording.channel_in(channel, &unit)?;
+    let values = values.into_iter().map(|v| change(v).clamp(low, high)).collect();
+    let drive = Recording {
+        time: recording.time.iter().map(|t| t - ahead).collect(),
+        channels: vec![Channel { name: channel.to_owned(), unit, values }],
+        source: recording.source.clone(),
+    };
+    system.feed(port, &drive, channel, false)
+}
+
+/// Runs a driven system along a recording, to the sample `end` or as far as what is ahead by a step goes.
+pub(super) fn along(system: &mut System, recording: &Recording, end: usize, step: f64) -> Result<Recording> {
+    let (start, last) = (recording.time[0], recording.time[recording.time.len() - 1]);
+    let experiment = Experiment {
+        start,
+        stop: recording.time[end - 1].min(last - step).max(start + step),
+        step,
+        record_every: 1,
+        all: false,
+        log: false,
+    };
+    let outcome = cosimulate(system, &experiment, |_| {})?;
+    match outcome.stopped {
+        None => Ok(outcome.recording),
+        Some(error) => Err(error.at(&recording.source)),
+    }
+}
+
+/// Recorded less simulated values of a channel at the first samples of a recording. The run may end a step before the recording.
+pub(super) fn less(recorded: &[f64], time: &[f64], run: &Recording, simulated: &[f64]) -> Vec<f64> {
+    let last = run.time.last().copied().unwrap_or_default();
+    let at = |t: f64| interpolate(&run.time, simulated, t.min(last));
+    recorded.iter().zip(time).map(|(value, t)| value - at(*t)).collect()
 }
 
 /// A variable's value in the system, else its own.
@@ -83,7 +151,7 @@ pub(super) fn with(component: &PlannedComponent, values: &[(String, Value, Value
     let mut one = component.clone();
     for (name, _, after) in values {
         one.set.retain(|a| a.variable != *name);
-        one.set.push(crate::cosimulate::Assignment {
+        one.set.push(Assignment {
             variable: name.clone(),
             value: after.clone(),
             place: component.place.clone(),

@@ -1,7 +1,8 @@
 //! The vehicle under the recorded torques of its brakes, with the friction followed.
 
 use super::cause::{Cause, How, of_vehicles};
-use super::part::{Part, changed, component, slave, source, step, with};
+use super::pads::SLOWEST;
+use super::part::{Opened, Part, changed, component, slave, source, step, with};
 use super::runs::Recorded;
 use crate::cosimulate::{Plan, PlannedComponent};
 use crate::model::{Role, Slave, Value};
@@ -13,8 +14,6 @@ use crate::{Error, Result};
 const FOLLOWS: f64 = 0.1;
 /// That factor stays within these: no road scatters by more, and beyond a wheel that is about to lock cannot be followed.
 const FRICTION: [f64; 2] = [0.5, 1.5];
-/// Slower than this, slip says nothing: noise of the recorded speed is several percent of it \[m/s\].
-const SLOWEST: f64 = 5.0;
 /// The recorded speed is smoothed over so long to each side \[s\].
 const SMOOTHED: f64 = 0.025;
 /// Torque below this share of the greatest is none: the time before it shows the sensors' zeros.
@@ -24,13 +23,10 @@ const CORRECTION: f64 = 2000.0;
 
 pub(super) struct Vehicle<'a> {
     plan: Plan,
-    runs: &'a [Recorded],
+    opened: Opened<'a>,
     name: String,
     wheels: Vec<String>,
     travel: String,
-    causes: Vec<Cause>,
-    channels: Vec<String>,
-    step: f64,
     driven: Vec<Driven>,
 }
 
@@ -70,13 +66,10 @@ impl<'a> Vehicle<'a> {
                     .collect();
                 let mut vehicle = Self {
                     plan: plan.clone(),
-                    runs,
+                    opened: Opened { runs, causes, channels: Vec::new(), step: step(plan)? },
                     name: planned.name.clone(),
                     wheels,
                     travel,
-                    causes,
-                    channels: Vec::new(),
-                    step: step(plan)?,
                     driven: Vec::new(),
                 };
                 vehicle.drive(&*one)?;
@@ -95,23 +88,25 @@ impl<'a> Vehicle<'a> {
 
     fn drive(&mut self, one: &dyn Slave) -> Result<()> {
         let prefix = format!("{}.", self.name);
-        let first = &self.runs[0].recording;
+        let first = &self.opened.runs[0].recording;
         let followed = |name: &str| name.ends_with(".wheel_speed") || name.ends_with(".carrier_moment_y");
         let is_output = |name: &str| {
             let variable = name.strip_prefix(&prefix).and_then(|v| one.find(v).ok());
             variable
                 .is_some_and(|v| one.interface().variables[v].causality == crate::model::Causality::Output)
         };
-        self.channels = first
+        self.opened.channels = first
             .channels
             .iter()
             .map(|c| c.name.clone())
-            .filter(|n| is_output(n) && !followed(n) && self.runs.iter().all(|run| run.recording.has(n)))
+            .filter(|n| {
+                is_output(n) && !followed(n) && self.opened.runs.iter().all(|run| run.recording.has(n))
+            })
             .collect();
         let followed_friction: Vec<String> =
             self.wheels.iter().map(|wheel| self.of(wheel, "friction")).collect();
-        self.channels.extend(followed_friction);
-        for run in self.runs {
+        self.opened.channels.extend(followed_friction);
+        for run in self.opened.runs {
             let recording = &run.recording;
             let plan = run.applied(&self.plan)?;
             let mut part = component(&plan, &self.name)?.clone();
@@ -152,6 +147,7 @@ impl<'a> Vehicle<'a> {
                     })?
                 })
                 .collect();
+            // below that slip says nothing either: noise of the recorded speed is several percent of it
             let end = speed.iter().position(|v| *v < SLOWEST).unwrap_or(speed.len());
             if end < 2 {
                 return Err(Error::file(format!(
@@ -166,7 +162,7 @@ impl<'a> Vehicle<'a> {
 
     /// Recorded courses of the channels, at least as long as what is compared.
     fn measured(&self, run: usize) -> Result<Vec<Vec<f64>>> {
-        let recording = &self.runs[run].recording;
+        let recording = &self.opened.runs[run].recording;
         let part = slave(&self.driven[run].component)?;
         let prefix = format!("{}.", self.name);
         let of = |(c, name): (usize, &String)| -> Result<Vec<f64>> {
@@ -176,17 +172,17 @@ impl<'a> Vehicle<'a> {
             let info = &part.interface().variables[part.find(name.strip_prefix(&prefix).unwrap_or(name))?];
             recording.channel_in(name, info.unit.as_deref().unwrap_or("1"))
         };
-        self.channels.iter().enumerate().map(of).collect()
+        self.opened.channels.iter().enumerate().map(of).collect()
     }
 
     /// Courses of the channels at the samples that are compared.
     fn simulated(&self, run: usize, changes: &[(usize, Vec<f64>)]) -> Result<Vec<Vec<f64>>> {
         let driven = &self.driven[run];
-        let time = &self.runs[run].recording.time;
+        let time = &self.opened.runs[run].recording.time;
         let mut part = driven.component.clone();
         let mut level = 1.0;
         for (cause, x) in changes {
-            let cause = &self.causes[*cause];
+            let cause = &self.opened.causes[*cause];
             let values = changed(&part, &*slave(&part)?, cause, x)?;
             part = with(&part, &values);
             for (unknown, x) in cause.unknowns.iter().zip(x) {
@@ -206,8 +202,8 @@ impl<'a> Vehicle<'a> {
             (per_wheel(&*slave, "wheel_speed")?, per_wheel(&*slave, "carrier_moment_y")?);
         let travel = index(&*slave, &self.travel)?;
         let prefix = format!("{}.", self.name);
-        let own = self.channels.len() - self.wheels.len();
-        let outputs: Vec<usize> = self.channels[..own]
+        let own = self.opened.channels.len() - self.wheels.len();
+        let outputs: Vec<usize> = self.opened.channels[..own]
             .iter()
             .map(|name| index(&*slave, name.strip_prefix(&prefix).unwrap_or(name)))
             .collect::<Result<_>>()?;
@@ -220,14 +216,14 @@ impl<'a> Vehicle<'a> {
         }
         slave.start(start, None)?;
         slave.finish_start()?;
-        let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(driven.end); self.channels.len()];
-        let mut before: Vec<f64> = vec![0.0; self.channels.len()];
+        let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(driven.end); self.opened.channels.len()];
+        let mut before: Vec<f64> = vec![0.0; self.opened.channels.len()];
         let mut now = before.clone();
         let mut factors = vec![level; self.wheels.len()];
         let mut torques = vec![0.0; self.wheels.len()];
         let mut sample = 0;
         for k in 0.. {
-            let t = start + k as f64 * self.step;
+            let t = start + k as f64 * self.opened.step;
             std::mem::swap(&mut before, &mut now);
             for (value, output) in now.iter_mut().zip(&outputs) {
                 *value = slave.get(*output)?;
@@ -237,7 +233,7 @@ impl<'a> Vehicle<'a> {
                 *value = 1.0 + factor - level;
             }
             while sample < driven.end && time[sample] <= t + 1e-9 {
-                let w = if k == 0 { 1.0 } else { 1.0 - (t - time[sample]) / self.step };
+                let w = if k == 0 { 1.0 } else { 1.0 - (t - time[sample]) / self.opened.step };
                 for (column, (a, b)) in columns.iter_mut().zip(before.iter().zip(&now)) {
                     column.push(if k == 0 { *b } else { a + w.clamp(0.0, 1.0) * (b - a) });
                 }
@@ -253,14 +249,14 @@ impl<'a> Vehicle<'a> {
                 factors[wheel] = level * (1.0 + FOLLOWS * off / level).clamp(FRICTION[0], FRICTION[1]);
                 slave.set(friction_in[wheel], factors[wheel])?;
                 let told = if k == 0 { 0.0 } else { torques[wheel] - slave.get(moment_out[wheel])? };
-                let wanted = at(&driven.torques[wheel], (t + self.step).min(time[time.len() - 1]));
+                let wanted = at(&driven.torques[wheel], (t + self.opened.step).min(time[time.len() - 1]));
                 torques[wheel] = (wanted + told.clamp(-CORRECTION, CORRECTION)).max(0.0);
                 slave.set(torque_in[wheel], torques[wheel])?;
             }
             for (input, (_, values)) in others.iter().zip(&driven.others) {
                 slave.set(*input, at(values, t))?;
             }
-            slave.step(t, self.step)?;
+            slave.step(t, self.opened.step)?;
         }
         Ok(columns)
     }
@@ -272,24 +268,16 @@ impl Part for Vehicle<'_> {
         format!("{} ({of}) under the recorded brake torques, friction followed", self.name)
     }
 
-    fn runs(&self) -> &[Recorded] {
-        self.runs
-    }
-
-    fn causes(&self) -> &[Cause] {
-        &self.causes
-    }
-
-    fn channels(&self) -> &[String] {
-        &self.channels
+    fn opened(&self) -> &Opened<'_> {
+        &self.opened
     }
 
     fn has_offset(&self, channel: usize) -> bool {
-        channel + self.wheels.len() < self.channels.len()
+        channel + self.wheels.len() < self.opened.channels.len()
     }
 
     fn errors(&self, run: usize, changes: &[(usize, Vec<f64>)]) -> Result<Vec<Vec<f64>>> {
-        let simulated = self.simulated(run, changes).map_err(|e| e.at(&self.runs[run].name))?;
+        let simulated = self.simulated(run, changes).map_err(|e| e.at(&self.opened.runs[run].name))?;
         let measured = self.measured(run)?;
         let error = |(m, s): (Vec<f64>, Vec<f64>)| m.iter().zip(&s).map(|(m, s)| m - s).collect();
         Ok(measured.into_iter().zip(simulated).map(error).collect())
@@ -305,7 +293,7 @@ impl Part for Vehicle<'_> {
 
     fn values(&self, cause: usize, x: &[f64]) -> Result<Vec<(String, Value, Value)>> {
         let part = component(&self.plan, &self.name)?;
-        let cause = &self.causes[cause];
+        let cause = &self.opened.causes[cause];
         let mut values = changed(part, &*slave(part)?, cause, x)?;
         for (unknown, x) in cause.unknowns.iter().zip(x) {
             if unknown.how == How::Friction {

@@ -61,13 +61,20 @@ fn causes(recorded: &[Recorded]) -> Vec<PartFindings> {
 }
 
 #[test]
-fn a_cause_is_named_in_the_part_that_has_it_and_with_its_size() {
-    let findings = causes(&recorded(&[("car.front_anti_dive", 0.3)]));
-    let named = |part: &PartFindings| part.found.iter().map(|found| found.id).collect::<Vec<_>>();
-    assert_eq!(named(&findings[0]), ["anti_dive"], "{findings:#?}");
-    assert!(findings[1..].iter().all(|part| part.found.is_empty()), "{findings:#?}");
-    let latsch::model::Value::Real(value) = findings[0].found[0].changes[0].value else { panic!("a number") };
-    assert!((value - 0.3).abs() < 0.01, "{value}");
+fn causes_are_named_in_the_part_that_has_them_and_with_their_size() {
+    let brakes = ["fl", "fr", "rl", "rr"].map(|b| format!("brake_{b}.caliper_lag"));
+    let mut values: Vec<(&str, f64)> = brakes.iter().map(|name| (name.as_str(), 0.02)).collect();
+    values.push(("car.front_anti_dive", 0.3));
+    let findings = causes(&recorded(&values));
+    let named: Vec<Vec<&str>> =
+        findings.iter().map(|part| part.found.iter().map(|found| found.id).collect()).collect();
+    assert_eq!(named, [vec!["anti_dive"], vec![], vec!["caliper_lag"], vec![]], "{findings:#?}");
+    let value = |part: usize| match findings[part].found[0].changes[0].value {
+        latsch::model::Value::Real(value) => value,
+        _ => panic!("a number"),
+    };
+    assert!((value(0) - 0.3).abs() < 0.01, "{}", value(0));
+    assert!((value(2) - 0.02).abs() < 1e-3, "{}", value(2));
 }
 
 #[test]
