@@ -18,7 +18,7 @@ const FRICTION: [f64; 2] = [0.5, 1.5];
 const SMOOTHED: f64 = 0.025;
 /// Torque below this share of the greatest is none: the time before it shows the sensors' zeros.
 const UNBRAKED: f64 = 0.02;
-/// The brake's torque is corrected by at most so much for what else turns the carrier \[N.m\].
+/// The brake's torque is corrected by at most so much for what else turns the carrier: a coupling of 200 N.m.s/rad between axles that differ by 10 rad/s \[N.m\].
 const CORRECTION: f64 = 2000.0;
 
 pub(super) struct Vehicle<'a> {

@@ -2,6 +2,7 @@
 
 use super::diagnose::Args;
 use super::{Format, print, print_json};
+use indicatif::ProgressBar;
 use latsch::causes::{Found, PartFindings, closed_loops, correct, find, read_runs};
 use latsch::cosimulate::read_system;
 use latsch::model::Value;
@@ -9,6 +10,7 @@ use latsch::report::{causes_report, write_html};
 use latsch::{Error, Result, write_file};
 use serde_json::json;
 use std::path::Path;
+use std::time::Duration;
 
 pub fn run(args: &Args) -> Result<()> {
     for (given, name) in [
@@ -26,7 +28,11 @@ pub fn run(args: &Args) -> Result<()> {
     let runs = read_runs(&args.recordings)?;
     std::fs::create_dir_all(&args.output)
         .map_err(|e| Error::file(format!("{} cannot be made: {e}", args.output.display())))?;
-    let findings = find(&file.plan, &runs, args.jobs, &mut |_| ())?;
+    // indicatif draws on a terminal's standard error and nowhere else
+    let spinner = ProgressBar::new_spinner();
+    spinner.enable_steady_tick(Duration::from_millis(200));
+    let findings = find(&file.plan, &runs, args.jobs, &mut |what| spinner.set_message(what.to_owned()))?;
+    spinner.finish_and_clear();
     let mut plan = file.plan.clone();
     for change in findings.iter().flat_map(|part| &part.found).flat_map(|found| &found.changes) {
         if change.name.contains('.') {

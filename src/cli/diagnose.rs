@@ -18,6 +18,8 @@ use std::path::{Path, PathBuf};
 /// Fits the model's parameters to some of the recordings and tries every effect of the catalogue inside the simulation.
 /// An effect counts only if the other recordings, to which nothing is fitted, gain from it what chance does not make;
 /// which one of those that count is named, all recordings decide together.
+///
+/// Of a wired vehicle and recordings that repeat each other ([repeats] in runs.toml) it opens the loops instead and names parameters of its parts.
 #[derive(clap::Args)]
 pub struct Args {
     /// Name of a shipped model (see `latsch models`), an FMU file or a wired system

@@ -18,6 +18,8 @@ const GRAVITY: f64 = 9.81;
 pub(super) fn of_friction(view: &View<'_>) -> Vec<Remark> {
     const TOPIC: &str = "friction of tires";
     let mut remarks = Vec::new();
+    // of several forces in one place the first is the tire's own on its rim; others are the same behind the rim's mass, or in its contact
+    let mut places: Vec<(usize, String)> = Vec::new();
     for component in 0..view.system.components().len() {
         let loads = view.outputs(component, Role::Load).collect::<Vec<_>>();
         for force in view.outputs(component, Role::LongitudinalForce) {
@@ -32,6 +34,10 @@ pub(super) fn of_friction(view: &View<'_>) -> Vec<Remark> {
             else {
                 continue;
             };
+            if places.contains(&(component, place(force))) {
+                continue;
+            }
+            places.push((component, place(force)));
             let name = view.name(force);
             remarks.push(if friction < NEAR * FRICTION[0] {
                 Remark::open(TOPIC, format!("{name} is at most {friction:.2} of the load: it is not braked to the limit"))
