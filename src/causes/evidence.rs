@@ -122,10 +122,8 @@ pub(super) fn search(part: &dyn Part, jobs: usize) -> Result<PartFindings> {
             chance: f.chance,
         };
         let named = fitted.first().filter(|best| best.counts(fitted.len().max(part.causes().len())));
-        let Some(best) = named.filter(|_| findings.found.len() < MOST) else {
-            findings.left = fitted.iter().map(candidate).collect();
-            return Ok(findings);
-        };
+        findings.left = fitted[usize::from(named.is_some())..].iter().map(candidate).collect();
+        let Some(best) = named else { return Ok(findings) };
         let cause = &part.causes()[best.cause];
         let changed = part.values(best.cause, &best.x)?;
         let near = |f: &&Fitted| f.gain > NEAR * best.gain;
@@ -141,6 +139,9 @@ pub(super) fn search(part: &dyn Part, jobs: usize) -> Result<PartFindings> {
             channels: round.channels(best),
             alternatives: fitted[1..].iter().filter(near).map(candidate).collect(),
         });
+        if findings.found.len() == MOST {
+            return Ok(findings);
+        }
         changes.push((best.cause, best.x.clone()));
     }
 }

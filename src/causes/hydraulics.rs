@@ -2,8 +2,9 @@
 //! controller.
 
 use super::cause::{How, of_controllers, of_hydraulics};
-use super::pads::moving;
-use super::part::{Opened, Part, along, changed, follow, has_all, less, slave, step, with};
+use super::part::{
+    Opened, Part, along, changed, follow, has_all, less, moving, slave, step, variation, with,
+};
 use super::runs::Recorded;
 use crate::Result;
 use crate::cosimulate::Plan;
@@ -168,11 +169,7 @@ impl Part for Hydraulics<'_> {
     }
 
     fn variation(&self, run: usize) -> Result<Vec<f64>> {
-        let recording = &self.runs()[run].recording;
-        let end = moving(recording);
-        let of =
-            |name: &String| Ok(crate::stats::deviation(&recording.channel_in(name, "Pa")?[..end]).powi(2));
-        self.channels().iter().map(of).collect()
+        variation(&self.runs()[run].recording, self.channels(), "Pa")
     }
 
     fn values(&self, cause: usize, x: &[f64]) -> Result<Vec<(String, Value, Value)>> {

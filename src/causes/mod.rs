@@ -35,7 +35,7 @@ pub struct PartFindings {
     pub part: String,
     /// Causes, in the order in which they were found.
     pub found: Vec<Found>,
-    /// What was looked at last and not named, the one that explains most first.
+    /// What was looked at beside and not named, the one that explains most first.
     pub left: Vec<Candidate>,
     /// Causes that these recordings do not show, with what would.
     pub hidden: Vec<Hidden>,

@@ -1,7 +1,9 @@
 //! The pads by themselves: brakes at the recorded pressure of their calipers, with nothing of hydraulics before them.
 
 use super::cause::of_pads;
-use super::part::{Opened, Part, along, changed, follow, has_all, less, slave, step, with};
+use super::part::{
+    Opened, Part, along, changed, follow, has_all, less, moving, slave, step, variation, with,
+};
 use super::runs::Recorded;
 use super::vehicle::onset;
 use crate::Result;
@@ -134,11 +136,7 @@ impl Part for Pads<'_> {
     }
 
     fn variation(&self, run: usize) -> Result<Vec<f64>> {
-        let recording = &self.runs()[run].recording;
-        let end = moving(recording);
-        let of =
-            |name: &String| Ok(crate::stats::deviation(&recording.channel_in(name, "N.m")?[..end]).powi(2));
-        self.channels().iter().map(of).collect()
+        variation(&self.runs()[run].recording, self.channels(), "N.m")
     }
 
     fn values(&self, cause: usize, x: &[f64]) -> Result<Vec<(String, Value, Value)>> {
@@ -186,16 +184,6 @@ fn turning(recording: &Recording, torque: &str) -> Vec<bool> {
         }
     }
     turns
-}
-
-/// Slower than this a vehicle is about to stand, and a brake that holds a wheel at rest has the torque that it takes for that \[m/s\].
-pub(super) const SLOWEST: f64 = 5.0;
-
-/// How many samples the vehicle moves for.
-pub(super) fn moving(recording: &Recording) -> usize {
-    let speed = recording.channels.iter().find(|c| c.name.ends_with("vehicle_speed"));
-    let slow = speed.and_then(|c| recording.channel_in(&c.name, "m/s").ok());
-    slow.and_then(|v| v.iter().position(|v| *v < SLOWEST)).unwrap_or(recording.time.len()).max(2)
 }
 
 #[cfg(test)]

@@ -177,3 +177,20 @@ pub(super) fn source(component: &PlannedComponent) -> String {
         Source::Fmu(path) => path.display().to_string(),
     }
 }
+
+/// Mean square of what channels vary by while the vehicle moves: also where only a piece of a run is compared.
+pub(super) fn variation(recording: &Recording, channels: &[String], unit: &str) -> Result<Vec<f64>> {
+    let end = moving(recording);
+    let of = |name: &String| Ok(crate::stats::deviation(&recording.channel_in(name, unit)?[..end]).powi(2));
+    channels.iter().map(of).collect()
+}
+
+/// Slower than this a vehicle is about to stand, and a brake that holds a wheel at rest has the torque that it takes for that \[m/s\].
+pub(super) const SLOWEST: f64 = 5.0;
+
+/// How many samples the vehicle moves for.
+pub(super) fn moving(recording: &Recording) -> usize {
+    let speed = recording.channels.iter().find(|c| c.name.ends_with("vehicle_speed"));
+    let slow = speed.and_then(|c| recording.channel_in(&c.name, "m/s").ok());
+    slow.and_then(|v| v.iter().position(|v| *v < SLOWEST)).unwrap_or(recording.time.len()).max(2)
+}

@@ -65,7 +65,7 @@ fn rest(part: &PartFindings) -> Html {
     let mut sentences = Vec::new();
     if let Some(best) = part.left.first() {
         sentences.push(format!(
-            "Not named: {}, which explains {} of what is left; a tenth is asked for, of runs to fit and to check.",
+            "Not named: {}, which explains {}; a tenth is asked for, of runs to fit and to check, and that runs agree.",
             best.title,
             percent(best.explains)
         ));
