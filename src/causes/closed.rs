@@ -104,7 +104,7 @@ fn driven(plan: &Plan, run: &Recorded, end: f64) -> Result<Recording> {
     let mut system = plan.load()?;
     for (channel, to) in inputs.iter().flat_map(|inputs| &inputs.connect) {
         let port = system.port(&to.component, &to.variable)?;
-        follow(&mut system, port, (&run.recording, channel), |v| v, 0.0)?;
+        follow(&mut system, port, (&run.recording, channel), |course| course, 0.0)?;
     }
     let end = run.recording.time.partition_point(|t| *t <= end);
     along(&mut system, &run.recording, end, step(&plan)?)

@@ -122,7 +122,8 @@ impl Part for Pads<'_> {
             let rest = zero(&pressure);
             let end = moves.min(lifted(&pressure));
             let step = self.opened.step;
-            follow(&mut system, input, (recording, &brake.pressure), |p| p - rest, step)?;
+            let above = |pressure: Vec<f64>| pressure.into_iter().map(|p| p - rest).collect();
+            follow(&mut system, input, (recording, &brake.pressure), above, step)?;
             let run_of = along(&mut system, recording, end, step)?;
             let simulated = run_of.channel_in(&format!("{}.brake_torque", brake.component.name), "N.m")?;
             let rest = zero(&torques[b]);

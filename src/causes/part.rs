@@ -45,20 +45,20 @@ pub(super) trait Part: Sync {
     }
 }
 
-/// Lets an input follow a channel of a recording, changed on the way and kept within what the input can be: noise about zero is beyond what a pressure can be. `ahead`: what is held over a
+/// Lets an input follow a channel of a recording, its course changed on the way and kept within what the input can be: noise about zero is beyond what a pressure can be. `ahead`: what is held over a
 /// step is what the recording has at its end, for what follows at once.
 pub(super) fn follow(
     system: &mut System,
     port: Port,
     (recording, channel): (&Recording, &str),
-    change: impl Fn(f64) -> f64,
+    change: impl FnOnce(Vec<f64>) -> Vec<f64>,
     ahead: f64,
 ) -> Result<()> {
     let info = system.info(port);
     let unit = info.unit.clone().unwrap_or_else(|| "1".into());
     let [low, high] = [info.min.unwrap_or(f64::NEG_INFINITY), info.max.unwrap_or(f64::INFINITY)];
-    let values = recording.channel_in(channel, &unit)?;
-    let values = values.into_iter().map(|v| change(v).clamp(low, high)).collect();
+    let values = change(recording.channel_in(channel, &unit)?);
+    let values = values.into_iter().map(|v| v.clamp(low, high)).collect();
     let drive = Recording {
         time: recording.time.iter().map(|t| t - ahead).collect(),
         channels: vec![Channel { name: channel.to_owned(), unit, values }],
@@ -193,4 +193,53 @@ pub(super) fn moving(recording: &Recording) -> usize {
     let speed = recording.channels.iter().find(|c| c.name.ends_with("vehicle_speed"));
     let slow = speed.and_then(|c| recording.channel_in(&c.name, "m/s").ok());
     slow.and_then(|v| v.iter().position(|v| *v < SLOWEST)).unwrap_or(recording.time.len()).max(2)
+}
+
+/// How many samples a recording has in so long.
+pub(super) fn samples_in(time: &[f64], seconds: f64) -> usize {
+    (seconds / crate::stats::median_interval(time)).round() as usize
+}
+
+/// Recorded speeds of wheels are smoothed by parabolas over so long to each side: what a sensor's noise makes of the friction would shake the steering, and
+/// a column that answers to it would look stiffer than it is; and a controller that looks at accelerations would decide by it. A wheel dips for some 0.1 s \[s\].
+const WHEELS_SMOOTHED: f64 = 0.012;
+
+/// A wheel's recorded speed with less of its sensor's noise.
+pub(super) fn smooth_wheel_speed(time: &[f64], speeds: &[f64]) -> Vec<f64> {
+    by_parabolas(speeds, samples_in(time, WHEELS_SMOOTHED))
+}
+
+/// The middle of the parabola through each value and so many neighbours on each side (Savitzky and Golay 1964), fewer at the ends.
+fn by_parabolas(values: &[f64], half: usize) -> Vec<f64> {
+    let last = values.len() - 1;
+    (0..values.len())
+        .map(|k| {
+            let m = half.min(k).min(last - k) as i32;
+            let weight = |j: i32| f64::from(3 * (3 * m * m + 3 * m - 1 - 5 * j * j));
+            let whole = f64::from((2 * m + 3) * (2 * m + 1) * (2 * m - 1));
+            if m == 0 {
+                return values[k];
+            }
+            (-m..=m).map(|j| weight(j) * values[(k as i32 + j) as usize]).sum::<f64>() / whole
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parabolas_keep_a_cubic_and_take_noise_away() {
+        let cubic = |k: f64| 2.0 - k + 0.3 * k * k - 0.01 * k * k * k;
+        let values: Vec<f64> = (0..40).map(|k| cubic(f64::from(k))).collect();
+        let kept = by_parabolas(&values, 6);
+        for (a, b) in kept.iter().zip(&values) {
+            assert!((a - b).abs() < 1e-9 * (1.0 + b.abs()), "{a} {b}");
+        }
+        let mut one = vec![0.0; 41];
+        one[20] = 1.0;
+        // the weight of the middle of 13 values: 25 / 143
+        assert!((by_parabolas(&one, 6)[20] - 25.0 / 143.0).abs() < 1e-12);
+    }
 }

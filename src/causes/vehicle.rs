@@ -1,7 +1,9 @@
 //! The vehicle under the recorded torques of its brakes, with the friction followed.
 
 use super::cause::{Cause, How, of_vehicles};
-use super::part::{Opened, Part, SLOWEST, changed, component, slave, source, step, with};
+use super::part::{
+    Opened, Part, SLOWEST, changed, component, samples_in, slave, smooth_wheel_speed, source, step, with,
+};
 use super::runs::Recorded;
 use crate::cosimulate::{Plan, PlannedComponent};
 use crate::model::{Role, Slave, Value};
@@ -15,9 +17,6 @@ const FOLLOWS: f64 = 0.1;
 const FRICTION: [f64; 2] = [0.5, 1.5];
 /// The recorded speed is smoothed over so long to each side \[s\].
 const SMOOTHED: f64 = 0.025;
-/// Recorded speeds of wheels are smoothed by parabolas over so long to each side: what a sensor's noise makes of the friction would shake the steering, and
-/// a column that answers to it would look stiffer than it is. A wheel dips for some 0.1 s \[s\].
-const WHEELS_SMOOTHED: f64 = 0.012;
 /// Torque below this share of the greatest is none: the time before it shows the sensors' zeros.
 const UNBRAKED: f64 = 0.02;
 /// The brake's torque is corrected by at most so much for what else turns the carrier: a coupling of 200 N.m.s/rad between axles that differ by 10 rad/s \[N.m\].
@@ -119,15 +118,13 @@ impl<'a> Vehicle<'a> {
             }
             let course = |name: String, unit: &str| recording.channel_in(&name, unit);
             let speed = course(format!("{prefix}{}", self.travel), "m/s")?;
-            let samples =
-                |time: f64| (time / crate::stats::median_interval(&recording.time)).round() as usize;
-            let speed = smoothed(&speed, samples(SMOOTHED));
+            let speed = smoothed(&speed, samples_in(&recording.time, SMOOTHED));
             let per_wheel = |what: &str, unit: &str| -> Result<Vec<Vec<f64>>> {
                 self.wheels.iter().map(|wheel| course(self.of(wheel, what), unit)).collect()
             };
             let wheel_speeds: Vec<Vec<f64>> = per_wheel("wheel_speed", "rad/s")?
                 .iter()
-                .map(|speeds| by_parabolas(speeds, samples(WHEELS_SMOOTHED)))
+                .map(|speeds| smooth_wheel_speed(&recording.time, speeds))
                 .collect();
             let mut torques = per_wheel("carrier_moment_y", "N.m")?;
             let onset = onset(&torques);
@@ -319,22 +316,6 @@ fn smoothed(values: &[f64], half: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The middle of the parabola through each value and so many neighbours on each side (Savitzky and Golay 1964), fewer at the ends.
-fn by_parabolas(values: &[f64], half: usize) -> Vec<f64> {
-    let last = values.len() - 1;
-    (0..values.len())
-        .map(|k| {
-            let m = half.min(k).min(last - k) as i32;
-            let weight = |j: i32| f64::from(3 * (3 * m * m + 3 * m - 1 - 5 * j * j));
-            let whole = f64::from((2 * m + 3) * (2 * m + 1) * (2 * m - 1));
-            if m == 0 {
-                return values[k];
-            }
-            (-m..=m).map(|j| weight(j) * values[(k as i32 + j) as usize]).sum::<f64>() / whole
-        })
-        .collect()
-}
-
 fn mean(values: &[f64]) -> f64 {
     crate::stats::mean_or_zero(values)
 }
@@ -347,23 +328,4 @@ pub(super) fn onset(torques: &[Vec<f64>]) -> usize {
     let begin = (0..samples).find(|k| sum(*k) > UNBRAKED * most).unwrap_or(0);
     // what a filter lets through before
     begin.saturating_sub(begin / 20)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn parabolas_keep_a_cubic_and_take_noise_away() {
-        let cubic = |k: f64| 2.0 - k + 0.3 * k * k - 0.01 * k * k * k;
-        let values: Vec<f64> = (0..40).map(|k| cubic(f64::from(k))).collect();
-        let kept = by_parabolas(&values, 6);
-        for (a, b) in kept.iter().zip(&values) {
-            assert!((a - b).abs() < 1e-9 * (1.0 + b.abs()), "{a} {b}");
-        }
-        let mut one = vec![0.0; 41];
-        one[20] = 1.0;
-        // the weight of the middle of 13 values: 25 / 143
-        assert!((by_parabolas(&one, 6)[20] - 25.0 / 143.0).abs() < 1e-12);
-    }
 }

@@ -158,6 +158,19 @@ impl std::str::FromStr for PortName {
 }
 
 impl Plan {
+    /// Takes a component out, with all that leads to and from it. What it drove has its own start values then.
+    pub fn remove(&mut self, name: &str) {
+        let other = |port: &PortName| port.component != name;
+        self.components.retain(|c| c.name != name);
+        self.connectors.retain(|c| other(&c.port));
+        self.connections.retain(|c| other(&c.from) && other(&c.to));
+        self.bonds.retain(|b| other(&b.effort) && other(&b.motion));
+        self.inputs.iter_mut().for_each(|inputs| inputs.connect.retain(|(_, to)| other(to)));
+        if let Some(order) = &mut self.order {
+            order.retain(|n| n != name);
+        }
+    }
+
     /// The files that the system is made from.
     pub fn files(&self) -> Vec<&Path> {
         let mut files: Vec<&Path> = self.inputs.iter().map(|i| i.file.as_path()).collect();

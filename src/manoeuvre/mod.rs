@@ -9,6 +9,7 @@ mod car;
 mod partial_braking;
 mod ramp_steer;
 mod reading;
+mod steady_circles;
 mod washboard;
 
 pub use car::{Car, Names, Vehicle, read_names};
@@ -63,6 +64,11 @@ pub const MANOEUVRES: &[Manoeuvre] = &[
         name: "ramp-steer",
         what: "the steering wheel turned by 30 deg/s, coasting from 100 km/h: the tire across",
         run: ramp_steer::run,
+    },
+    Manoeuvre {
+        name: "steady-circles",
+        what: "circles of 100 m with 4, 8 and the greatest m/s2, at constant speed: the tire across, stationary",
+        run: steady_circles::run,
     },
     Manoeuvre {
         name: "washboard",

@@ -71,7 +71,7 @@ pub fn patch_frames(frames: &[PatchFrame]) -> Html {
     let every = cells.div_ceil(MAX_CELLS);
     let shown: Vec<&PatchFrame> = frames.iter().step_by(every).collect();
     let best = (0..shown.len()).rev().max_by_key(|i| shown[*i].interest()).unwrap_or(0);
-    let picture = Picture::new(&shown, WIDTH);
+    let picture = Picture::new(&shown, WIDTH, Vec::new());
 
     let mut html = String::from("<figure class=\"patch\">\n");
     for (i, frame) in shown.iter().enumerate() {
@@ -123,15 +123,20 @@ pub struct Picture {
     pub deflection: f64,
     /// Length of its arrow in units of the drawing.
     pub arrow: f64,
+    /// Where several patches are drawn at once: what each is called and its place in the frame \[m\]. They have a scale instead of axes.
+    pub patches: Vec<(String, [f64; 2])>,
 }
 
 impl Picture {
-    /// The scales for these frames in a drawing of this width.
-    pub fn new(frames: &[&PatchFrame], width: f64) -> Self {
+    /// The scales for these frames in a drawing of this width; `patches` are the names of several in each frame with their places, see [`Self::patches`].
+    pub fn new(frames: &[&PatchFrame], width: f64, patches: Vec<(String, [f64; 2])>) -> Self {
         let cells = || frames.iter().flat_map(|f| &f.cells);
         let largest = |f: fn(&Cell) -> f64| cells().map(f).filter(|v| v.is_finite()).fold(0.0, f64::max);
-        let half = [largest(|c| c.x.abs() + 0.5 * c.length), largest(|c| c.y.abs() + 0.5 * c.width)]
-            .map(|half| if half > 0.0 { half * 1.04 } else { 0.1 });
+        let mut half = [largest(|c| c.x.abs() + 0.5 * c.length), largest(|c| c.y.abs() + 0.5 * c.width)];
+        for (_, at) in &patches {
+            half = [half[0].max(at[0].abs()), half[1].max(at[1].abs())];
+        }
+        let half = half.map(|half| if half > 0.0 { half * 1.04 } else { 0.1 });
         let scale = (0.5 * (width - LEFT - RIGHT) / half[0]).min(0.5 * (MAX_HEIGHT - TOP - BOTTOM) / half[1]);
         let cell = largest(|c| c.length.max(c.width));
         Self {
@@ -142,6 +147,7 @@ impl Picture {
             pulling: cells().any(|c| c.pressure < 0.0),
             deflection: largest(|c| c.deflection[0].hypot(c.deflection[1])),
             arrow: 0.8 * cell * scale,
+            patches,
         }
     }
 
@@ -192,7 +198,11 @@ impl Picture {
             self.width,
             self.edges()[3] + BOTTOM,
         );
-        self.axes(&mut svg);
+        if self.patches.is_empty() {
+            self.axes(&mut svg);
+        } else {
+            self.names(&mut svg);
+        }
         self.legend(&mut svg);
         svg.push_str("<g class=\"cells\">\n");
         let (mut slides, mut arrows) = (String::new(), String::new());
@@ -249,7 +259,7 @@ impl Picture {
         path
     }
 
-    fn axes(&self, svg: &mut String) {
+    fn ground(&self, svg: &mut String) {
         let [left, right, top, bottom] = self.edges();
         let _ = writeln!(
             svg,
@@ -257,6 +267,48 @@ impl Picture {
             right - left,
             bottom - top
         );
+    }
+
+    fn heading(&self, svg: &mut String, whose: &str) {
+        let [_, right, _, bottom] = self.edges();
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{:.1} {:.1}h46m-8 -5l8 5l-8 5\" fill=\"none\" stroke=\"#46525c\" stroke-width=\"1.6\"/>\n\
+             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{whose} heading</text>",
+            right - 46.0,
+            bottom + 52.0,
+            right - 54.0,
+            bottom + 56.5,
+        );
+    }
+
+    /// Names of several patches, and a scale.
+    fn names(&self, svg: &mut String) {
+        self.ground(svg);
+        for (name, [x, y]) in &self.patches {
+            let (x, y) = self.place(*x, *y);
+            let _ = writeln!(
+                svg,
+                "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{}</text>",
+                escape(name)
+            );
+        }
+        let [left, _, _, bottom] = self.edges();
+        let scale = 0.1 * self.scale;
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{left:.1} {:.1}v8m0 -4h{scale:.1}m0 -4v8\" fill=\"none\" stroke=\"#46525c\" stroke-width=\"1.6\"/>\n\
+             <text x=\"{:.1}\" y=\"{:.1}\">100 mm</text>",
+            bottom + 14.0,
+            left + scale + 8.0,
+            bottom + 22.5,
+        );
+        self.heading(svg, "car's");
+    }
+
+    fn axes(&self, svg: &mut String) {
+        let [left, _, _, bottom] = self.edges();
+        self.ground(svg);
         for (axis, half) in self.half.into_iter().enumerate() {
             let step = tick_step(half, if axis == 0 { 8.0 * self.width / WIDTH } else { 5.0 });
             let last = (half / step).floor() as i32;
@@ -285,15 +337,10 @@ impl Picture {
         let _ = writeln!(
             svg,
             "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">x, along the patch [mm]</text>\n\
-             <text transform=\"translate({up:.1} {y:.1}) rotate(-90)\" text-anchor=\"middle\">y, to the left [mm]</text>\n\
-             <path d=\"M{:.1} {:.1}h46m-8 -5l8 5l-8 5\" fill=\"none\" stroke=\"#46525c\" stroke-width=\"1.6\"/>\n\
-             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">wheel's heading</text>",
+             <text transform=\"translate({up:.1} {y:.1}) rotate(-90)\" text-anchor=\"middle\">y, to the left [mm]</text>",
             bottom + 40.0,
-            right - 46.0,
-            bottom + 52.0,
-            right - 54.0,
-            bottom + 56.5,
         );
+        self.heading(svg, "wheel's");
     }
 
     fn legend(&self, svg: &mut String) {

@@ -364,7 +364,7 @@ def demo(tmp_path_factory):
 
 
 def test_demo_makes_pages_that_need_nothing_else(demo):
-    for page in ("index.html", "flat-track/index.html"):
+    for page in ("index.html", "car/index.html", "flat-track/index.html"):
         text = (demo / page).read_text().replace('xmlns="http://www.w3.org/2000/svg"', "")
         for outside in ("src=", "@import", "url(", "http://", "https://", 'href="h'):
             assert outside not in text, f"{page}: {outside}"
@@ -418,6 +418,32 @@ def test_demo_shows_the_numbers_of_its_results(demo, road):
     assert with_abs[3] < 0.35 * with_abs[4] and without[3] > 5 * without[4]
     # sliding friction falls with the sliding speed here, so that a locked wheel loses
     assert 0.85 < with_abs[0] / without[0] < 1
+
+
+def test_demo_shows_the_forces_of_the_car_of_its_results(demo, tmp_path):
+    page = (demo / "car" / "index.html").read_text()
+    assert (demo / "car" / "index.html").stat().st_size < 5e6
+    distances = {}
+    for road, title in (("slabs", "On slabs"), ("level", "On level road")):
+        for variant, name in (("abs", "with ABS"), ("no-abs", "without ABS")):
+            r = read_results(demo / "car" / f"{road}-{variant}.csv")
+            row = page.split(f"<td>{title}, {name}</td>")[1].split("</tr>")[0]
+            start = max(k for k, p in enumerate(r["brake_fl.driver_pressure"]) if p == 0)
+            end = next(k for k, v in enumerate(r["car.vehicle_speed"]) if k > start and v < 0.1)
+            slow = next(k for k, v in enumerate(r["car.vehicle_speed"]) if v < 1)
+            distances[road, variant] = r["car.vehicle_distance"][end] - r["car.vehicle_distance"][start]
+            assert f"{distances[road, variant]:.2f}" in row
+            for force in ("longitudinal_link", "tie_rod", "transverse_link", "strut"):
+                values = [1e-3 * f for f in r[f"car.front_left.{force}_force"][start:slow]]
+                assert f"{min(values):.2f} to {max(values):.2f}".replace("-", "−") in row, force
+    # sliding friction falls with the sliding speed here; a wheel leaves the road behind a slab, and then falls on it
+    assert all(0.9 < distances[road, "abs"] / distances[road, "no-abs"] < 1 for road in ("slabs", "level"))
+    # what is written runs again with the same numbers
+    done = latsch("cosimulate", demo / "car" / "level-abs.toml", "--output", tmp_path / "again.csv")
+    assert done.returncode == 0, done.stderr
+    again = read_results(tmp_path / "again.csv")
+    shown = read_results(demo / "car" / "level-abs.csv")
+    assert again["car.vehicle_distance"][::5] == shown["car.vehicle_distance"]
 
 
 def test_demo_system_runs_again_with_the_same_numbers(demo, tmp_path):

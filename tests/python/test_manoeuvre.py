@@ -24,7 +24,7 @@ def driven(name, folder, *arguments, vehicle=CAR):
 @pytest.mark.quick
 def test_they_are_listed():
     said = latsch("manoeuvre").stdout
-    for name in ("partial-braking", "abs-stop-80", "abs-stop-100", "ramp-steer", "washboard"):
+    for name in ("partial-braking", "abs-stop-80", "abs-stop-100", "ramp-steer", "steady-circles", "washboard"):
         assert f"{name} " in said
     done = latsch("manoeuvre", "slalom", "--vehicle", CAR, "--output", "x")
     assert done.returncode == 2 and "washboard" in done.stderr
@@ -71,6 +71,23 @@ def test_a_slow_ramp_steer_finds_the_limit(tmp_path):
     assert circle["value"] == pytest.approx(circle["expected"], rel=0.02)
     assert 0 < found["yaw rate over steering wheel"]["value"] < 1
     assert abs(found["understeer gradient at the wheels"]["value"]) < 0.005
+
+
+def test_circles_are_stationary_and_bear_what_moments_ask_for(tmp_path):
+    found = driven("steady-circles", tmp_path / "circles")
+    circles = [name.removeprefix("lateral acceleration at ") for name in found if name.startswith("lateral acceleration at ")]
+    assert circles[0] == "4 m/s2" and len(circles) >= 2
+    for circle in circles:
+        aside = found[f"lateral acceleration at {circle}"]
+        assert aside["value"] == pytest.approx(float(circle.split()[0]), rel=0.01)
+        assert aside["value"] == pytest.approx(aside["expected"], rel=2e-3)
+        moment = found[f"moment of the wheel loads about the way at {circle}"]
+        assert moment["value"] == pytest.approx(moment["expected"], rel=0.02)
+        # it leans out, and needs a drive that makes up for what the front wheels brake
+        assert found[f"roll at {circle}"]["value"] > 0 and found[f"drive torque at {circle}"]["value"] > 0
+    # the ramp reads the same gradient in its linear range, where load and drive are others
+    ramp = driven("ramp-steer", tmp_path / "ramp")["understeer gradient at the wheels"]["value"]
+    assert found["understeer gradient at the wheels between the first two"]["value"] == pytest.approx(ramp, abs=1e-3)
 
 
 @pytest.mark.quick

@@ -1,22 +1,21 @@
 //! The same braking with and without ABS on several roads: three FMUs wired to each other.
 
+use super::FALLOFF;
 use super::stop::{StopFigures, StopRun, StopScene, stop_page};
+use super::twin::Replay;
 use latsch::control::{AbsController, BrakeHydraulics};
-use latsch::cosimulate::{Experiment, Plan, cosimulate, energy_warnings, parse_toml};
+use latsch::cosimulate::{Experiment, cosimulate, energy_warnings, parse_toml};
 use latsch::fmi::archive::ModelLibrary;
-use latsch::model::{Causality, Model, Native, Setting, Settings, Slave};
-
+use latsch::model::{Model, Settings};
 use latsch::recording::{Channel, Recording, write_csv};
 use latsch::report::{Html, PatchFrame, Section, Table, write_html};
 use latsch::rig::RingBrushCorner;
-use latsch::{Error, Result, write_file};
+use latsch::{Result, write_file};
 use std::fmt::Write as _;
 use std::path::Path;
 
 /// Every how many communication points are recorded.
 const EVERY: usize = 5;
-/// How the sliding friction falls with the sliding speed \[s/m\]: a placeholder, see `about`.
-const FALLOFF: f64 = 0.01;
 /// A point of the road's profile at every such distance \[m\].
 const ROAD_STEP: f64 = 0.01;
 
@@ -218,20 +217,22 @@ connect = {{ driver_pressure = {driver}, friction_factor = \"corner.friction_fac
         if let Some(error) = outcome.stopped {
             return Err(error.at(file.display()));
         }
-        let twin = Twin::replay(&plan, &outcome.recording, experiment.step)?;
+        let inputs = [("brake_torque".into(), "N.m"), ("friction_factor".into(), "1")];
+        let replay = Replay { plan: &plan, part: "corner", inputs: &inputs, step: experiment.step };
+        let mut frames = Vec::new();
+        let twin = replay.run(&outcome.recording, |k, corner: &RingBrushCorner| {
+            if k % EVERY == 0 {
+                frames.push(PatchFrame::of(&corner.mounted().tire, outcome.recording.time[k], ""));
+            }
+        })?;
         let mut recording = every(&outcome.recording, EVERY);
         recording.source = name.clone();
         write_csv(&folder.join(format!("{name}.csv")), &recording)?;
         let figures = StopFigures::of(&recording)?;
         // afterwards it rocks on its tire, with a slip to and fro
-        let shown = recording.time.iter().filter(|t| **t <= figures.end).count();
-        recording.time.truncate(shown);
-        for channel in &mut recording.channels {
-            channel.values.truncate(shown);
-        }
-        let mut frames = twin.frames;
+        let shown = until(&mut recording, figures.way.end);
         frames.truncate(shown);
-        let model = twin.slave.model();
+        let model = twin.model();
         let parameters = &model.mounted().tire.parameters;
         let run = StopRun {
             name: if abs { "with ABS" } else { "without ABS" }.into(),
@@ -242,68 +243,20 @@ connect = {{ driver_pressure = {driver}, friction_factor = \"corner.friction_fac
             rolling_radius: parameters.rolling_radius,
             height: model.static_height(),
         };
-        Ok((run, profile(model, figures.distance + 40.0)))
+        Ok((run, profile(model, figures.way.distance + 40.0)))
     }
 }
 
-/// The corner of a system in this process, where its bristles can be seen.
-struct Twin {
-    slave: Native<RingBrushCorner>,
-    /// The patch at every recorded sample.
-    frames: Vec<PatchFrame>,
-}
-
-impl Twin {
-    /// Drives the corner along a recording of every communication point.
-    ///
-    /// # Errors
-    /// It does not end where the recorded one did.
-    fn replay(plan: &Plan, recording: &Recording, step: f64) -> Result<Self> {
-        let values = plan.components.iter().filter(|c| c.name == "corner").flat_map(|c| &c.set);
-        let settings = values.map(|set| Setting {
-            name: set.variable.clone(),
-            value: set.value.clone(),
-            causality: Causality::Parameter,
-            place: set.place.clone(),
-        });
-        let settings = Settings { values: settings.collect(), ..Settings::default() };
-        let mut slave = Native::<RingBrushCorner>::new(&settings)?;
-        let mut inputs = Vec::new();
-        for (name, unit) in [("brake_torque", "N.m"), ("friction_factor", "1")] {
-            inputs.push((slave.find(name)?, recording.channel_in(&format!("corner.{name}"), unit)?));
-        }
-        let (first, last) = (recording.time[0], recording.time.len() - 1);
-        let mut frames = Vec::new();
-        slave.start(first, None)?;
-        for k in 0..=last {
-            // an input beside a sample is the one that led there
-            for (index, values) in &inputs {
-                slave.set(*index, values[k])?;
-            }
-            if k == 0 {
-                slave.finish_start()?;
-            } else {
-                slave.step(first + (k - 1) as f64 * step, step)?;
-            }
-            if k % EVERY == 0 {
-                frames.push(PatchFrame::of(&slave.model().mounted().tire, recording.time[k], ""));
-            }
-        }
-        let index = slave.find("vehicle_distance")?;
-        let (place, recorded) =
-            (slave.get(index)?, recording.channel_in("corner.vehicle_distance", "m")?[last]);
-        if place != recorded {
-            return Err(Error::numeric(format!(
-                "{}: the corner in this program ends at {place} m, its FMU at {recorded} m; are both of the same version?",
-                recording.source
-            )));
-        }
-        Ok(Self { slave, frames })
-    }
+/// Ends a recording at a time; how many samples are left.
+pub fn until(recording: &mut Recording, end: f64) -> usize {
+    let shown = recording.time.iter().filter(|t| **t <= end).count();
+    recording.time.truncate(shown);
+    recording.channels.iter_mut().for_each(|channel| channel.values.truncate(shown));
+    shown
 }
 
 /// Every nth sample of a recording.
-fn every(recording: &Recording, n: usize) -> Recording {
+pub fn every(recording: &Recording, n: usize) -> Recording {
     let thin = |values: &[f64]| values.iter().step_by(n).copied().collect();
     Recording {
         time: thin(&recording.time),

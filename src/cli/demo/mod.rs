@@ -1,8 +1,10 @@
-//! `latsch demo`: an ABS stop as a system of FMUs, a tire on its rig, and pages to look at.
+//! `latsch demo`: an ABS stop as a system of FMUs, a car's stop, a tire on its rig, and pages to look at.
 
 mod abs_stop;
+mod car_stop;
 mod flat_track;
 mod stop;
+mod twin;
 
 use super::print;
 use latsch::fmi::archive::ModelLibrary;
@@ -10,7 +12,10 @@ use latsch::shipped::MODELS;
 use latsch::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// Export FMUs, brake with and without ABS on four roads, run a rig programme; write pages with the results
+/// How the sliding friction falls with the sliding speed \[s/m\]: a placeholder, as the pages say.
+const FALLOFF: f64 = 0.01;
+
+/// Export FMUs, brake a wheel and a car with and without ABS, run a rig programme; write pages with the results
 #[derive(clap::Args)]
 pub struct Args {
     /// Folder for the FMUs, the systems, the results and the pages
@@ -20,22 +25,24 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<()> {
     let folder = &args.output;
-    let (runs, track) = (folder.join("runs"), folder.join("flat-track"));
-    for folder in [&runs, &track] {
+    let (runs, car, track) = (folder.join("runs"), folder.join("car"), folder.join("flat-track"));
+    for folder in [&runs, &car, &track] {
         std::fs::create_dir_all(folder).map_err(|e| Error::file(format!("{}: {e}", folder.display())))?;
     }
     let library = ModelLibrary::shipped(MODELS)?;
-    // they take equally long and have nothing to do with each other
-    let (stop, rig) = std::thread::scope(|scope| {
-        let rig = scope.spawn(|| flat_track::run(&track, &library));
-        (abs_stop::run(folder, &library), rig.join())
+    // they have nothing to do with each other
+    let (stop, others) = std::thread::scope(|scope| {
+        let others = scope.spawn(|| flat_track::run(&track, &library).and_then(|()| car_stop::run(&car)));
+        (abs_stop::run(folder, &library), others.join())
     });
     stop?;
-    rig.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+    others.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
     for (path, what) in [
         ("index.html", "an ABS stop on four roads: open this in a browser"),
         ("abs-stop.toml", "the system of three FMUs, for `latsch cosimulate`"),
         ("runs", "the system, the inputs and the results of each stop"),
+        ("car/index.html", "a car's stop: forces in links, four contact patches"),
+        ("car/slabs-abs.toml", "the car, its brakes and controller, for `latsch cosimulate`"),
         ("flat-track/index.html", "a tire on its rig: forces over slip, the contact patch"),
         ("flat-track/ring-brush-flat-track.fmu", "the rig, for any FMI 2.0 co-simulation master"),
     ] {

@@ -24,13 +24,13 @@ pub struct Film {
 }
 
 impl Film {
-    /// The scales for these frames.
-    pub fn new(frames: &[&PatchFrame]) -> Self {
+    /// The scales for these frames; `patches` are the names of several in each frame with their places \[m\].
+    pub fn new(frames: &[&PatchFrame], patches: Vec<(String, [f64; 2])>) -> Self {
         let mut stripes: Vec<f64> = frames.iter().flat_map(|f| &f.cells).map(|c| c.y).collect();
         stripes.sort_by(f64::total_cmp);
         stripes.dedup();
         let first = frames.iter().flat_map(|f| &f.cells).next().copied().unwrap_or_default();
-        Self { picture: Picture::new(frames, WIDTH), stripes, cell: [first.length, first.width] }
+        Self { picture: Picture::new(frames, WIDTH, patches), stripes, cell: [first.length, first.width] }
     }
 
     /// A frame as a picture whose cells the script replaces.
@@ -124,7 +124,7 @@ mod tests {
             ],
             ..PatchFrame::default()
         };
-        let film = Film::new(&[&frame]);
+        let film = Film::new(&[&frame], Vec::new());
         let values: Vec<usize> =
             film.encode(&frame).bytes().map(|b| DIGITS.iter().position(|d| *d == b).unwrap()).collect();
         let half = 0.06 * 1.04;

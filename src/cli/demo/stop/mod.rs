@@ -3,21 +3,20 @@
 
 mod figures;
 mod film;
+mod scene;
 
-pub use figures::StopFigures;
+pub use figures::{StopFigures, Way};
+pub use film::Film;
+pub use scene::{Readout, Scene, Stage, player};
 
-use self::film::Film;
+use self::scene::COLORS;
+use latsch::Result;
 use latsch::recording::Recording;
 use latsch::report::{Axis, Html, Page, PatchFrame, Plot, Section, Size, Table, escape};
 use latsch::stats::extent;
-use latsch::{Error, Result};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-const STYLE: &str = include_str!("stop.css");
-const SCRIPT: &str = include_str!("stop.js");
-/// The colours of the two systems: the first two of plots.
-const COLORS: [&str; 2] = ["#0072b2", "#d55e00"];
 /// Heights in the side view are drawn larger by this factor.
 const EXAGGERATION: f64 = 3.0;
 
@@ -62,28 +61,19 @@ pub struct StopRun {
 /// Channels that are not there.
 pub fn stop_page(title: &str, lead: &str, scenes: &[StopScene], about: Section) -> Result<String> {
     let frames: Vec<&PatchFrame> = scenes.iter().flat_map(|s| &s.runs).flat_map(|r| &r.frames).collect();
-    let film = Film::new(&frames);
+    let film = Film::new(&frames, Vec::new());
     let mut page = Page::new(title, lead).section(summary(scenes));
     for scene in scenes {
-        page = page.section(scene_section(scene, &film)?);
+        page = page.section(shown(scene)?.section(&film));
     }
-    let script = format!(
-        "<style>\n{STYLE}</style>\n<div class=\"player\" hidden><div><button type=\"button\">Play</button>\
-         <select aria-label=\"scenario\"></select>\
-         <input type=\"range\" aria-label=\"time\"><output></output>\
-         <select class=\"pace\" aria-label=\"speed\"><option value=\"1\">1 ×</option><option value=\"0.25\">1/4 ×</option>\
-         <option value=\"0.1\" selected>1/10 ×</option><option value=\"0.02\">1/50 ×</option></select></div></div>\n\
-         <noscript><p class=\"note\">Without JavaScript the pictures stand still.</p></noscript>\n{}<script>\n{SCRIPT}</script>\n",
-        data("film", &film.scales())
-    );
-    let page = page.section(about.with(Html::raw(script)));
+    let page = page.section(about.with(player(&film)));
     Ok(page.html())
 }
 
 /// Distances as bars, and the other numbers.
 fn summary(scenes: &[StopScene]) -> Section {
     let longest =
-        scenes.iter().flat_map(|s| &s.runs).map(|r| r.figures.distance).fold(f64::MIN_POSITIVE, f64::max);
+        scenes.iter().flat_map(|s| &s.runs).map(|r| r.figures.way.distance).fold(f64::MIN_POSITIVE, f64::max);
     let mut bars = String::from("<figure><div class=\"bars\">\n");
     let mut table = Table::new(&[
         "",
@@ -104,14 +94,14 @@ fn summary(scenes: &[StopScene]) -> Section {
                 "<span>{}</span><div><i style=\"width:{:.1}%;background:{color}\"></i>{:.1} m</div>",
                 escape(&run.name),
                 // room for the number beside the longest
-                80.0 * f.distance / longest,
-                f.distance
+                80.0 * f.way.distance / longest,
+                f.way.distance
             );
             table = table.row([
                 format!("{}, {}", scene.title, run.name),
-                format!("{:.2}", f.distance),
-                format!("{:.2}", f.duration()),
-                format!("{:.2}", f.deceleration),
+                format!("{:.2}", f.way.distance),
+                format!("{:.2}", f.way.duration()),
+                format!("{:.2}", f.way.deceleration),
                 format!("{:.2}", f.locked),
                 format!("{:.0}", 100.0 * f.all_slide),
                 format!("{:.1}", f.tire_heat / 1e3),
@@ -128,7 +118,8 @@ fn summary(scenes: &[StopScene]) -> Section {
         }
         .replace('-', "−")
     };
-    let difference = |s: &StopScene| 100.0 * (s.runs[0].figures.distance / s.runs[1].figures.distance - 1.0);
+    let difference =
+        |s: &StopScene| 100.0 * (s.runs[0].figures.way.distance / s.runs[1].figures.way.distance - 1.0);
     let share = |i: usize| move |s: &StopScene| 100.0 * s.runs[i].figures.tire_share();
     let names =
         scenes.first().map_or([String::new(), String::new()], |s| [0, 1].map(|i| s.runs[i].name.clone()));
@@ -152,76 +143,8 @@ fn summary(scenes: &[StopScene]) -> Section {
         ))
 }
 
-fn scene_section(scene: &StopScene, film: &Film) -> Result<Section> {
-    let mut html = format!("<div class=\"scene\" id=\"{}\">\n<div class=\"stages\">\n", escape(&scene.id));
-    let first = scene.runs[0].figures.start + 0.4;
-    let (start, step) = sampling(&scene.runs[0].recording)?;
-    for (run, color) in scene.runs.iter().zip(COLORS) {
-        let shown = ((first - start) / step).round() as usize;
-        let frame = run.frames.get(shown).or(run.frames.last()).cloned().unwrap_or_default();
-        let _ = write!(
-            html,
-            "<figure class=\"stage\"><figcaption><b><span class=\"dot\" style=\"background:{color}\"></span>{}</b>\
-             <span>{:.1} m</span></figcaption><output></output>\n\
-             <svg role=\"img\" aria-label=\"wheel on the road\" viewBox=\"0 0 560 360\"><g class=\"side\"></g></svg>\n{}</figure>\n",
-            escape(&run.name),
-            run.figures.distance,
-            film.drawing(&frame)
-        );
-    }
-    html.push_str("</div>\n");
-    let mut explanation = film.explanation();
-    let _ = write!(
-        explanation,
-        " Side view: wheel and spin angle to scale; heights of wheel, body and road and the wheel's give along the road are {EXAGGERATION} \
-         times as large; orange: forces of the road on the wheel. Drag in a plot to move the time."
-    );
-    html.push_str(Html::note(&explanation).as_str());
-    html.push_str("<div class=\"grid\">\n");
-    for plot in plots(scene)? {
-        html.push_str(plot.html().as_str());
-    }
-    html.push_str("</div>\n");
-    let runs: Result<Vec<Value>> = scene.runs.iter().map(|run| run_data(run, film)).collect();
-    let stop = scene.runs.iter().filter_map(|r| r.recording.time.last()).fold(start, |a, b| a.max(*b));
-    let [run, _] = &scene.runs;
-    html.push_str(&data(
-        "data",
-        &json!({
-            "start": start,
-            "step": step,
-            "stop": stop,
-            "first": first,
-            "road": scene.road,
-            "view": { "radius": run.radius, "height": run.height, "exaggeration": EXAGGERATION },
-            "runs": runs?,
-        }),
-    ));
-    html.push_str("</div>\n");
-    Ok(Section::new(&scene.title).with(Html::text(&scene.text)).with(Html::raw(html)))
-}
-
-/// Start and step of an evenly sampled recording \[s\].
-fn sampling(recording: &Recording) -> Result<(f64, f64)> {
-    match recording.time[..] {
-        [first, second, ..] => Ok((first, second - first)),
-        _ => Err(Error::file(format!("{}: fewer than two samples", recording.source))),
-    }
-}
-
-/// Data for the script, which finds it by its class.
-fn data(class: &str, value: &Value) -> String {
-    // no markup, whatever a text has in it
-    format!(
-        "<script type=\"application/json\" class=\"{class}\">{}</script>\n",
-        value.to_string().replace('<', "\\u003c")
-    )
-}
-
-/// What the script shows of a run, rounded to what can be seen.
-fn run_data(run: &StopRun, film: &Film) -> Result<Value> {
-    let mut data = serde_json::Map::new();
-    for (key, name, unit, decimals) in [
+fn shown(scene: &StopScene) -> Result<Scene> {
+    let courses = [
         ("v", "corner.vehicle_speed", "km/h", 1),
         ("slip", "corner.slip", "%", 1),
         ("pressure", "brake.pressure", "bar", 1),
@@ -233,14 +156,44 @@ fn run_data(run: &StopRun, film: &Film) -> Result<Value> {
         ("bodyHeight", "corner.body_height", "m", 4),
         ("foreAft", "corner.wheel_fore_aft", "m", 4),
         ("road", "corner.road_elevation", "m", 4),
-    ] {
-        data.insert(key.into(), rounded(&run.recording.channel_in(name, unit)?, decimals));
+    ];
+    let mut runs = Vec::new();
+    for run in &scene.runs {
+        let outcome = format!("{:.1} m", run.figures.way.distance);
+        let mut stage = Stage::of((&run.name, &outcome), &run.recording, run.frames.clone(), &courses)?;
+        stage.series.insert("w".into(), rounded(&rolling(run)?, 1));
+        runs.push(stage);
     }
-    data.insert("w".into(), rounded(&rolling(run)?, 1));
-    data.insert("frames".into(), run.frames.iter().map(|f| film.encode(f)).collect());
-    Ok(Value::Object(data))
+    let readout = |label, key, digits, unit| Readout { label, key, digits, unit };
+    let [run, _] = &scene.runs;
+    Ok(Scene {
+        id: scene.id.clone(),
+        title: scene.title.clone(),
+        text: scene.text.clone(),
+        first: run.figures.way.start + 0.4,
+        side: Some(json!({
+            "road": scene.road,
+            "radius": run.radius,
+            "height": run.height,
+            "exaggeration": EXAGGERATION,
+        })),
+        readouts: vec![
+            readout("", "v", 1, "km/h"),
+            readout("wheel", "w", 1, "km/h"),
+            readout("slip", "slip", 1, "%"),
+            readout("line", "pressure", 0, "bar"),
+            readout("Fx", "fx", 0, "N"),
+        ],
+        runs,
+        plots: plots(scene)?,
+        note: format!(
+            "Side view: wheel and spin angle to scale; heights of wheel, body and road and the wheel's give along the road are {EXAGGERATION} \
+             times as large; orange: forces of the road on the wheel."
+        ),
+    })
 }
 
+/// Values as the page has them, rounded to what can be seen.
 fn rounded(values: &[f64], decimals: i32) -> Value {
     let scale = 10_f64.powi(decimals);
     values
@@ -342,24 +295,25 @@ mod tests {
             });
         }
         let figures = StopFigures::of(&recording).unwrap();
-        let scene = StopScene {
+        let mut scene = StopScene {
             id: ATTACK.into(),
             title: ATTACK.into(),
             text: ATTACK.into(),
             road: vec![[0.0, 0.0], [100.0, 0.0]],
             runs: [run(figures, &recording), run(figures, &recording)],
         };
-        let html = stop_page(ATTACK, ATTACK, &[scene], Section::new("about")).unwrap();
+        let html = stop_page(ATTACK, ATTACK, std::slice::from_ref(&scene), Section::new("about")).unwrap();
         // the data of the scene and the film, and the script
         assert_eq!(html.matches("<script").count(), 3);
         let rest = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
         for outside in ["http:", "https:", "url(", "@import", "src=", "href=\"h"] {
             assert!(!rest.contains(outside), "{outside}");
         }
-        assert!(html.contains(&format!("<td class=\"number\">{:.2}</td>", figures.distance)));
+        assert!(html.contains(&format!("<td class=\"number\">{:.2}</td>", figures.way.distance)));
         // two pictures for each run, six plots
         assert_eq!(html.matches("<svg").count(), 2 * 2 + 6);
         recording.channels.pop();
-        assert!(run_data(&run(figures, &recording), &Film::new(&[])).is_err());
+        scene.runs[0].recording = recording;
+        assert!(shown(&scene).is_err());
     }
 }

@@ -61,10 +61,10 @@
 
   // the wheel seen from its right: to scale, but for heights and the wheel's give
   function side(run, t) {
-    const { radius, height, exaggeration: e } = scene.view;
+    const { road: profile, radius, height, exaggeration: e } = scene.side;
     const px = 260, base = 292, middle = 280;
     const s = at(run, 's', t), up = (z) => base - e * z * px;
-    const road = scene.road.filter((p, i, all) => (all[i + 1] ?? p)[0] > s - 1.2 && (all[i - 1] ?? p)[0] < s + 1.2);
+    const road = profile.filter((p, i, all) => (all[i + 1] ?? p)[0] > s - 1.2 && (all[i - 1] ?? p)[0] < s + 1.2);
     const line = road.map(([x, z]) => [middle + (x - s) * px, up(z)]);
     const x = middle + e * px * at(run, 'foreAft', t);
     const y = up(at(run, 'wheelHeight', t)) - height * px;
@@ -94,18 +94,15 @@
     scene.runs.forEach((run, i) => {
       const stage = scene.stages[i];
       const frame = Math.min(Math.round((time - scene.start) / scene.step), run.frames.length - 1);
-      stage.querySelector('.side').innerHTML = side(run, time);
+      if (scene.side) stage.querySelector('.side').innerHTML = side(run, time);
       if (frame != scene.drawn[i]) {
         const picture = cells(run.frames[frame]);
         stage.querySelector('.cells').innerHTML = picture.svg;
         run.words = picture.words;
         scene.drawn[i] = frame;
       }
-      const value = (name, digits, unit) => `${fixed(at(run, name, time), digits)} ${unit}`;
-      stage.querySelector('output').textContent = [
-        value('v', 1, 'km/h'), `wheel ${value('w', 1, 'km/h')}`, `slip ${value('slip', 1, '%')}`,
-        `line ${value('pressure', 0, 'bar')}`, `Fx ${value('fx', 0, 'N')}`, run.words,
-      ].join(' · ');
+      const values = scene.readouts.map(([label, key, digits, unit]) => `${label} ${fixed(at(run, key, time), digits)} ${unit}`.trim());
+      stage.querySelector('output').textContent = [...values, run.words].join(' · ');
     });
     for (const { line, low, high, left, right } of scene.cursors) {
       const x = left + (time - low) / (high - low) * (right - left);
