@@ -248,17 +248,16 @@ pub(super) fn of_hydraulics() -> Vec<Cause> {
     ]
 }
 
-/// Causes in the controller.
+/// Causes in the controller: of its radii only that of the front wheels over that of the rear ones shows, where it takes its reference from the wheels.
 pub(super) fn of_controllers() -> Vec<Cause> {
-    let radius = |names: &[&'static str]| Cause {
+    vec![Cause {
         scanned: true,
-        shown_by: "a stop with controller; of a radius that is wrong on all wheels alike a controller that takes its reference from the wheels knows nothing",
+        shown_by: "a stop with controller",
         ..one(
             "controller_radius",
-            "radius of the wheels in the controller",
-            names,
+            "radius of the front wheels in the controller, beside that of the rear ones",
+            &["rolling_radius_1", "rolling_radius_2"],
             (How::Times, 0.01, [-0.06, 0.06]),
         )
-    };
-    vec![radius(&["rolling_radius_1", "rolling_radius_2"]), radius(&["rolling_radius_3", "rolling_radius_4"])]
+    }]
 }

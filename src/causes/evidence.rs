@@ -435,43 +435,67 @@ impl<'a> Round<'a> {
     }
 
     /// A cause that is tried value after value. Decisions fall otherwise for reasons as small as a sensor's noise, so that what is left jumps from value to value: each
-    /// counts with its neighbours.
+    /// counts with its neighbours. And a wheel that is out of step once stays so, by how much is chance: what counts of each channel in each run is the share that is
+    /// left, not how much it was.
     fn scanned(&self, cause: usize) -> Option<Fitted> {
         let probe = &self.part.causes()[cause].probes[0];
         let runs = self.all();
         let at =
             |k: i32| self.bounded(cause, &probe.iter().map(|p| 0.5 * f64::from(k) * p).collect::<Vec<_>>());
-        let squares = |k: i32| -> Option<(Errors, Vec<f64>)> {
-            let errors = self.errors(cause, &at(k), &runs)?;
-            let squares = runs.iter().map(|run| self.of_run(*run, &errors[*run])).collect();
-            Some((errors, squares))
+        let tried: Vec<Errors> =
+            (-SCANNED..=SCANNED).map(|k| self.errors(cause, &at(k), &runs)).collect::<Option<_>>()?;
+        let mean = crate::stats::mean_or_zero;
+        let squares: Vec<Vec<Vec<f64>>> = tried.iter().map(|errors| self.left(errors)).collect();
+        let around = |k: usize, run: usize, c: usize| {
+            let near = k.saturating_sub(NEIGHBOURS)..(k + NEIGHBOURS + 1).min(tried.len());
+            mean(&squares[near].iter().map(|all| all[run][c]).collect::<Vec<_>>())
         };
-        let tried: Vec<(Errors, Vec<f64>)> = (-SCANNED..=SCANNED).map(squares).collect::<Option<_>>()?;
-        let around = |k: usize, run: usize| {
-            let near = &tried[k.saturating_sub(NEIGHBOURS)..(k + NEIGHBOURS + 1).min(tried.len())];
-            near.iter().map(|(_, squares)| squares[run]).sum::<f64>() / near.len() as f64
-        };
-        let fit = self.used(Use::Fit);
-        let left = |k: usize| fit.iter().map(|run| around(k, *run)).sum::<f64>();
         let middle = SCANNED as usize;
-        let best = (NEIGHBOURS..tried.len() - NEIGHBOURS).min_by(|a, b| left(*a).total_cmp(&left(*b)))?;
-        let tells: Vec<[f64; 2]> = runs
-            .iter()
-            .map(|run| [around(middle, *run), around(middle, *run) - around(best, *run)])
+        let falls = |k: usize, run: usize| {
+            let of = |c: usize| (around(middle, run, c) / around(k, run, c)).ln();
+            mean(&(0..self.part.channels().len()).map(of).collect::<Vec<_>>())
+        };
+        // a run in which the controller decides nothing tells nothing
+        let told: Vec<usize> = runs
+            .into_iter()
+            .filter(|run| squares.iter().any(|all| all[*run] != squares[middle][*run]))
             .collect();
-        let explains = [Use::Fit, Use::Check].map(|used| {
-            let sum = |of: usize| self.used(used).iter().map(|run| tells[*run][of]).sum::<f64>();
-            sum(1) / sum(0).max(f64::MIN_POSITIVE)
-        });
+        let of = |used: Use| -> Vec<usize> {
+            told.iter().copied().filter(|run| self.part.runs()[*run].used == used).collect()
+        };
+        let fall =
+            |k: usize, runs: &[usize]| mean(&runs.iter().map(|run| falls(k, *run)).collect::<Vec<_>>());
+        let fit = of(Use::Fit);
+        let best_of = |runs: &[usize]| {
+            let values = NEIGHBOURS..tried.len() - NEIGHBOURS;
+            values.max_by(|a, b| fall(*a, runs).total_cmp(&fall(*b, runs)))
+        };
+        let best = best_of(&fit)?;
+        let share = |runs: &[usize]| 1.0 - (-fall(best, runs)).exp();
+        let tells: Vec<[f64; 2]> = told.iter().map(|run| [1.0, falls(best, *run)]).collect();
         Some(Fitted {
             cause,
-            x: at(best as i32 - SCANNED),
-            gain: tells.iter().map(|[_, gain]| gain).sum(),
-            explains,
+            // the runs to fit decide; its size is more exact with all
+            x: at(best_of(&told)? as i32 - SCANNED),
+            gain: share(&told) * self.whole(),
+            explains: [share(&fit), share(&of(Use::Check))],
             chance: by_chance(&tells),
-            matters: self.matters(&tried[best].0),
-            errors: tried.into_iter().nth(best)?.0,
+            matters: self.matters(&tried[best]),
+            errors: tried.into_iter().nth(best)?,
         })
+    }
+
+    /// What is left of each channel in each run, beside what models and sensors are believed to at best.
+    fn left(&self, errors: &Errors) -> Vec<Vec<f64>> {
+        let of = |(run, channels): (usize, &Vec<Vec<f64>>)| {
+            let group = &self.part.runs()[run].group;
+            let one = |(c, values): (usize, &Vec<f64>)| {
+                let least = self.least.get(&(group.clone(), c)).copied().unwrap_or(0.0);
+                values.iter().map(|v| v * v).sum::<f64>() + values.len() as f64 * least
+            };
+            channels.iter().enumerate().map(one).collect()
+        };
+        errors.iter().enumerate().map(of).collect()
     }
 
     fn tried(&self, cause: usize, x: Vec<f64>) -> Option<Tried> {
@@ -601,9 +625,9 @@ fn by_chance(tells: &[[f64; 2]]) -> f64 {
     let amount = tells.iter().map(|[_, with]| with).sum::<f64>() / whole;
     // a run that the change does nothing in has no amount, and no weight
     let apart = |[own, with]: &[f64; 2]| if *own > 0.0 { own * (with / own - amount).powi(2) } else { 0.0 };
-    let runs = tells.len() as f64;
+    let runs = tells.iter().filter(|[own, _]| *own > 0.0).count() as f64;
     let spread = tells.iter().map(apart).sum::<f64>() / (runs - 1.0) / whole;
-    if !(amount > 0.0 && whole > 0.0) {
+    if !(amount > 0.0 && whole > 0.0 && runs > 1.0) {
         return 1.0;
     }
     if spread == 0.0 { 0.0 } else { 0.5 * student(amount / spread.sqrt(), runs - 1.0) }

@@ -3,8 +3,8 @@
 
 use super::cause::{How, of_controllers, of_hydraulics};
 use super::part::{
-    Opened, Part, along, changed, follow, has_all, less, moving, samples_in, slave, smooth_wheel_speed, step,
-    variation, with,
+    Opened, Part, along, changed, follow, has_all, less, moving, slave, smooth_wheel_speed, step, variation,
+    with,
 };
 use super::runs::Recorded;
 use crate::Result;
@@ -32,8 +32,6 @@ pub(super) enum Until {
     Slow,
 }
 
-/// What a pressure rises by is compared over so long: longer than a controller's sample, shorter than it takes between two decisions \[s\].
-const DECIDED: f64 = 0.02;
 /// A decision may come so much earlier in the recording \[s\].
 const MARGIN: f64 = 0.015;
 
@@ -108,14 +106,6 @@ impl<'a> Hydraulics<'a> {
         Ok(self.runs()[run].recording.time.iter().take(self.ends[run]).filter(|t| **t < first).count().max(2))
     }
 
-    /// What of a course is compared. A controller's decisions open and close valves, and pressure adds up what came of them: with its decisions it is what a pressure rises by.
-    fn compared(&self, time: &[f64], course: Vec<f64>) -> Vec<f64> {
-        match self.until {
-            Until::FirstDecision => course,
-            Until::Slow => increments(&course, samples_in(time, DECIDED).max(1)),
-        }
-    }
-
     /// The part's own run.
     fn simulated(&self, run: usize, changes: &[(usize, Vec<f64>)]) -> Result<Recording> {
         let recording = &self.runs()[run].recording;
@@ -149,11 +139,6 @@ impl<'a> Hydraulics<'a> {
     }
 }
 
-/// What a course rises by over so many samples.
-fn increments(values: &[f64], n: usize) -> Vec<f64> {
-    (0..values.len()).map(|k| values[k] - values[k.saturating_sub(n)]).collect()
-}
-
 impl Part for Hydraulics<'_> {
     fn name(&self) -> String {
         let names: Vec<&str> = self.plan.components.iter().map(|c| c.name.as_str()).collect();
@@ -181,26 +166,13 @@ impl Part for Hydraulics<'_> {
         let of = |channel: &String| -> Result<Vec<f64>> {
             let measured = recording.channel_in(channel, "Pa")?;
             let simulated = run_of.channel_in(channel, "Pa")?;
-            Ok(self.compared(
-                &recording.time,
-                less(&measured[..self.ends[run]], &recording.time, &run_of, &simulated),
-            ))
+            Ok(less(&measured[..self.ends[run]], &recording.time, &run_of, &simulated))
         };
         self.channels().iter().map(of).collect()
     }
 
     fn variation(&self, run: usize) -> Result<Vec<f64>> {
-        let recording = &self.runs()[run].recording;
-        match self.until {
-            Until::FirstDecision => variation(recording, self.channels(), "Pa"),
-            Until::Slow => {
-                let of = |channel: &String| {
-                    let values = recording.channel_in(channel, "Pa")?[..self.ends[run]].to_vec();
-                    Ok(crate::stats::deviation(&self.compared(&recording.time, values)).powi(2))
-                };
-                self.channels().iter().map(of).collect()
-            }
-        }
+        variation(&self.runs()[run].recording, self.channels(), "Pa")
     }
 
     fn values(&self, cause: usize, x: &[f64]) -> Result<Vec<(String, Value, Value)>> {

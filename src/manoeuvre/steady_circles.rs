@@ -9,14 +9,15 @@ use crate::model::Value;
 use crate::recording::Recording;
 use crate::stats::mean;
 use crate::{Error, Result};
+use nalgebra::{Matrix3, Vector3};
 use std::path::Path;
 
 /// Radius of the way \[m\]: the one that ISO 4138 prefers.
 const RADIUS: f64 = 100.0;
 /// Lateral accelerations: Mack 2009, section 7.2 \[m/s²\].
 const ACCELERATIONS: [f64; 2] = [4.0, 8.0];
-/// The greatest one is looked for in such steps \[m/s²\].
-const STEP: f64 = 0.5;
+/// Between them a circle is enough to begin the next one with; beyond, the greatest one is looked for in smaller steps \[m/s²\].
+const STEPS: [f64; 2] = [2.0, 0.5];
 /// More than any tire has without wings \[m/s²\].
 const MOST: f64 = 2.0 * GRAVITY;
 /// Steering and drive are built up, and what is read begins and ends \[s\]: roll and yaw have settled after some seconds.
@@ -27,16 +28,9 @@ const CLOSE: f64 = 0.002;
 /// So many runs are tried for a circle; beyond the limit of the tires no number would do.
 const RUNS: usize = 8;
 
-/// What is held over a run.
-#[derive(Debug, Clone, Copy)]
-struct Held {
-    /// Steering wheel \[rad\].
-    steering: f64,
-    /// Torque of the drive on both rear wheels \[N.m\].
-    drive: f64,
-    /// Speed at the start \[m/s\].
-    speed: f64,
-}
+/// What is held over a run, steering wheel \[rad\], torque of the drive on both rear wheels over mass and radius
+/// \[m/s²\], and speed at the start over the one that is wanted.
+type Held = Vector3<f64>;
 
 /// A circle that was driven.
 struct Circle {
@@ -53,33 +47,27 @@ struct Circle {
 pub(super) fn run(car: &Car, _: &Path) -> Result<Done> {
     let standing = car.standing((ACCELERATIONS[0] * RADIUS).sqrt())?;
     let inertia = standing.mass * mean(&standing.radii[2..]);
-    let mut held = Held { steering: 0.5, drive: 0.0, speed: (ACCELERATIONS[0] * RADIUS).sqrt() };
+    let mut held = Held::new(0.5, 0.2, 1.0);
     let mut circles: Vec<Circle> = Vec::new();
-    for wanted in ACCELERATIONS {
-        match circle(car, wanted, held, inertia)? {
-            Some(found) => {
-                held = found.held;
-                circles.push(found);
-            }
-            None if circles.is_empty() => {
-                return Err(Error::numeric(format!(
-                    "no circle of {RADIUS} m with {wanted} m/s2 was found in {RUNS} runs; is the sign of the steering wheel or of the lateral acceleration another one?"
-                )));
-            }
-            None => break,
-        }
-    }
-    let mut notes = Vec::new();
-    let mut wanted = circles.len() as f64 * ACCELERATIONS[0] + STEP;
-    let mut last = None;
+    let mut wanted = ACCELERATIONS[0];
+    // each from the one before, which shows how the next one is held
     while wanted < MOST {
         let Some(found) = circle(car, wanted, held, inertia)? else { break };
         held = found.held;
-        last = Some(found);
-        wanted += STEP;
+        if circles.last().is_some_and(|last| !ACCELERATIONS.contains(&last.wanted)) {
+            circles.pop();
+        }
+        circles.push(found);
+        wanted += if wanted < ACCELERATIONS[1] { STEPS[0] } else { STEPS[1] };
     }
-    circles.extend(last);
-    notes.push(format!("no circle of {RADIUS} m was found with {wanted} m/s2: what is read as greatest is the last one that was, in steps of {STEP} m/s2"));
+    if circles.is_empty() {
+        return Err(Error::numeric(format!(
+            "no circle of {RADIUS} m with {wanted} m/s2 was found in {RUNS} runs; is the sign of the steering wheel or of the lateral acceleration another one?"
+        )));
+    }
+    let notes = vec![format!(
+        "no circle of {RADIUS} m was found with {wanted} m/s2: the last one that was is the greatest"
+    )];
     let mut readings = Vec::new();
     for circle in &circles {
         readings.extend(read(car, circle)?);
@@ -109,21 +97,22 @@ fn angle(car: &Car, circle: &Circle) -> Result<Option<f64>> {
     Ok(Some(0.5 * sum - base * circle.aside / circle.speed.powi(2)))
 }
 
-/// Looks for a circle, beginning with what another one was held by.
+/// Looks for a circle: what is held is changed by Broyden's method (1965) until radius, speed and what the speed loses are as they should be. It begins with what
+/// each of these does by itself: twice the angle is half of the radius, a drive takes away what is lost, and a higher speed stays one.
 fn circle(car: &Car, wanted: f64, from: Held, inertia: f64) -> Result<Option<Circle>> {
     let target = (wanted * RADIUS).sqrt();
-    let mut held = Held { steering: from.steering * 1.02, speed: target, ..from };
+    let mut held = from;
+    let mut inverse = Matrix3::from_diagonal(&Vector3::new(-from[0], -1.0, 1.0));
+    let mut before: Option<(Held, Vector3<f64>)> = None;
     for _ in 0..RUNS {
-        let mut plan = car.plan(READ[1], &[("initial_speed", Value::Real(held.speed))]);
+        let (steering, drive) = (held[0], held[1] * inertia);
+        let mut plan = car.plan(READ[1], &[("initial_speed", Value::Real(held[2] * target))]);
         let built = |most: f64| vec![0.0, 0.0, most, most];
         car.follow(
             &mut plan,
             "circle.csv",
             &[0.0, BUILT[0], BUILT[1], READ[1]],
-            &[
-                ("steering_wheel_angle", "rad", built(held.steering)),
-                ("rear_drive_torque", "N.m", built(held.drive)),
-            ],
+            &[("steering_wheel_angle", "rad", built(steering)), ("rear_drive_torque", "N.m", built(drive))],
         )?;
         let run = car.run(&plan, Some(0.5 * target))?;
         let view = View { run: &run, car };
@@ -133,20 +122,22 @@ fn circle(car: &Car, wanted: f64, from: Held, inertia: f64) -> Result<Option<Cir
         }
         let speeds = &view.course("vehicle_speed", "m/s")?[read.clone()];
         let (speed, yaw) = (mean(speeds), mean(&view.course("yaw_rate", "rad/s")?[read.clone()]));
-        let slows = (speeds[0] - speeds[speeds.len() - 1]) / (READ[1] - READ[0]);
-        let radius = speed / yaw;
-        let close = [radius / RADIUS - 1.0, speed / target - 1.0, slows / speed];
-        if close.iter().all(|off| off.abs() < CLOSE) {
+        let gains = (speeds[speeds.len() - 1] - speeds[0]) / (READ[1] - READ[0]);
+        let off = Vector3::new(speed / yaw / RADIUS - 1.0, gains, speed / target - 1.0);
+        if off[0].abs().max(off[2].abs()).max(off[1].abs() / speed) < CLOSE {
             let aside = mean(&view.course("lateral_acceleration", "m/s2")?[read]);
             return Ok(Some(Circle { wanted, plan, run, held, aside, speed }));
         }
-        if !(radius > 0.0 && radius.is_finite()) {
+        if !off.iter().all(|v| v.is_finite()) || yaw <= 0.0 {
             return Ok(None);
         }
-        // too wide a circle: more angle, in proportion; no more at once than what a tire near its limit takes kindly
-        held.steering *= (radius / RADIUS).clamp(0.8, 1.25);
-        held.drive += inertia * slows;
-        held.speed += target - speed;
+        if let Some((last, was)) = before {
+            let (moved, changed) = (held - last, off - was);
+            let told = inverse * changed;
+            inverse += (moved - told) * (moved.transpose() * inverse) / moved.dot(&told);
+        }
+        before = Some((held, off));
+        held -= inverse * off;
     }
     Ok(None)
 }
@@ -161,8 +152,8 @@ fn read(car: &Car, circle: &Circle) -> Result<Vec<Reading>> {
     let name = |what: &str| format!("{what} {at}");
     let mut readings = vec![
         Reading::new(name("lateral acceleration"), circle.aside, "m/s2").beside(Some(circle.speed * yaw)),
-        Reading::new(name("steering wheel"), circle.held.steering, "rad"),
-        Reading::new(name("drive torque"), circle.held.drive, "N.m"),
+        Reading::new(name("steering wheel"), circle.held[0], "rad"),
+        Reading::new(name("drive"), circle.held[1], "m/s2"),
         Reading::new(name("roll"), course("roll", "rad")?, "rad"),
         Reading::new(
             name("slip angle of the body"),
