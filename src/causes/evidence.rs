@@ -452,7 +452,10 @@ impl<'a> Round<'a> {
         };
         let middle = SCANNED as usize;
         let falls = |k: usize, run: usize| {
-            let of = |c: usize| (around(middle, run, c) / around(k, run, c)).ln();
+            let of = |c: usize| {
+                let [before, after] = [middle, k].map(|k| around(k, run, c).max(f64::MIN_POSITIVE));
+                (before / after).ln()
+            };
             mean(&(0..self.part.channels().len()).map(of).collect::<Vec<_>>())
         };
         // a run in which the controller decides nothing tells nothing

@@ -11,6 +11,7 @@ mod cause;
 mod closed;
 mod evidence;
 mod hydraulics;
+mod pad_friction;
 mod pads;
 mod part;
 mod runs;
@@ -19,6 +20,7 @@ mod vehicle;
 pub use cause::Cause;
 pub use closed::{ClosedLoop, closed_loops};
 pub use evidence::{Candidate, Found};
+pub use pad_friction::{PadFriction, pad_friction, pad_friction_csv, pad_frictions};
 pub use runs::{Recorded, Use, has_repeats, read_runs};
 
 use crate::cosimulate::{Assignment, Plan};

@@ -32,6 +32,7 @@ struct Brake {
 impl<'a> Pads<'a> {
     /// None where recordings do not have pressure and torque of two brakes or more.
     pub(super) fn new(plan: &Plan, runs: &'a [Recorded]) -> Result<Option<Self>> {
+        let recordings: Vec<&Recording> = runs.iter().map(|run| &run.recording).collect();
         let mut brakes = Vec::new();
         for component in &plan.components {
             let one = slave(component)?;
@@ -39,8 +40,8 @@ impl<'a> Pads<'a> {
                 continue;
             }
             let pressure = format!("{}.caliper_pressure", component.name);
-            if let Some(torque) = torque_channel(plan, &component.name, runs)
-                && runs.iter().all(|run| run.recording.has(&pressure))
+            if let Some(torque) = torque_channel(plan, &component.name, &recordings)
+                && recordings.iter().all(|run| run.has(&pressure))
             {
                 brakes.push(Brake { component: component.clone(), pressure, torque });
             }
@@ -70,7 +71,7 @@ impl<'a> Pads<'a> {
 }
 
 /// The recorded channel with a brake's torque: its own, that of the input which it is connected to, or what the rim of that wheel has.
-fn torque_channel(plan: &Plan, brake: &str, runs: &[Recorded]) -> Option<String> {
+pub(super) fn torque_channel(plan: &Plan, brake: &str, runs: &[&Recording]) -> Option<String> {
     let to = plan.connections.iter().find(|c| c.from.component == brake && c.from.variable == "brake_torque");
     let mut names = vec![format!("{brake}.brake_torque")];
     if let Some(connection) = to {
@@ -78,7 +79,7 @@ fn torque_channel(plan: &Plan, brake: &str, runs: &[Recorded]) -> Option<String>
         names.push(input.replace("brake_torque", "carrier_moment_y"));
         names.push(input);
     }
-    names.into_iter().find(|name| runs.iter().all(|run| run.recording.has(name)))
+    names.into_iter().find(|name| runs.iter().all(|run| run.has(name)))
 }
 
 impl Part for Pads<'_> {
@@ -168,7 +169,7 @@ const LOCKED: f64 = 0.05;
 const SMEARED: f64 = 0.01;
 
 /// Samples at which the wheel of a torque turns: one that is locked is held by what it takes, and not by the friction of its pads (6.34).
-fn turning(recording: &Recording, torque: &str) -> Vec<bool> {
+pub(super) fn turning(recording: &Recording, torque: &str) -> Vec<bool> {
     let speed = |name: &str| recording.channel_in(name, "rad/s").ok();
     let own = torque.strip_suffix("carrier_moment_y").and_then(|place| speed(&format!("{place}wheel_speed")));
     let samples = recording.time.len();

@@ -17,6 +17,7 @@ mod lint;
 mod loads;
 mod manoeuvre;
 mod models;
+mod pad_friction;
 mod plan;
 mod planned;
 mod rig_program;
@@ -57,6 +58,7 @@ enum Command {
     Plan(plan::Args),
     RigProgram(rig_program::Args),
     Loads(loads::Args),
+    PadFriction(pad_friction::Args),
     Diagnose(diagnose::Args),
     Demo(demo::Args),
 }
@@ -97,6 +99,7 @@ pub fn run() -> ExitCode {
         Command::Plan(args) => plan::run(&args),
         Command::RigProgram(args) => rig_program::run(&args).map(done),
         Command::Loads(args) => loads::run(&args).map(done),
+        Command::PadFriction(args) => pad_friction::run(&args).map(done),
         Command::Diagnose(args) => diagnose::run(&args).map(done),
         Command::Demo(args) => demo::run(&args).map(done),
     };
