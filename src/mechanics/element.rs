@@ -1,6 +1,6 @@
 //! Springs, dampers and stops: what acts along one direction, and what acts between two points of attack.
 
-use super::motion::{Wrench, cross};
+use super::motion::{Wrench, cross, turn};
 use super::pose::{At, Pose};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -138,8 +138,8 @@ impl Guide {
         // the point of the first body at which the second one's point is now
         let first =
             At { arm, place: second.place, velocity: bodies[0].velocity + cross(&bodies[0].spin, &arm) };
-        let axis = bodies[0].axes * self.axis;
-        let apart = arm - bodies[0].axes * self.points[0];
+        let axis = turn(&bodies[0].axes, &self.axis);
+        let apart = arm - turn(&bodies[0].axes, &self.points[0]);
         let closing = second.velocity - first.velocity;
         let (way, rate) = (axis.dot(&apart), axis.dot(&closing));
         Slid {

@@ -19,7 +19,7 @@ pub use body::Body;
 pub use curve::Curve;
 pub use element::{BumpStop, Guide, Rod, Slid, Spanned, SpringDamper};
 pub use motion::{Attitude, Motion, Wrench};
-pub(crate) use motion::{cross, rotation_x, rotation_y, rotation_z};
+pub(crate) use motion::{cross, rotation_x, rotation_y, rotation_z, turn, turn_back};
 pub use point_mass::PointMass;
 pub use pose::{At, Pose};
 pub use rigid::RigidBody;

@@ -72,12 +72,12 @@ impl Motion<f64> {
         let spin = self.angles.y + libm::atan2(-attitude[(2, 0)], attitude[(2, 2)]);
         let yaw = libm::atan2(-attitude[(0, 1)], attitude[(1, 1)]);
         let mut motion = Self {
-            position: axes * self.position,
-            velocity: axes * self.velocity,
+            position: turn(axes, &self.position),
+            velocity: turn(axes, &self.velocity),
             angles: Vector3::new(camber, spin, yaw),
             rates: Vector3::zeros(),
         };
-        motion.rates = motion.rate_map_inverse() * (axes * self.angular_velocity());
+        motion.rates = turn(&motion.rate_map_inverse(), &turn(axes, &self.angular_velocity()));
         motion
     }
 }
@@ -110,7 +110,7 @@ impl<T: Real> Motion<T> {
 
     /// Angular velocity in frame 0 \[rad/s\].
     pub fn angular_velocity(&self) -> Vector3<T> {
-        self.rate_map() * self.rates
+        turn(&self.rate_map(), &self.rates)
     }
 
     /// The time derivative of [`rotation`](Self::rotation).
@@ -133,13 +133,25 @@ pub struct Attitude<T> {
 impl<T: Real> Attitude<T> {
     /// [`Motion::rotation`].
     pub fn rotation(&self) -> Matrix3<T> {
-        about_z(self.z) * about_x(self.x) * about_y(self.y)
+        // about z, then x, then y, without what is multiplied by zeros
+        let ((sx, cx), (sy, cy), (sz, cz)) = (self.x, self.y, self.z);
+        Matrix3::new(
+            cz * cy - sz * sx * sy,
+            -sz * cx,
+            cz * sy + sz * sx * cy,
+            sz * cy + cz * sx * sy,
+            cz * cx,
+            sz * sy - cz * sx * cy,
+            -cx * sy,
+            sx,
+            cx * cy,
+        )
     }
 
     /// [`Motion::rotation`] and its time derivative at these rates of the angles.
     pub fn rotation_and_derivative(&self, rates: &Vector3<T>) -> (Matrix3<T>, Matrix3<T>) {
         let rotation = self.rotation();
-        (rotation, cross_matrix(&(self.rate_map() * rates)) * rotation)
+        (rotation, cross_matrix(&turn(&self.rate_map(), rates)) * rotation)
     }
 
     /// [`Motion::rate_map`].
@@ -173,6 +185,20 @@ impl<T: Real> Attitude<T> {
             zero,
         )
     }
+}
+
+/// A matrix times a vector. Written out: the library's product of such small ones is calls and loops, which were a fifth of what a car costs.
+#[inline]
+pub fn turn<T: Real>(matrix: &Matrix3<T>, v: &Vector3<T>) -> Vector3<T> {
+    let row = |i: usize| matrix[(i, 0)] * v.x + matrix[(i, 1)] * v.y + matrix[(i, 2)] * v.z;
+    Vector3::new(row(0), row(1), row(2))
+}
+
+/// The transposed matrix times a vector.
+#[inline]
+pub fn turn_back<T: Real>(matrix: &Matrix3<T>, v: &Vector3<T>) -> Vector3<T> {
+    let column = |i: usize| matrix[(0, i)] * v.x + matrix[(1, i)] * v.y + matrix[(2, i)] * v.z;
+    Vector3::new(column(0), column(1), column(2))
 }
 
 /// Rotation about x.

@@ -1,6 +1,6 @@
 //! A body as elements between bodies see it.
 
-use super::motion::{Attitude, Motion, Wrench, cross};
+use super::motion::{Attitude, Motion, Wrench, cross, turn};
 use nalgebra::{Matrix3, Vector3};
 
 /// Where a body is and how it moves, with what its angles mean: made once for all that hangs on it.
@@ -27,7 +27,7 @@ impl From<&Motion<f64>> for Pose {
             position: motion.position,
             velocity: motion.velocity,
             axes: attitude.rotation(),
-            spin: attitude.rate_map() * motion.rates,
+            spin: turn(&attitude.rate_map(), &motion.rates),
             attitude,
             rates: motion.rates,
         }
@@ -48,7 +48,7 @@ pub struct At {
 impl Pose {
     /// The point of the body with these coordinates in its axes, from its centre \[m\].
     pub fn at(&self, point: &Vector3<f64>) -> At {
-        let arm = self.axes * point;
+        let arm = turn(&self.axes, point);
         At { arm, place: self.position + arm, velocity: self.velocity + cross(&self.spin, &arm) }
     }
 }

@@ -1,8 +1,8 @@
 //! Rigid bodies in Cardan angles.
 
-use super::motion::{Attitude, Motion, Wrench, cross};
+use super::motion::{Attitude, Motion, Wrench, cross, turn, turn_back};
 use crate::solver::Real;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 /// What a rigid body is made of. Its own axes are its principal axes of inertia.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -36,23 +36,21 @@ impl RigidBody {
         let mut linear = loads.force * T::from(1.0 / self.mass);
         linear.z -= T::from(gravity);
 
-        let moments = self.inertia.map(T::from);
+        // moments of inertia are those about the body's own axes
+        let moments = Vector3::from(self.inertia.map(T::from));
         let rotation = attitude.rotation();
-        let body =
-            |diagonal: [T; 3]| rotation * Matrix3::from_diagonal(&diagonal.into()) * rotation.transpose();
-        let inertia = body(moments);
-        let inverse = body(moments.map(|j| T::one() / j));
-
-        let spin = attitude.rate_map() * rates;
-        let spin_rate = inverse * (loads.moment - cross(&spin, &(inertia * spin)));
-        let turning = attitude.rate_map_derivative(rates) * rates;
-        let angular = attitude.rate_map_inverse() * (spin_rate - turning);
+        let spin = turn(&attitude.rate_map(), rates);
+        let momentum = turn(&rotation, &moments.component_mul(&turn_back(&rotation, &spin)));
+        let moment = turn_back(&rotation, &(loads.moment - cross(&spin, &momentum)));
+        let spin_rate = turn(&rotation, &moment.zip_map(&moments, |m, j| m / j));
+        let turning = turn(&attitude.rate_map_derivative(rates), rates);
+        let angular = turn(&attitude.rate_map_inverse(), &(spin_rate - turning));
         (linear, angular)
     }
 
     /// Energy of the motion \[J\].
     pub fn kinetic_energy(&self, motion: &Motion<f64>) -> f64 {
-        let spin = motion.rotation().transpose() * motion.angular_velocity();
+        let spin = turn_back(&motion.rotation(), &motion.angular_velocity());
         let turning: f64 = self.inertia.iter().zip(spin.iter()).map(|(j, w)| j * w * w).sum();
         0.5 * (self.mass * motion.velocity.norm_squared() + turning)
     }
@@ -61,6 +59,7 @@ impl RigidBody {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Matrix3;
     use crate::mechanics::{drift, kick};
 
     /// A body without loads keeps its moment of momentum and its energy, and one that is thrown turning about its

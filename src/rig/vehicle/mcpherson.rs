@@ -3,7 +3,7 @@
 use super::joint::Link;
 use super::lever_arms::SteeringAxis;
 use super::statics::Column;
-use crate::mechanics::{At, Guide, Pose, Rod, Slid, Spanned, SpringDamper, Wrench, cross};
+use crate::mechanics::{At, Guide, Pose, Rod, Slid, Spanned, SpringDamper, Wrench, cross, turn, turn_back};
 use crate::model::{Purpose, Role, Table, parameter};
 use crate::{Error, Result, real};
 use nalgebra::Vector3;
@@ -202,7 +202,7 @@ impl Side {
             ],
             strut: Guide {
                 points: [on(carrier, &j.strut_top), on(body, &j.strut_top)],
-                axis: carrier.axes.transpose() * axis,
+                axis: turn_back(&carrier.axes, &axis),
                 held: sizes.strut_top,
             },
             ..Self::default()
@@ -238,7 +238,7 @@ impl Side {
             link.preload = *force;
         }
         let [first, second] = across_axes(&at.strut.axis);
-        self.across = carrier.axes.transpose() * (first * forces[3] + second * forces[4]);
+        self.across = turn_back(&carrier.axes, &(first * forces[3] + second * forces[4]));
         self.push = forces[5];
     }
 
@@ -256,7 +256,7 @@ impl Side {
         }
         acting.on_rack = acting.links[2] * at.links[2].along.dot(&body.axes.column(1));
         let strut = &at.strut;
-        let force = self.strut.across(strut) + carrier.axes * self.across - strut.axis * acting.push;
+        let force = self.strut.across(strut) + turn(&carrier.axes, &self.across) - strut.axis * acting.push;
         let [on_carrier, on_body] = strut.wrenches(force);
         acting.on_body += on_body;
         acting.on_carrier += on_carrier;
@@ -267,7 +267,7 @@ impl Side {
     /// Energy in the bushings beyond that where the vehicle stands \[J\], with the strut's preload and without its spring.
     pub fn energy(&self, at: &Strained, carrier: &Pose) -> f64 {
         let links: f64 = self.links.iter().zip(&at.links).map(|(link, spanned)| link.energy(spanned)).sum();
-        let across = carrier.axes * self.across;
+        let across = turn(&carrier.axes, &self.across);
         links + self.strut.energy(&at.strut) + across.dot(&at.strut.off) - self.push * at.strut.way
     }
 

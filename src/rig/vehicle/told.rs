@@ -2,7 +2,7 @@
 
 use super::axle::Axle;
 use super::mcpherson::Acting;
-use crate::mechanics::{Body, Pose, Wrench, cross};
+use crate::mechanics::{Body, Pose, Wrench, cross, turn, turn_back};
 use crate::model::{Role, Table, output};
 use crate::real;
 use nalgebra::Vector3;
@@ -55,7 +55,7 @@ impl Front {
     pub fn new(acting: &Acting, body: &Pose, [shortened, _]: [f64; 2]) -> Self {
         Self {
             links: acting.links,
-            top: body.axes.transpose() * acting.top,
+            top: turn_back(&body.axes, &acting.top),
             push: acting.push,
             shortened,
             tie_rod: acting.tie_rod,
@@ -159,7 +159,7 @@ impl Bearing {
     ) -> Self {
         let axle = pose.axes.column(1).into_owned();
         let heading = directions(pose);
-        let turning = pose.attitude.rate_map() * carrier.turning
+        let turning = turn(&pose.attitude.rate_map(), &carrier.turning)
             + pose.attitude.rate_map_derivative(&pose.rates) * pose.rates;
         let force =
             on_rim.force - (carrier.acceleration + Vector3::new(0.0, 0.0, gravity)) * sizes.wheel_mass;

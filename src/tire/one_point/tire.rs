@@ -1,7 +1,7 @@
 //! One contact point, steady forces at slips that lag by relaxation lengths.
 
 use super::{Input, Law, ON_ROAD, Pressed, Standstill, Steady};
-use crate::mechanics::{Link, Motion, Wrench, cross, rotation_z};
+use crate::mechanics::{Link, Motion, Wrench, cross, rotation_z, turn};
 use crate::model::{Access, Purpose, Role, Table, local, output, parameter};
 use crate::road::{Road, Window};
 use crate::tire::relaxation::follow;
@@ -154,7 +154,8 @@ impl<L: Law> OnePoint<L> {
     fn pass_on(&mut self, at: &Contact, plane: &Plane) {
         let axes = plane.rotation() * rotation_z(at.yaw);
         let Wrench { force, moment } = self.state.contact;
-        self.state.on_rim = Wrench { force: axes * force, moment: axes * (moment + cross(&at.arm, &force)) };
+        self.state.on_rim =
+            Wrench { force: turn(&axes, &force), moment: turn(&axes, &(moment + cross(&at.arm, &force))) };
         let [_, aside] = at.travel;
         self.state.power_loss = -(force.x * at.sliding_x + force.y * aside);
     }
