@@ -59,8 +59,8 @@ impl RigidBody {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Matrix3;
     use crate::mechanics::{drift, kick};
+    use nalgebra::Matrix3;
 
     /// A body without loads keeps its moment of momentum and its energy, and one that is thrown turning about its
     /// middle axis tumbles: the step is of second order in both.
