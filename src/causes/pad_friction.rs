@@ -6,7 +6,7 @@ use super::vehicle::onset;
 use crate::cosimulate::Plan;
 use crate::model::Value;
 use crate::recording::Recording;
-use crate::stats::{deviation, mean_or_zero, median, median_interval};
+use crate::stats::{mean_or_zero, median, median_interval, spread};
 use crate::{Error, Result};
 use std::fmt::Write as _;
 
@@ -96,11 +96,12 @@ fn of_brake(
         let torque_of = run.channel_in(torque, "N.m")?;
         let rests = onset(std::slice::from_ref(&torque_of)).max(1);
         let above = |values: Vec<f64>| -> Vec<f64> {
-            let rest = mean_or_zero(&values[..rests]);
+            // not the mean: the last samples may have a little of the begin
+            let rest = median(&values[..rests]);
             values.into_iter().map(|v| v - rest).collect()
         };
         let pressure_of = run.channel_in(pressure, "Pa")?;
-        noise = noise.max(deviation(&pressure_of[..rests]));
+        noise = noise.max(spread(&pressure_of[..rests]));
         pressed.push((above(pressure_of), above(torque_of)));
     }
     let least = least.unwrap_or((OVER_NOISE * noise).max(OVER_CONTACT * sizes.2));

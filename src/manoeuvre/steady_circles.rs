@@ -16,8 +16,8 @@ use std::path::Path;
 const RADIUS: f64 = 100.0;
 /// Lateral accelerations: Mack 2009, section 7.2 \[m/s²\].
 const ACCELERATIONS: [f64; 2] = [4.0, 8.0];
-/// Between them a circle is enough to begin the next one with; beyond, the greatest one is looked for in smaller steps \[m/s²\].
-const STEPS: [f64; 2] = [2.0, 0.5];
+/// From circle to circle, so that each shows how the next one is held; and how exactly the greatest is found \[m/s²\].
+const STEP: f64 = 0.5;
 /// More than any tire has without wings \[m/s²\].
 const MOST: f64 = 2.0 * GRAVITY;
 /// Steering and drive are built up, and what is read begins and ends \[s\]: roll and yaw have settled after some seconds.
@@ -58,7 +58,7 @@ pub(super) fn run(car: &Car, _: &Path) -> Result<Done> {
             circles.pop();
         }
         circles.push(found);
-        wanted += if wanted < ACCELERATIONS[1] { STEPS[0] } else { STEPS[1] };
+        wanted += STEP;
     }
     if circles.is_empty() {
         return Err(Error::numeric(format!(
