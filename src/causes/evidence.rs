@@ -35,6 +35,8 @@ const TOO_MUCH: f64 = 4.0;
 const SCANNED: i32 = 12;
 /// Values on each side that count with one that is tried.
 const NEIGHBOURS: usize = 2;
+/// So many of the values that are tried stand for themselves: the best of them falls by chance as much that many times as often as one that was not chosen.
+const VALUES: f64 = (2 * SCANNED + 1) as f64 / (2 * NEIGHBOURS + 1) as f64;
 
 /// A cause that was named.
 #[derive(Debug, Clone, Serialize)]
@@ -482,7 +484,7 @@ impl<'a> Round<'a> {
             x: at(best_of(&told)? as i32 - SCANNED),
             gain: share(&told) * self.whole(),
             explains: [share(&fit), share(&of(Use::Check))],
-            chance: by_chance(&tells),
+            chance: (VALUES * by_chance(&tells)).min(1.0),
             matters: self.matters(&tried[best]),
             errors: tried.into_iter().nth(best)?,
         })

@@ -23,7 +23,8 @@ const MOST: f64 = 2.0 * GRAVITY;
 /// Steering and drive are built up, and what is read begins and ends \[s\]: roll and yaw have settled after some seconds.
 const BUILT: [f64; 2] = [0.5, 2.5];
 const READ: [f64; 2] = [9.0, 10.0];
-/// A circle is driven when radius and speed are off by no more than this share, and the speed changes over the reading by no more.
+/// A circle is driven when radius and speed are off by no more than this share, the speed changes over the reading by no more, and the lateral acceleration is that of the
+/// way: at the limit of the tires the body's slip angle creeps on.
 const CLOSE: f64 = 0.002;
 /// So many runs are tried for a circle; beyond the limit of the tires no number would do.
 const RUNS: usize = 8;
@@ -124,8 +125,9 @@ fn circle(car: &Car, wanted: f64, from: Held, inertia: f64) -> Result<Option<Cir
         let (speed, yaw) = (mean(speeds), mean(&view.course("yaw_rate", "rad/s")?[read.clone()]));
         let gains = (speeds[speeds.len() - 1] - speeds[0]) / (READ[1] - READ[0]);
         let off = Vector3::new(speed / yaw / RADIUS - 1.0, gains, speed / target - 1.0);
-        if off[0].abs().max(off[2].abs()).max(off[1].abs() / speed) < CLOSE {
-            let aside = mean(&view.course("lateral_acceleration", "m/s2")?[read]);
+        let aside = mean(&view.course("lateral_acceleration", "m/s2")?[read]);
+        let creeps = (aside / (speed * yaw) - 1.0).abs();
+        if off[0].abs().max(off[2].abs()).max(off[1].abs() / speed).max(creeps) < CLOSE {
             return Ok(Some(Circle { wanted, plan, run, held, aside, speed }));
         }
         if !off.iter().all(|v| v.is_finite()) || yaw <= 0.0 {

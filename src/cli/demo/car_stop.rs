@@ -104,7 +104,7 @@ fn about() -> Section {
          front, five links behind, four brakes and a controller with four channels of which those behind have one pressure. After Mack (TU München, 2009) \
          and Kaden (2015); the first prints no data, so all sizes of car, brakes and controller are placeholders. It is no product's ABS.",
         "Sliding friction is divided by 1 + v · 0.01 s/m (friction_speed_falloff), a placeholder: the tire's source does not let it depend on the sliding speed.",
-        "Without ABS the same pressure goes to the same brakes, whose inlet valves stay open. Positive forces of links pull at what they hold.",
+        "Without ABS the same pressure goes to the same brakes, whose inlet valves stay open. Forces of links and tie rods are positive where they pull, those of struts where they push.",
         "The patches come from the same car in this program, driven along the recorded brake torques; it has to end at the same place, to the last bit. \
          They are drawn closer to each other than they are.",
         "Each run can be repeated: latsch cosimulate SYSTEM --output RESULTS, with the systems in this folder.",
