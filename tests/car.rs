@@ -79,11 +79,21 @@ fn a_stop_keeps_account_of_its_energy() {
     assert!(worst < 1e-4, "{worst}");
 }
 
-/// Left and right exchanged, everything is exchanged.
+/// Left and right exchanged, everything is exchanged, tires with conicity and ply steer too.
 #[test]
 fn a_mirrored_run_is_the_mirror_image() {
-    let drive = |side: f64| {
-        let mut car = Shipped::new(CAR, &[("road_kind", 7.0), ("road_start", 6.0), ("road_height", 0.03)]);
+    let drive = |side: f64, lopsided: f64| {
+        let mut values = vec![("road_kind", 7.0), ("road_start", 6.0), ("road_height", 0.03)];
+        for (name, value) in [
+            ("front_tire.PHY1", 0.004),
+            ("front_tire.PVY1", 0.05),
+            ("front_tire.QSX1", 0.01),
+            ("front_tire.QHZ1", 0.01),
+            ("rear_tire.PVY1", 0.03),
+        ] {
+            values.push((name, lopsided * value));
+        }
+        let mut car = Shipped::new(CAR, &values);
         let mut last = Vec::new();
         for k in 0..800 {
             car.set("steering_wheel_angle", side * 0.8 * (f64::from(k) * 5e-3).sin());
@@ -106,10 +116,15 @@ fn a_mirrored_run_is_the_mirror_image() {
         }
         last
     };
-    let (left, right) = (drive(1.0), drive(-1.0));
-    assert!(left[1].abs() > 0.1, "it turns: {left:?}");
-    for (a, b) in left.iter().zip(&right) {
-        assert!((a - b).abs() < 1e-9 * (1.0 + a.abs()), "{left:?}\n{right:?}");
+    let plain = drive(1.0, 0.0);
+    for lopsided in [0.0, 1.0] {
+        let (left, right) = (drive(1.0, lopsided), drive(-1.0, lopsided));
+        assert!(left[1].abs() > 0.1, "it turns: {left:?}");
+        for (a, b) in left.iter().zip(&right) {
+            assert!((a - b).abs() < 1e-9 * (1.0 + a.abs()), "{left:?}\n{right:?}");
+        }
+        let change = (left[6] - plain[6]).abs();
+        assert_eq!(change > 10.0, lopsided > 0.0, "a tie rod's force changes by {change} N");
     }
 }
 

@@ -14,8 +14,8 @@ pub struct Cause {
     pub(super) unknowns: Vec<Unknown>,
     /// Changes of the unknowns that are tried first. They are made smaller where they change much more than there is to explain.
     pub(super) probes: Vec<Vec<f64>>,
-    /// Decisions of a controller depend on it: it is tried value after value, because what is explained jumps.
-    pub(super) scanned: bool,
+    /// Decisions of a controller depend on it: it is tried value after value, because what is explained jumps. What is no more than this is none.
+    pub(super) scanned: Option<f64>,
     /// What manoeuvre shows it where others do not.
     pub shown_by: &'static str,
 }
@@ -47,11 +47,27 @@ pub(super) enum How {
     Input,
 }
 
+/// A stiffness that swings with a mass is looked for in steps of this factor: what swings answers to a stiffness in a peak that is as narrow
+/// as its damping lets it be (a damping ratio of 0.1 is 20 % of the frequency, 40 % of the stiffness), and beside it nothing tells where that peak is.
+const FACTOR: f64 = 1.12;
+
 impl Cause {
     /// Twice the change does not do twice as much.
     pub(super) fn is_bent(&self) -> bool {
+        self.swings() || self.probes.len() > self.unknowns.len()
+    }
+
+    fn swings(&self) -> bool {
         self.unknowns.iter().any(|unknown| unknown.how == How::Over)
-            || self.probes.len() > self.unknowns.len()
+    }
+
+    /// Changes among which one is close to what there is, if there is one: of a compliance, in even steps of its logarithm.
+    pub(super) fn starts(&self) -> Vec<Vec<f64>> {
+        let [Unknown { how: How::Over, range: [low, high], .. }] = self.unknowns[..] else {
+            return Vec::new();
+        };
+        let steps = ((1.0 + high) / (1.0 + low)).ln() / FACTOR.ln();
+        (0..=steps as i32).map(|k| vec![(1.0 + low) * FACTOR.powi(k) - 1.0]).collect()
     }
 }
 
@@ -91,7 +107,7 @@ fn one(
         title,
         unknowns: vec![Unknown { names: names.to_vec(), how, range }],
         probes: vec![vec![probe]],
-        scanned: false,
+        scanned: None,
         shown_by: "",
     }
 }
@@ -117,7 +133,7 @@ pub(super) fn of_vehicles() -> Vec<Cause> {
             .map(|name| Unknown { names: vec![name], how: Times, range: [-0.5, 1.0] })
             .to_vec(),
         probes: vec![vec![0.1, 0.0], vec![0.0, 0.1]],
-        scanned: false,
+        scanned: None,
         shown_by: slowly,
     };
     let mass = Cause {
@@ -128,7 +144,7 @@ pub(super) fn of_vehicles() -> Vec<Cause> {
             Unknown { names: vec!["centre_of_mass_x"], how: Plus, range: [-0.3, 0.3] },
         ],
         probes: vec![vec![0.02, 0.0], vec![0.0, 0.02]],
-        scanned: false,
+        scanned: None,
         shown_by: "any stop",
     };
     vec![
@@ -225,7 +241,7 @@ pub(super) fn of_pads() -> Vec<Cause> {
                 Unknown { names: vec!["onset_time"], how: How::Plus, range: [-1.0, 1.0] },
             ],
             probes: vec![vec![-0.6, 0.2], vec![-0.3, 0.05], vec![0.3, -0.1]],
-            scanned: false,
+            scanned: None,
             shown_by: "any stop",
         },
         Cause {
@@ -248,10 +264,13 @@ pub(super) fn of_hydraulics() -> Vec<Cause> {
     ]
 }
 
+/// A tire's rolling radius changes by so much anyway: braking presses the front tires in by 3 mm more of 330 mm, and wear takes as much.
+const RADIUS: f64 = 0.01;
+
 /// Causes in the controller: of its radii only that of the front wheels over that of the rear ones shows, where it takes its reference from the wheels.
 pub(super) fn of_controllers() -> Vec<Cause> {
     vec![Cause {
-        scanned: true,
+        scanned: Some(RADIUS),
         shown_by: "a stop with controller",
         ..one(
             "controller_radius",

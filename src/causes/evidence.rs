@@ -1,7 +1,8 @@
 //! Which causes explain what a part does otherwise than recorded, and whether all runs agree.
 
-use super::part::Part;
-use super::runs::Use;
+use super::cause::How;
+use super::part::{Part, samples_in};
+use super::runs::{Recorded, Use};
 use super::{Hidden, PartFindings};
 use crate::fit::{Options, Problem, Unknown, least_squares};
 use crate::model::Value;
@@ -35,8 +36,10 @@ const TOO_MUCH: f64 = 4.0;
 const SCANNED: i32 = 12;
 /// Values on each side that count with one that is tried.
 const NEIGHBOURS: usize = 2;
-/// So many of the values that are tried stand for themselves: the best of them falls by chance as much that many times as often as one that was not chosen.
-const VALUES: f64 = (2 * SCANNED + 1) as f64 / (2 * NEIGHBOURS + 1) as f64;
+/// Between two values that are tried, as a share of the first change.
+const STEP: f64 = 0.5;
+/// A decision is seen in how a channel changes over this time: valves are open for some 10 to 40 ms \[s\].
+const DECISION: f64 = 0.02;
 
 /// A cause that was named.
 #[derive(Debug, Clone, Serialize)]
@@ -113,7 +116,8 @@ pub(super) fn search(part: &dyn Part, jobs: usize) -> Result<PartFindings> {
         }
         let mut fitted: Vec<Fitted> = fitted.drain(..).map(|one| round.judged(one)).collect();
         let unknown = |cause: &usize| !changes.iter().any(|(known, _)| known == cause);
-        let scanned = (0..part.causes().len()).filter(|cause| part.causes()[*cause].scanned).filter(unknown);
+        let scanned =
+            (0..part.causes().len()).filter(|cause| part.causes()[*cause].scanned.is_some()).filter(unknown);
         fitted.extend(scanned.filter_map(|cause| round.scanned(cause)));
         fitted.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let candidate = |f: &Fitted| Candidate {
@@ -163,16 +167,14 @@ struct Fitted {
     gain: f64,
     explains: [f64; 2],
     chance: f64,
-    /// It makes a channel's error smaller by more than what models and sensors are believed to.
-    matters: bool,
+    /// It is more than what models, sensors and tires are believed to, in the runs to fit and in those to check.
+    enough: bool,
     errors: Errors,
 }
 
 impl Fitted {
     fn counts(&self, tried: usize) -> bool {
-        self.matters
-            && self.explains.iter().all(|share| *share >= SHARE)
-            && self.chance * tried as f64 <= CHANCE
+        self.enough && self.chance * tried as f64 <= CHANCE
     }
 }
 
@@ -210,7 +212,7 @@ impl<'a> Round<'a> {
         round.scatter = round.squares(&round.base);
         round.keep_accuracy();
         for cause in 0..part.causes().len() {
-            let probes = if known.iter().any(|(c, _)| *c == cause) || part.causes()[cause].scanned {
+            let probes = if known.iter().any(|(c, _)| *c == cause) || part.causes()[cause].scanned.is_some() {
                 Vec::new()
             } else {
                 part.causes()[cause].probes.clone()
@@ -385,6 +387,7 @@ impl<'a> Round<'a> {
                     .map(|(probe, does)| (known(does), probe.clone()))
                     .max_by(|a, b| a.0.total_cmp(&b.0))
                     .unwrap_or(start);
+                start.1 = self.best_start(cause).unwrap_or(start.1);
             }
             first.push((start.0, cause, start.1));
         }
@@ -396,6 +399,22 @@ impl<'a> Round<'a> {
             .filter(|(k, (_, cause, _))| *k < FITTED || self.part.causes()[*cause].is_bent());
         fitted.extend(likely.filter_map(|(_, (_, cause, x))| self.fit(*cause, x)));
         fitted
+    }
+
+    /// The best of the changes that a cause is looked for at, in the one run to fit in which its first changes do most.
+    fn best_start(&self, cause: usize) -> Option<Vec<f64>> {
+        let starts = self.part.causes()[cause].starts();
+        let does = |run: usize| -> f64 {
+            self.probes[cause].iter().map(|(_, does)| self.of_run(run, &does[run])).fold(0.0, f64::max)
+        };
+        let run = self.used(Use::Fit).into_iter().max_by(|a, b| does(*a).total_cmp(&does(*b)))?;
+        let all: Vec<usize> = (0..starts.len()).collect();
+        let left = at_once(self.jobs, &all, |k| {
+            let errors = centred(self.part, self.part.errors(run, &self.changes(cause, &starts[*k]))).ok()?;
+            Some(self.of_run(run, &errors))
+        });
+        let best = left.iter().enumerate().filter_map(|(k, left)| Some((k, (*left)?)));
+        best.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| starts[k].clone())
     }
 
     fn bounded(&self, cause: usize, x: &[f64]) -> Vec<f64> {
@@ -417,7 +436,8 @@ impl<'a> Round<'a> {
                     mean: 0.0,
                     low: unknown.range[0],
                     high: unknown.range[1],
-                    step: 0.2 * size,
+                    // of a compliance a share of itself
+                    step: if unknown.how == How::Over { 0.05 * (1.0 + start[i]) } else { 0.2 * size },
                     prior: f64::INFINITY,
                     reach: f64::INFINITY,
                 }
@@ -437,66 +457,81 @@ impl<'a> Round<'a> {
     }
 
     /// A cause that is tried value after value. Decisions fall otherwise for reasons as small as a sensor's noise, so that what is left jumps from value to value: each
-    /// counts with its neighbours. And a wheel that is out of step once stays so, by how much is chance: what counts of each channel in each run is the share that is
-    /// left, not how much it was.
+    /// counts with its neighbours. A controller that is out of step tells nothing while it is, and one that is in step shows a right value by a deep dip: over runs and
+    /// channels, what counts is the logarithm of what is left. By how much the value at which least is left changes when a run is left out tells how far runs agree.
     fn scanned(&self, cause: usize) -> Option<Fitted> {
+        let none = self.part.causes()[cause].scanned?;
         let probe = &self.part.causes()[cause].probes[0];
-        let runs = self.all();
+        // places are counted from no change on
         let at =
-            |k: i32| self.bounded(cause, &probe.iter().map(|p| 0.5 * f64::from(k) * p).collect::<Vec<_>>());
-        let tried: Vec<Errors> =
-            (-SCANNED..=SCANNED).map(|k| self.errors(cause, &at(k), &runs)).collect::<Option<_>>()?;
-        let mean = crate::stats::mean_or_zero;
-        let squares: Vec<Vec<Vec<f64>>> = tried.iter().map(|errors| self.left(errors)).collect();
-        let around = |k: usize, run: usize, c: usize| {
-            let near = k.saturating_sub(NEIGHBOURS)..(k + NEIGHBOURS + 1).min(tried.len());
-            mean(&squares[near].iter().map(|all| all[run][c]).collect::<Vec<_>>())
-        };
+            |place: f64| self.bounded(cause, &probe.iter().map(|p| STEP * place * p).collect::<Vec<_>>());
+        let runs = self.all();
+        let tried: Vec<Errors> = (-SCANNED..=SCANNED)
+            .map(|k| self.errors(cause, &at(f64::from(k)), &runs))
+            .collect::<Option<_>>()?;
+        let left: Vec<Vec<Vec<f64>>> = tried.iter().map(|errors| self.decided(errors)).collect();
         let middle = SCANNED as usize;
-        let falls = |k: usize, run: usize| {
-            let of = |c: usize| {
-                let [before, after] = [middle, k].map(|k| around(k, run, c).max(f64::MIN_POSITIVE));
-                (before / after).ln()
-            };
-            mean(&(0..self.part.channels().len()).map(of).collect::<Vec<_>>())
-        };
         // a run in which the controller decides nothing tells nothing
-        let told: Vec<usize> = runs
-            .into_iter()
-            .filter(|run| squares.iter().any(|all| all[*run] != squares[middle][*run]))
-            .collect();
+        let told: Vec<usize> =
+            runs.into_iter().filter(|run| left.iter().any(|all| all[*run] != left[middle][*run])).collect();
         let of = |used: Use| -> Vec<usize> {
             told.iter().copied().filter(|run| self.part.runs()[*run].used == used).collect()
         };
-        let fall =
-            |k: usize, runs: &[usize]| mean(&runs.iter().map(|run| falls(k, *run)).collect::<Vec<_>>());
-        let fit = of(Use::Fit);
-        let best_of = |runs: &[usize]| {
-            let values = NEIGHBOURS..tried.len() - NEIGHBOURS;
-            values.max_by(|a, b| fall(*a, runs).total_cmp(&fall(*b, runs)))
+        let (fit, check) = (of(Use::Fit), of(Use::Check));
+        if fit.is_empty() || check.is_empty() || told.len() < 3 {
+            return None;
+        }
+        let mean = crate::stats::mean_or_zero;
+        let around = |k: usize, run: usize, c: usize| {
+            let near = k - NEIGHBOURS..k + NEIGHBOURS + 1;
+            mean(&left[near].iter().map(|all| all[run][c]).collect::<Vec<_>>()).max(f64::MIN_POSITIVE)
         };
-        let best = best_of(&fit)?;
-        let share = |runs: &[usize]| 1.0 - (-fall(best, runs)).exp();
-        let tells: Vec<[f64; 2]> = told.iter().map(|run| [1.0, falls(best, *run)]).collect();
+        let channels = self.part.channels().len();
+        let of_run = |k: usize, run: usize| {
+            mean(
+                &(0..channels).map(|c| (around(middle, run, c) / around(k, run, c)).ln()).collect::<Vec<_>>(),
+            )
+        };
+        let falls: Vec<Vec<f64>> = (NEIGHBOURS..tried.len() - NEIGHBOURS)
+            .map(|k| (0..self.all().len()).map(|run| of_run(k, run)).collect())
+            .collect();
+        let fall =
+            |k: usize, runs: &[usize]| mean(&runs.iter().map(|run| falls[k][*run]).collect::<Vec<_>>());
+        let place_of = |runs: &[usize]| {
+            let over: Vec<f64> = (0..falls.len()).map(|k| fall(k, runs)).collect();
+            highest(&over) - (middle - NEIGHBOURS) as f64
+        };
+        let place = place_of(&told);
+        let without: Vec<f64> = told
+            .iter()
+            .map(|out| place_of(&told.iter().copied().filter(|run| run != out).collect::<Vec<_>>()))
+            .collect();
+        let error = jackknife(&without);
+        let beyond = |place: f64| STEP * place.abs() * probe[0].abs() - none;
+        let nearest = (place.round() + f64::from(SCANNED)) as usize;
+        let share = |runs: &[usize]| 1.0 - (-fall(nearest - NEIGHBOURS, runs)).exp();
+        let places = [place_of(&fit), place_of(&check)];
         Some(Fitted {
             cause,
-            // the runs to fit decide; its size is more exact with all
-            x: at(best_of(&told)? as i32 - SCANNED),
+            x: at(place),
             gain: share(&told) * self.whole(),
-            explains: [share(&fit), share(&of(Use::Check))],
-            chance: (VALUES * by_chance(&tells)).min(1.0),
-            matters: self.matters(&tried[best]),
-            errors: tried.into_iter().nth(best)?,
+            explains: [share(&fit), share(&check)],
+            chance: beyond_by_chance(beyond(place) / (STEP * probe[0].abs()), error, told.len()),
+            enough: places.iter().all(|own| own * place > 0.0 && beyond(*own) > 0.0),
+            errors: tried.into_iter().nth(nearest)?,
         })
     }
 
-    /// What is left of each channel in each run, beside what models and sensors are believed to at best.
-    fn left(&self, errors: &Errors) -> Vec<Vec<f64>> {
+    /// What each channel in each run does otherwise within the time of a decision, beside what models and sensors are believed to at best: how far it is off adds up what
+    /// was decided before.
+    fn decided(&self, errors: &Errors) -> Vec<Vec<f64>> {
         let of = |(run, channels): (usize, &Vec<Vec<f64>>)| {
-            let group = &self.part.runs()[run].group;
+            let Recorded { group, recording, .. } = &self.part.runs()[run];
+            let apart = samples_in(&recording.time, DECISION).max(1);
             let one = |(c, values): (usize, &Vec<f64>)| {
                 let least = self.least.get(&(group.clone(), c)).copied().unwrap_or(0.0);
-                values.iter().map(|v| v * v).sum::<f64>() + values.len() as f64 * least
+                let changes = values.iter().zip(values.iter().skip(apart)).map(|(a, b)| (b - a).powi(2));
+                changes.sum::<f64>() + values.len() as f64 * least
             };
             channels.iter().enumerate().map(one).collect()
         };
@@ -531,6 +566,7 @@ impl<'a> Round<'a> {
         Ok(sums.into_iter().map(|(key, (sum, n))| (key, ACCURACY * ACCURACY * sum / n)).collect())
     }
 
+    /// It makes a channel's error smaller by more than what models and sensors are believed to.
     fn matters(&self, errors: &Errors) -> bool {
         let (before, after) = (self.squares(&self.base), self.squares(errors));
         self.least.iter().any(|(key, least)| match (before.get(key), after.get(key)) {
@@ -570,7 +606,7 @@ impl<'a> Round<'a> {
             gain: gains.iter().sum(),
             explains,
             chance: by_chance(&tells),
-            matters: self.matters(&errors),
+            enough: self.matters(&errors) && explains.iter().all(|share| *share >= SHARE),
             errors,
         }
     }
@@ -636,6 +672,32 @@ fn by_chance(tells: &[[f64; 2]]) -> f64 {
         return 1.0;
     }
     if spread == 0.0 { 0.0 } else { 0.5 * student(amount / spread.sqrt(), runs - 1.0) }
+}
+
+/// Where a curve that is known at 0, 1, 2 ... is highest: of the parabola through the highest value and its neighbours.
+fn highest(values: &[f64]) -> f64 {
+    let best = (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
+    if best == 0 || best + 1 >= values.len() {
+        return best as f64;
+    }
+    let [before, at, after] = [values[best - 1], values[best], values[best + 1]];
+    let bent = before - 2.0 * at + after;
+    if bent < 0.0 { best as f64 + 0.5 * (before - after) / bent } else { best as f64 }
+}
+
+/// Standard error of an estimate, of what it is without each of its parts in turn (Quenouille and Tukey).
+fn jackknife(without: &[f64]) -> f64 {
+    let n = without.len() as f64;
+    let mean = crate::stats::mean_or_zero(without);
+    (without.iter().map(|v| (v - mean).powi(2)).sum::<f64>() * (n - 1.0) / n).sqrt()
+}
+
+/// How probable it is by chance that an estimate from so many runs is as far beyond a limit, on either side.
+fn beyond_by_chance(beyond: f64, error: f64, runs: usize) -> f64 {
+    if beyond <= 0.0 {
+        return 1.0;
+    }
+    if error == 0.0 { 0.0 } else { student(beyond / error, runs as f64 - 1.0) }
 }
 
 /// Errors of channels without what sensors show at zero.

@@ -15,6 +15,8 @@ use crate::{Error, Result};
 const FOLLOWS: f64 = 0.1;
 /// That factor stays within these: no road scatters by more, and beyond a wheel that is about to lock cannot be followed.
 const FRICTION: [f64; 2] = [0.5, 1.5];
+/// A friction is a torque over a load and a radius: its squared error is that of three quantities, each known as well as a sensor is.
+const FRICTION_FROM: f64 = 3.0;
 /// The recorded speed is smoothed over so long to each side \[s\].
 const SMOOTHED: f64 = 0.025;
 /// Torque below this share of the greatest is none: the time before it shows the sensors' zeros.
@@ -289,7 +291,7 @@ impl Part for Vehicle<'_> {
     fn variation(&self, run: usize) -> Result<Vec<f64>> {
         let of = |(c, values): (usize, &Vec<f64>)| match self.has_offset(c) {
             true => crate::stats::deviation(&values[..self.driven[run].end]).powi(2),
-            false => 1.0,
+            false => FRICTION_FROM,
         };
         Ok(self.measured(run)?.iter().enumerate().map(of).collect())
     }

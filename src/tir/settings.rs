@@ -193,14 +193,15 @@ fn magic_formula_settings(document: &Document) -> Result<(Settings, Vec<String>)
         ));
     }
     if let Some(side) = reading.side {
-        let (is, other) = match side {
-            Side::Left => ("left", "right"),
-            Side::Right => ("right", "left"),
+        let said = match side {
+            Side::Left => {
+                "one for the left side, as a vehicle takes it; for a wheel on the right set mirrored = true under [parameters]"
+            }
+            Side::Right => {
+                "one for the right side; for a wheel on the left, and for a vehicle, whose tires are given as those of its left side, set mirrored = true under [parameters]"
+            }
         };
-        notes.push(format!(
-            "{}: the tire is one for the {is} side; for a wheel on the {other} set mirrored = true under [parameters]",
-            document.name()
-        ));
+        notes.push(format!("{}: the tire is {said}", document.name()));
     }
     Ok((Settings { values, ..Settings::default() }, notes))
 }

@@ -142,6 +142,10 @@ pub trait Tire: Clone + Default + PartialEq + Serialize + DeserializeOwned + Sen
     /// [`tune`](Tire::tune) has to follow.
     fn share_parameters(&mut self, of: &Self);
 
+    /// Makes of a tire for one side of a vehicle the one for the other side, its mirror image at the wheel's plane. Its state stays.
+    /// Nothing to do for a tire that is alike on both sides.
+    fn mirror(&mut self) {}
+
     /// Checks a value that was read from bytes: whatever [`step`](Tire::step) takes for granted.
     ///
     /// # Errors

@@ -55,7 +55,7 @@ pub struct Vehicle<T> {
     steered: Actuator,
     road_parameters: RoadParameters,
     road: Road,
-    /// Parameters of the tires in front and behind.
+    /// The left tires in front and behind, whose parameters are the vehicle's. The right ones are their mirror images.
     tires: [T; 2],
     wheels: [Mounted<T>; WHEELS],
     spins: [Spin; WHEELS],
@@ -167,6 +167,9 @@ impl<T: Tire> Model for Vehicle<T> {
         }
         for (i, wheel) in self.wheels.iter_mut().enumerate() {
             wheel.tire.share_parameters(&self.tires[i / 2]);
+            if SIDES[i] < 0.0 {
+                wheel.tire.mirror();
+            }
             wheel.tire.tune()?;
         }
         self.check_steps()

@@ -142,6 +142,9 @@ impl<T: Tire> Vehicle<T> {
         for i in 0..WHEELS {
             let axle = &self.car.axle(i / 2);
             let mut wheel = Mounted { tire: self.tires[i / 2].clone(), ..Mounted::default() };
+            if SIDES[i] < 0.0 {
+                wheel.tire.mirror();
+            }
             let rim = Motion {
                 velocity: Vector3::new(self.initial_speed, 0.0, 0.0),
                 angles: Vector3::new(-SIDES[i] * axle.camber, 0.0, -SIDES[i] * axle.toe),

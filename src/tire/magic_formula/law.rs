@@ -42,6 +42,10 @@ impl Law for Formula {
         self.coefficients.check()
     }
 
+    fn mirror(&mut self) {
+        self.mirrored = !self.mirrored;
+    }
+
     fn radius(&self) -> f64 {
         self.coefficients.unloaded_radius
     }

@@ -106,6 +106,9 @@ pub trait Law: Clone + Default + PartialEq + Serialize + DeserializeOwned + Send
         Ok(())
     }
 
+    /// As [`Tire::mirror`](super::Tire::mirror).
+    fn mirror(&mut self) {}
+
     /// Radius without load at rest \[m\].
     fn radius(&self) -> f64;
 

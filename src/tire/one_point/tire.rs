@@ -248,6 +248,10 @@ impl<L: Law> Tire for OnePoint<L> {
         self.gravity = of.gravity;
     }
 
+    fn mirror(&mut self) {
+        self.law.mirror();
+    }
+
     fn radius(&self) -> f64 {
         self.law.radius()
     }
