@@ -16,6 +16,8 @@ pub struct Cause {
     pub(super) probes: Vec<Vec<f64>>,
     /// Decisions of a controller depend on it: it is tried value after value, because what is explained jumps. What is no more than this is none.
     pub(super) scanned: Option<f64>,
+    /// It may be otherwise on one road only.
+    pub(super) of_roads: bool,
     /// What manoeuvre shows it where others do not.
     pub shown_by: &'static str,
 }
@@ -108,6 +110,7 @@ fn one(
         unknowns: vec![Unknown { names: names.to_vec(), how, range }],
         probes: vec![vec![probe]],
         scanned: None,
+        of_roads: false,
         shown_by: "",
     }
 }
@@ -134,6 +137,7 @@ pub(super) fn of_vehicles() -> Vec<Cause> {
             .to_vec(),
         probes: vec![vec![0.1, 0.0], vec![0.0, 0.1]],
         scanned: None,
+        of_roads: false,
         shown_by: slowly,
     };
     let mass = Cause {
@@ -145,18 +149,17 @@ pub(super) fn of_vehicles() -> Vec<Cause> {
         ],
         probes: vec![vec![0.02, 0.0], vec![0.0, 0.02]],
         scanned: None,
+        of_roads: false,
         shown_by: "any stop",
     };
+    let level = one(
+        "friction_level",
+        "level of the friction between tires and road",
+        &[],
+        (Friction, 0.03, [-0.5, 0.5]),
+    );
     vec![
-        with(
-            one(
-                "friction_level",
-                "level of the friction between tires and road",
-                &[],
-                (Friction, 0.03, [-0.5, 0.5]),
-            ),
-            "a stop to the limit",
-        ),
+        with(Cause { of_roads: true, ..level }, "a stop to the limit"),
         with(
             one(
                 "falling_branch",
@@ -242,6 +245,7 @@ pub(super) fn of_pads() -> Vec<Cause> {
             ],
             probes: vec![vec![-0.6, 0.2], vec![-0.3, 0.05], vec![0.3, -0.1]],
             scanned: None,
+            of_roads: false,
             shown_by: "any stop",
         },
         Cause {

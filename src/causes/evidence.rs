@@ -1,8 +1,13 @@
 //! Which causes explain what a part does otherwise than recorded, and whether all runs agree.
 
+mod roads;
+mod scan;
+
+pub use roads::OnRoad;
+
 use super::cause::How;
-use super::part::{Part, samples_in};
-use super::runs::{Recorded, Use};
+use super::part::Part;
+use super::runs::Use;
 use super::{Hidden, PartFindings};
 use crate::fit::{Options, Problem, Unknown, least_squares};
 use crate::model::Value;
@@ -32,15 +37,6 @@ const FITTED: usize = 4;
 const HIDDEN: f64 = 1e-3;
 /// First changes are made smaller until they do no more than so many times what there is to explain (as errors, twice as much): beyond, what they do is no longer in proportion.
 const TOO_MUCH: f64 = 4.0;
-/// Steps of a cause that is tried value after value, on each side: up to 6 % of a radius in steps of 0.5 %.
-const SCANNED: i32 = 12;
-/// Values on each side that count with one that is tried.
-const NEIGHBOURS: usize = 2;
-/// Between two values that are tried, as a share of the first change.
-const STEP: f64 = 0.5;
-/// A decision is seen in how a channel changes over this time: valves are open for some 10 to 40 ms \[s\].
-const DECISION: f64 = 0.02;
-
 /// A cause that was named.
 #[derive(Debug, Clone, Serialize)]
 pub struct Found {
@@ -97,8 +93,13 @@ type Changes = Vec<(usize, Vec<f64>)>;
 /// A part that does not run as it is.
 pub(super) fn search(part: &dyn Part, jobs: usize) -> Result<PartFindings> {
     let mut changes = Changes::new();
-    let mut findings =
-        PartFindings { part: part.name(), found: Vec::new(), left: Vec::new(), hidden: Vec::new() };
+    let mut findings = PartFindings {
+        part: part.name(),
+        found: Vec::new(),
+        left: Vec::new(),
+        of_roads: Vec::new(),
+        hidden: Vec::new(),
+    };
     loop {
         let mut round = Round::new(part, &changes, jobs)?;
         if findings.found.is_empty() {
@@ -129,17 +130,19 @@ pub(super) fn search(part: &dyn Part, jobs: usize) -> Result<PartFindings> {
         };
         let named = fitted.first().filter(|best| best.counts(fitted.len().max(part.causes().len())));
         findings.left = fitted[usize::from(named.is_some())..].iter().map(candidate).collect();
+        let named_ids = |id: &str| named.is_some_and(|best| part.causes()[best.cause].id == id);
+        let errors = named.map_or(&round.base, |best| &best.errors);
+        let roads = (0..part.causes().len())
+            .filter(|k| part.causes()[*k].of_roads && !named_ids(part.causes()[*k].id));
+        findings.of_roads =
+            roads.map(|cause| round.of_roads(cause, errors)).collect::<Result<Vec<_>>>()?.concat();
         let Some(best) = named else { return Ok(findings) };
         let cause = &part.causes()[best.cause];
-        let changed = part.values(best.cause, &best.x)?;
         let near = |f: &&Fitted| f.gain > NEAR * best.gain;
         findings.found.push(Found {
             id: cause.id,
             title: cause.title,
-            changes: changed
-                .into_iter()
-                .map(|(name, before, value)| Change { name, before, value })
-                .collect(),
+            changes: round.made(best.cause, &best.x)?,
             explains: best.explains,
             chance: best.chance,
             channels: round.channels(best),
@@ -456,88 +459,6 @@ impl<'a> Round<'a> {
         self.tried(cause, fit.x)
     }
 
-    /// A cause that is tried value after value. Decisions fall otherwise for reasons as small as a sensor's noise, so that what is left jumps from value to value: each
-    /// counts with its neighbours. A controller that is out of step tells nothing while it is, and one that is in step shows a right value by a deep dip: over runs and
-    /// channels, what counts is the logarithm of what is left. By how much the value at which least is left changes when a run is left out tells how far runs agree.
-    fn scanned(&self, cause: usize) -> Option<Fitted> {
-        let none = self.part.causes()[cause].scanned?;
-        let probe = &self.part.causes()[cause].probes[0];
-        // places are counted from no change on
-        let at =
-            |place: f64| self.bounded(cause, &probe.iter().map(|p| STEP * place * p).collect::<Vec<_>>());
-        let runs = self.all();
-        let tried: Vec<Errors> = (-SCANNED..=SCANNED)
-            .map(|k| self.errors(cause, &at(f64::from(k)), &runs))
-            .collect::<Option<_>>()?;
-        let left: Vec<Vec<Vec<f64>>> = tried.iter().map(|errors| self.decided(errors)).collect();
-        let middle = SCANNED as usize;
-        // a run in which the controller decides nothing tells nothing
-        let told: Vec<usize> =
-            runs.into_iter().filter(|run| left.iter().any(|all| all[*run] != left[middle][*run])).collect();
-        let of = |used: Use| -> Vec<usize> {
-            told.iter().copied().filter(|run| self.part.runs()[*run].used == used).collect()
-        };
-        let (fit, check) = (of(Use::Fit), of(Use::Check));
-        if fit.is_empty() || check.is_empty() || told.len() < 3 {
-            return None;
-        }
-        let mean = crate::stats::mean_or_zero;
-        let around = |k: usize, run: usize, c: usize| {
-            let near = k - NEIGHBOURS..k + NEIGHBOURS + 1;
-            mean(&left[near].iter().map(|all| all[run][c]).collect::<Vec<_>>()).max(f64::MIN_POSITIVE)
-        };
-        let channels = self.part.channels().len();
-        let of_run = |k: usize, run: usize| {
-            mean(
-                &(0..channels).map(|c| (around(middle, run, c) / around(k, run, c)).ln()).collect::<Vec<_>>(),
-            )
-        };
-        let falls: Vec<Vec<f64>> = (NEIGHBOURS..tried.len() - NEIGHBOURS)
-            .map(|k| (0..self.all().len()).map(|run| of_run(k, run)).collect())
-            .collect();
-        let fall =
-            |k: usize, runs: &[usize]| mean(&runs.iter().map(|run| falls[k][*run]).collect::<Vec<_>>());
-        let place_of = |runs: &[usize]| {
-            let over: Vec<f64> = (0..falls.len()).map(|k| fall(k, runs)).collect();
-            highest(&over) - (middle - NEIGHBOURS) as f64
-        };
-        let place = place_of(&told);
-        let without: Vec<f64> = told
-            .iter()
-            .map(|out| place_of(&told.iter().copied().filter(|run| run != out).collect::<Vec<_>>()))
-            .collect();
-        let error = jackknife(&without);
-        let beyond = |place: f64| STEP * place.abs() * probe[0].abs() - none;
-        let nearest = (place.round() + f64::from(SCANNED)) as usize;
-        let share = |runs: &[usize]| 1.0 - (-fall(nearest - NEIGHBOURS, runs)).exp();
-        let places = [place_of(&fit), place_of(&check)];
-        Some(Fitted {
-            cause,
-            x: at(place),
-            gain: share(&told) * self.whole(),
-            explains: [share(&fit), share(&check)],
-            chance: beyond_by_chance(beyond(place) / (STEP * probe[0].abs()), error, told.len()),
-            enough: places.iter().all(|own| own * place > 0.0 && beyond(*own) > 0.0),
-            errors: tried.into_iter().nth(nearest)?,
-        })
-    }
-
-    /// What each channel in each run does otherwise within the time of a decision, beside what models and sensors are believed to at best: how far it is off adds up what
-    /// was decided before.
-    fn decided(&self, errors: &Errors) -> Vec<Vec<f64>> {
-        let of = |(run, channels): (usize, &Vec<Vec<f64>>)| {
-            let Recorded { group, recording, .. } = &self.part.runs()[run];
-            let apart = samples_in(&recording.time, DECISION).max(1);
-            let one = |(c, values): (usize, &Vec<f64>)| {
-                let least = self.least.get(&(group.clone(), c)).copied().unwrap_or(0.0);
-                let changes = values.iter().zip(values.iter().skip(apart)).map(|(a, b)| (b - a).powi(2));
-                changes.sum::<f64>() + values.len() as f64 * least
-            };
-            channels.iter().enumerate().map(one).collect()
-        };
-        errors.iter().enumerate().map(of).collect()
-    }
-
     fn tried(&self, cause: usize, x: Vec<f64>) -> Option<Tried> {
         let errors = self.errors(cause, &x, &self.all())?;
         Some(Tried { cause, x, errors })
@@ -567,8 +488,8 @@ impl<'a> Round<'a> {
     }
 
     /// It makes a channel's error smaller by more than what models and sensors are believed to.
-    fn matters(&self, errors: &Errors) -> bool {
-        let (before, after) = (self.squares(&self.base), self.squares(errors));
+    fn smaller(&self, before: &Errors, after: &Errors) -> bool {
+        let (before, after) = (self.squares(before), self.squares(after));
         self.least.iter().any(|(key, least)| match (before.get(key), after.get(key)) {
             (Some(before), Some(after)) => *least > 0.0 && before - after >= *least,
             _ => false,
@@ -580,6 +501,18 @@ impl<'a> Round<'a> {
             let scatter = self.scatter.entry(key.clone()).or_insert(*least);
             *scatter = scatter.max(*least);
         }
+    }
+
+    /// What values of a cause make of parameters.
+    fn made(&self, cause: usize, x: &[f64]) -> Result<Vec<Change>> {
+        let changed = self.part.values(cause, x)?.into_iter();
+        Ok(changed.map(|(name, before, value)| Change { name, before, value }).collect())
+    }
+
+    /// Of each run how much a change does, squared, and that with what there is to explain.
+    fn tells(&self, does: &Errors, left: &Errors) -> Vec<[f64; 2]> {
+        let of = |run: usize| [self.of_run(run, &does[run]), self.product(run, &does[run], &left[run])];
+        self.all().into_iter().map(of).collect()
     }
 
     /// What a cause explains of all runs.
@@ -595,18 +528,14 @@ impl<'a> Round<'a> {
             runs.iter().map(|run| gains[*run]).sum::<f64>() / whole.max(f64::MIN_POSITIVE)
         });
         let does = difference(&self.base, &errors);
-        let tells: Vec<[f64; 2]> = self
-            .all()
-            .into_iter()
-            .map(|run| [self.of_run(run, &does[run]), self.product(run, &does[run], &self.base[run])])
-            .collect();
+        let tells = self.tells(&does, &self.base);
         Fitted {
             cause,
             x,
             gain: gains.iter().sum(),
             explains,
             chance: by_chance(&tells),
-            enough: self.matters(&errors) && explains.iter().all(|share| *share >= SHARE),
+            enough: self.smaller(&self.base, &errors) && explains.iter().all(|share| *share >= SHARE),
             errors,
         }
     }
@@ -659,45 +588,45 @@ impl Problem for Fitting<'_, '_> {
     }
 }
 
-/// How probable it is by chance that runs agree so on the amount of a change: Student's t of the mean of their own amounts, weighted by how much each
-/// tells of it. Of each run `tells` is the square of what the change does there, and that with what there is to explain.
+/// Amounts of a change in several runs. Of each run `tells` is the square of what the change does there, and that with what there is to explain.
+struct Amounts {
+    /// Their mean, each weighted by how much its run tells of it.
+    mean: f64,
+    /// Sum of the weights.
+    weight: f64,
+    /// Weighted squares by which they are apart.
+    apart: f64,
+    /// How many runs tell of it at all.
+    runs: f64,
+}
+
+impl Amounts {
+    fn of(tells: &[[f64; 2]]) -> Self {
+        // a run that the change does nothing in has no amount, and no weight
+        let told: Vec<[f64; 2]> = tells.iter().copied().filter(|[own, _]| *own > 0.0).collect();
+        let weight: f64 = told.iter().map(|[own, _]| own).sum();
+        let mean = if weight > 0.0 { told.iter().map(|[_, with]| with).sum::<f64>() / weight } else { 0.0 };
+        let apart = told.iter().map(|[own, with]| own * (with / own - mean).powi(2)).sum();
+        Self { mean, weight, apart, runs: told.len() as f64 }
+    }
+}
+
+/// How probable it is by chance that runs agree so on the amount of a change: Student's t of the mean of their own amounts.
 fn by_chance(tells: &[[f64; 2]]) -> f64 {
-    let whole: f64 = tells.iter().map(|[own, _]| own).sum();
-    let amount = tells.iter().map(|[_, with]| with).sum::<f64>() / whole;
-    // a run that the change does nothing in has no amount, and no weight
-    let apart = |[own, with]: &[f64; 2]| if *own > 0.0 { own * (with / own - amount).powi(2) } else { 0.0 };
-    let runs = tells.iter().filter(|[own, _]| *own > 0.0).count() as f64;
-    let spread = tells.iter().map(apart).sum::<f64>() / (runs - 1.0) / whole;
-    if !(amount > 0.0 && whole > 0.0 && runs > 1.0) {
+    let Amounts { mean, weight, apart, runs } = Amounts::of(tells);
+    if !(mean > 0.0 && runs > 1.0) {
         return 1.0;
     }
-    if spread == 0.0 { 0.0 } else { 0.5 * student(amount / spread.sqrt(), runs - 1.0) }
+    // the fit chose the sign
+    0.5 * beyond_by_chance(mean, (apart / (runs - 1.0) / weight).sqrt(), runs - 1.0)
 }
 
-/// Where a curve that is known at 0, 1, 2 ... is highest: of the parabola through the highest value and its neighbours.
-fn highest(values: &[f64]) -> f64 {
-    let best = (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
-    if best == 0 || best + 1 >= values.len() {
-        return best as f64;
-    }
-    let [before, at, after] = [values[best - 1], values[best], values[best + 1]];
-    let bent = before - 2.0 * at + after;
-    if bent < 0.0 { best as f64 + 0.5 * (before - after) / bent } else { best as f64 }
-}
-
-/// Standard error of an estimate, of what it is without each of its parts in turn (Quenouille and Tukey).
-fn jackknife(without: &[f64]) -> f64 {
-    let n = without.len() as f64;
-    let mean = crate::stats::mean_or_zero(without);
-    (without.iter().map(|v| (v - mean).powi(2)).sum::<f64>() * (n - 1.0) / n).sqrt()
-}
-
-/// How probable it is by chance that an estimate from so many runs is as far beyond a limit, on either side.
-fn beyond_by_chance(beyond: f64, error: f64, runs: usize) -> f64 {
+/// How probable it is by chance that an estimate is as far beyond a limit, on either side, with the degrees of freedom that its standard error has.
+fn beyond_by_chance(beyond: f64, error: f64, dof: f64) -> f64 {
     if beyond <= 0.0 {
         return 1.0;
     }
-    if error == 0.0 { 0.0 } else { student(beyond / error, runs as f64 - 1.0) }
+    if error == 0.0 { 0.0 } else { student(beyond / error, dof) }
 }
 
 /// Errors of channels without what sensors show at zero.

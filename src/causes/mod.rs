@@ -19,7 +19,7 @@ mod vehicle;
 
 pub use cause::Cause;
 pub use closed::{ClosedLoop, closed_loops};
-pub use evidence::{Candidate, Found};
+pub use evidence::{Candidate, Change, Found, OnRoad};
 pub use pad_friction::{PadFriction, pad_friction, pad_friction_csv, pad_frictions};
 pub use runs::{Recorded, Use, has_repeats, read_runs};
 
@@ -39,6 +39,8 @@ pub struct PartFindings {
     pub found: Vec<Found>,
     /// What was looked at beside and not named, the one that explains most first.
     pub left: Vec<Candidate>,
+    /// What is otherwise on one road only, in the runs of one group.
+    pub of_roads: Vec<OnRoad>,
     /// Causes that these recordings do not show, with what would.
     pub hidden: Vec<Hidden>,
 }

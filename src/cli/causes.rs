@@ -3,7 +3,7 @@
 use super::diagnose::Args;
 use super::{Format, print, print_json};
 use indicatif::ProgressBar;
-use latsch::causes::{Found, PartFindings, closed_loops, correct, find, read_runs};
+use latsch::causes::{Change, PartFindings, closed_loops, correct, find, read_runs};
 use latsch::cosimulate::read_system;
 use latsch::model::Value;
 use latsch::report::{causes_report, write_html};
@@ -46,7 +46,11 @@ pub fn run(args: &Args) -> Result<()> {
     let summary = summary(&findings);
     let page = causes_report(&format!("Diagnosis of {}", args.model), &summary, &findings, &closed);
     write_html(&args.output.join("report.html"), &page)?;
-    let verdict = if findings.iter().all(|part| part.found.is_empty()) { "nothing" } else { "causes" };
+    let verdict = if findings.iter().all(|part| part.found.is_empty() && part.of_roads.is_empty()) {
+        "nothing"
+    } else {
+        "causes"
+    };
     let answer = json!({ "verdict": verdict, "summary": summary, "parts": findings, "closed_loop": closed });
     let whole = serde_json::to_string_pretty(&answer).map_err(|e| Error::file(e.to_string()))?;
     write_file(&args.output.join("diagnosis.json"), whole.as_bytes())?;
@@ -67,7 +71,10 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// A sentence.
 fn summary(findings: &[PartFindings]) -> String {
-    let titles: Vec<&str> = findings.iter().flat_map(|part| &part.found).map(|found| found.title).collect();
+    let everywhere = findings.iter().flat_map(|part| &part.found).map(|found| found.title.to_owned());
+    let roads = findings.iter().flat_map(|part| &part.of_roads);
+    let titles: Vec<String> =
+        everywhere.chain(roads.map(|road| format!("{} in {}", road.title, road.group))).collect();
     match titles[..] {
         [] => {
             "No part does anything that its recorded inputs and the scatter of repeats do not explain.".into()
@@ -86,12 +93,22 @@ fn lines(part: &PartFindings) -> Vec<String> {
             100.0 * found.explains[1],
             found.chance
         ));
-        lines.extend(changes(found));
+        lines.extend(changes(&found.changes));
         for other in &found.alternatives {
             lines.push(format!("    or {}: {:.0} %", other.title, 100.0 * other.explains));
         }
     }
-    if part.found.is_empty() {
+    for road in &part.of_roads {
+        lines.push(format!(
+            "  in {} only, {}: explains {:.0} % of these runs (by chance {:.1e}); say it under [set] of their runs",
+            road.group,
+            road.title,
+            100.0 * road.explains,
+            road.chance
+        ));
+        lines.extend(changes(&road.changes));
+    }
+    if part.found.is_empty() && part.of_roads.is_empty() {
         lines.push("  nothing beyond the scatter of repeats".into());
     }
     if let Some(best) = part.left.first() {
@@ -108,15 +125,14 @@ fn lines(part: &PartFindings) -> Vec<String> {
     lines
 }
 
-fn changes(found: &Found) -> Vec<String> {
+fn changes(changes: &[Change]) -> Vec<String> {
     let text = |value: &Value| match value {
         Value::Real(v) => format!("{v:.5}"),
         Value::Integer(v) => v.to_string(),
         Value::Boolean(v) => v.to_string(),
         Value::Text(text) => format!("{text:?}"),
     };
-    found
-        .changes
+    changes
         .iter()
         .map(|change| format!("    {}: {} -> {}", change.name, text(&change.before), text(&change.value)))
         .collect()

@@ -18,7 +18,7 @@ pub fn causes_report(title: &str, summary: &str, parts: &[PartFindings], closed:
 }
 
 fn found(part: &PartFindings) -> Html {
-    if part.found.is_empty() {
+    if part.found.is_empty() && part.of_roads.is_empty() {
         return Html::note(
             "It does nothing that its recorded inputs and the scatter of repeats do not explain.",
         );
@@ -46,6 +46,21 @@ fn found(part: &PartFindings) -> Html {
                 first(percent(one.explains[1])),
                 first(format!("{:.0e}", one.chance)),
                 first(others.join(", ")),
+            ]);
+        }
+    }
+    for road in &part.of_roads {
+        for (k, change) in road.changes.iter().enumerate() {
+            let first = |text: String| if k == 0 { text } else { String::new() };
+            table = table.row(vec![
+                first(format!("{}, in {} only", road.title, road.group)),
+                change.name.clone(),
+                value(&change.before),
+                value(&change.value),
+                first(percent(road.explains)),
+                String::new(),
+                first(format!("{:.0e}", road.chance)),
+                String::new(),
             ]);
         }
     }

@@ -6,24 +6,27 @@ use crate::procedures::Wired;
 use latsch::causes::{PartFindings, Recorded, Use, find};
 use latsch::recording::{Channel, Recording, interpolate};
 
-/// Two stops to fit and two to check, each on a road whose friction scatters otherwise, sampled every 2 ms.
-fn recorded(values: &[(&str, f64)]) -> Vec<Recorded> {
-    (1..=4)
+/// So many stops to fit on one road, and as many to check, faster ones on another, each with friction that scatters otherwise, sampled every 2 ms. Some values hold on
+/// the second road only.
+fn recorded(repeats: i32, values: &[(&str, f64)], second: &[(&str, f64)]) -> Vec<Recorded> {
+    (1..=2 * repeats)
         .map(|k| {
             let seed = f64::from(k);
+            let is_second = k > repeats;
             let scatter = [
                 ("car.road_friction_deviation", 0.03),
                 ("car.road_friction_seed", 10.0 * seed),
                 ("car.road_friction_seed_right", 10.0 * seed + 1.0),
-                ("car.initial_speed", if k > 2 { 20.0 } else { 17.0 }),
+                ("car.initial_speed", if is_second { 20.0 } else { 17.0 }),
             ];
-            let run = Wired::new(&[values, &scatter].concat()).until(2.0).run();
+            let second = if is_second { second } else { &[] };
+            let run = Wired::new(&[values, &scatter, second].concat()).until(2.0).run();
             let initial = ("car.initial_speed".to_owned(), latsch::model::Value::Real(scatter[3].1));
             Recorded {
                 name: format!("stop-{k}.csv"),
                 recording: sampled(&run),
-                used: if k > 2 { Use::Check } else { Use::Fit },
-                group: if k > 2 { "fast" } else { "slow" }.into(),
+                used: if is_second { Use::Check } else { Use::Fit },
+                group: if is_second { "fast" } else { "slow" }.into(),
                 set: vec![initial],
             }
         })
@@ -65,7 +68,7 @@ fn causes_are_named_in_the_part_that_has_them_and_with_their_size() {
     let brakes = ["fl", "fr", "rl", "rr"].map(|b| format!("brake_{b}.caliper_lag"));
     let mut values: Vec<(&str, f64)> = brakes.iter().map(|name| (name.as_str(), 0.02)).collect();
     values.push(("car.front_anti_dive", 0.3));
-    let findings = causes(&recorded(&values));
+    let findings = causes(&recorded(2, &values, &[]));
     let named: Vec<Vec<&str>> =
         findings.iter().map(|part| part.found.iter().map(|found| found.id).collect()).collect();
     assert_eq!(named, [vec!["anti_dive"], vec![], vec!["caliper_lag"], vec![]], "{findings:#?}");
@@ -79,7 +82,21 @@ fn causes_are_named_in_the_part_that_has_them_and_with_their_size() {
 
 #[test]
 fn nothing_is_named_where_only_the_friction_scatters() {
-    for part in causes(&recorded(&[])) {
+    for part in causes(&recorded(2, &[], &[])) {
+        assert!(part.found.is_empty() && part.of_roads.is_empty(), "{part:#?}");
+    }
+}
+
+#[test]
+fn friction_of_one_road_is_named_for_that_road() {
+    let scales = ["front", "rear"].map(|axle| ["X", "Y"].map(|along| format!("car.{axle}_tire.LMU{along}")));
+    let less: Vec<(&str, f64)> = scales.as_flattened().iter().map(|name| (name.as_str(), 0.88)).collect();
+    let findings = causes(&recorded(3, &[], &less));
+    for part in &findings {
         assert!(part.found.is_empty(), "{part:#?}");
     }
+    let [road] = &findings[0].of_roads[..] else { panic!("{:#?}", findings[0]) };
+    assert_eq!((road.id, road.group.as_str()), ("friction_level", "fast"));
+    let latsch::model::Value::Real(level) = road.changes[0].value else { panic!("a number") };
+    assert!((level - 0.88).abs() < 0.02, "{level}");
 }

@@ -212,24 +212,21 @@ fn forward(c: &Coefficients, input: &Input, options: &Options) -> Output {
     let mu_y = friction(c.pdy1, (c.pdy1 + c.pdy2 * dfz) * (1.0 - c.pdy3 * lean_y * lean_y)) * lmuy;
     let d_y = mu_y * fz;
     let c_y = c.pcy1 * c.lcy;
-    let k_y = c.pky1
-        * nominal
-        * libm::sin(2.0 * libm::atan(fz / (c.pky2 * nominal)))
-        * c.lky
-        * (1.0 - c.pky3 * lean_y.abs());
+    let k_y =
+        c.pky1 * nominal * sin_twice_atan(fz / (c.pky2 * nominal)) * c.lky * (1.0 - c.pky3 * lean_y.abs());
     let b_y = quotient(k_y, c_y * d_y);
     let e_y = (c.pey1 + c.pey2 * dfz) * (1.0 - (fade * c.pey3 + c.pey4 * lean_y) * signum(alpha_y)) * c.ley;
     let sv_y = fz * (fade * (c.pvy1 + c.pvy2 * dfz) * c.lvy + (c.pvy3 + c.pvy4 * dfz) * lean_y) * lmuy;
     let fy0 = d_y * libm::sin(angle(b_y * alpha_y, c_y, e_y)) + sv_y;
 
     // longitudinal force in combined slip (4.E50 to 4.E57)
-    let b = c.rbx1 * libm::cos(libm::atan(c.rbx2 * kappa)) * c.lxal * sooner;
+    let b = c.rbx1 * cos_atan(c.rbx2 * kappa) * c.lxal * sooner;
     let fx = fx0 * weight(b, c.rcx1, c.rex1 + c.rex2 * dfz, slip, fade * c.rhx1);
 
     // lateral force in combined slip (4.E58 to 4.E67)
-    let b = c.rby1 * libm::cos(libm::atan(c.rby2 * (slip - fade * c.rby3))) * c.lyka * sooner;
+    let b = c.rby1 * cos_atan(c.rby2 * (slip - fade * c.rby3)) * c.lyka * sooner;
     let shift = fade * (c.rhy1 + c.rhy2 * dfz);
-    let d_vyk = d_y * (c.rvy1 + c.rvy2 * dfz + fade * c.rvy3 * lean) * libm::cos(libm::atan(c.rvy4 * slip));
+    let d_vyk = d_y * (c.rvy1 + c.rvy2 * dfz + fade * c.rvy3 * lean) * cos_atan(c.rvy4 * slip);
     let sv_yk = d_vyk * libm::sin(c.rvy5 * libm::atan(c.rvy6 * kappa)) * c.lvyka;
     let fy_slip = fy0 * weight(b, c.rcy1, c.rey1 + c.rey2 * dfz, kappa, shift);
     let fy = fy_slip + sv_yk;
@@ -261,7 +258,7 @@ fn forward(c: &Coefficients, input: &Input, options: &Options) -> Output {
     let trail = fade * d_t * libm::cos(angle(b_t * equivalent(alpha_t), c_t, e_t)) * cos_alpha;
     let b_r = c.qbz9 * stiffness_over_friction + c.qbz10 * b_y * c_y;
     let d_r = fz * r0 * ((c.qdz6 + c.qdz7 * dfz) * c.lres + (c.qdz8 + c.qdz9 * dfz) * lean_z) * lmuy;
-    let residual_decay = libm::cos(libm::atan(bounded(b_r * equivalent(alpha_r))));
+    let residual_decay = cos_atan(bounded(b_r * equivalent(alpha_r)));
     let residual_torque = fade * d_r * residual_decay * cos_alpha;
     let arm = r0 * (fade * c.ssz1 + c.ssz2 * (fy / c.fnomin) + (c.ssz3 + c.ssz4 * dfz) * lean) * c.ls;
     let mz = -trail * fy_slip + residual_torque + arm * fx;
@@ -337,7 +334,7 @@ pub fn relaxation_lengths(c: &Coefficients, fz: f64, gamma: f64) -> RelaxationLe
     let kappa =
         fz * (c.ptx1 + c.ptx2 * dfz) * libm::exp(-c.ptx3 * dfz) * (c.unloaded_radius / c.fnomin) * c.lsgkp;
     let alpha = c.pty1
-        * libm::sin(2.0 * libm::atan(quotient(fz, c.pty2 * nominal)))
+        * sin_twice_atan(quotient(fz, c.pty2 * nominal))
         * (1.0 - c.pky3 * gamma.abs())
         * c.unloaded_radius
         * c.lfzo
@@ -372,11 +369,24 @@ fn angle(b_x: f64, c: f64, e: f64) -> f64 {
     c * libm::atan(b_x - e * (b_x - libm::atan(b_x)))
 }
 
+/// cos(atan(x)), without either: they are most of what the equations cost.
+fn cos_atan(x: f64) -> f64 {
+    1.0 / (1.0 + x * x).sqrt()
+}
+
+/// sin(2·atan(x)), as [`cos_atan`].
+fn sin_twice_atan(x: f64) -> f64 {
+    2.0 * x / (1.0 + x * x)
+}
+
 /// The factor by which slip in one direction reduces the force in the other: a cosine, 1 without that slip.
 fn weight(b: f64, c: f64, e: f64, slip: f64, shift: f64) -> f64 {
     let cosine = |x: f64| libm::cos(angle(b * x, c, e));
     // without a shift the denominator is 1; with one it is zero only for coefficients that make no sense
-    let factor = quotient(cosine(slip + shift), cosine(shift));
+    let factor = match shift == 0.0 {
+        true => cosine(slip),
+        false => quotient(cosine(slip + shift), cosine(shift)),
+    };
     if factor < 0.0 { 0.0 } else { factor }
 }
 
