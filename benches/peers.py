@@ -25,6 +25,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 
 import fmpy
 import fmpy.fmi2
@@ -38,10 +39,20 @@ MODELS = ["ring-brush-flat-track", "magic-formula-flat-track", "ring-brush-corne
 # rolling at combined slip under about 4 kN
 ROLLING = {"deflection": 0.02, "path_speed": 27.8, "slip": 0.03, "slip_angle": 0.03}
 BRAKE = {"driver_pressure": 9e6}
-SSD = pathlib.Path(__file__).resolve().parent.parent / "examples" / "abs-stop" / "SystemStructure.ssd"
-# of the outputs that a user of this system watches
-BRAKING = ["corner.vehicle_speed", "corner.wheel_speed", "corner.slip", "corner.force_x", "corner.force_z", "brake.pressure",
-           "brake.brake_torque", "abs.inlet_valve_1"]
+EXAMPLES = pathlib.Path(__file__).resolve().parent.parent / "examples"
+SSD = "SystemStructure.ssd"
+CARS = ["ring-brush-vehicle", "magic-formula-vehicle"]
+# systems by their folders, each with outputs that its user watches
+WATCHED = {
+    "abs-stop": ["corner.vehicle_speed", "corner.wheel_speed", "corner.slip", "corner.force_x", "corner.force_z", "brake.pressure",
+                 "brake.brake_torque", "abs.inlet_valve_1"],
+} | {
+    car: ["car.vehicle_speed", "car.front_left.wheel_speed", "car.front_left.force_x", "car.front_left.force_z",
+          "car.front_left.longitudinal_link_force", "car.front_left.tie_rod_force", "brake_fl.brake_torque", "abs.inlet_valve_1"]
+    for car in CARS
+}
+# the car's step with which it is measured, and the pressure that its driver has in the brakes all the time
+CAR_STEP, PRESSURE = 5e-4, 1.5e7
 
 
 def version(package):
@@ -67,9 +78,17 @@ class Machine:
 
     def __init__(self, program, folder):
         self.program, self.folder = program, folder
-        for model in MODELS:
+        for model in MODELS + CARS:
             self.call("export", model, "--output", folder / f"{model}.fmu")
-        shutil.copy(SSD, folder)
+        for system in WATCHED:
+            place = folder / system
+            place.mkdir()
+            for fmu in folder.glob("*.fmu"):
+                (place / fmu.name).symlink_to(fmu)
+            if system in CARS:
+                (place / SSD).write_text(car_structure(system))
+            else:
+                shutil.copy(EXAMPLES / system / SSD, place)
 
     def call(self, *arguments):
         subprocess.run([self.program, *map(str, arguments)], check=True, capture_output=True)
@@ -82,8 +101,42 @@ class Machine:
         times = ["--start", 0, "--stop", steps * STEP, "--step", STEP]
         self.call("simulate", fmu, *times, *settings, "--output", self.folder / "out.csv")
 
-    def cosimulate(self, steps):
-        self.call("cosimulate", self.folder / SSD.name, "--stop", steps * STEP, "--output", self.folder / "out.csv")
+    def cosimulate(self, system, steps):
+        self.call("cosimulate", self.folder / system / SSD, "--stop", steps * STEP, "--output", self.folder / "out.csv")
+
+
+def car_structure(car):
+    """The car of examples/car-abs-stop in the form that all masters read, with a driver who brakes from the beginning."""
+    system = tomllib.loads((EXAMPLES / "car-abs-stop" / "system.toml").read_text())
+    wires = [(source.split(".", 1), target.split(".", 1)) for source, target in system["connect"].items()]
+
+    def component(name, about):
+        model = car if name == "car" else about["model"]
+        values = dict(about.get("set", {}))
+        if name == "car":
+            values |= {"initial_speed": 80 / 3.6, "step_size": CAR_STEP}
+        else:
+            values["driver_pressure"] = PRESSURE
+        ends = [(w[0][1], "output") for w in wires if w[0][0] == name] + [(w[1][1], "input") for w in wires if w[1][0] == name]
+        connectors = "".join(f'<ssd:Connector name="{n}" kind="{kind}"><ssc:Real/></ssd:Connector>' for n, kind in ends)
+        kinds = {bool: "Boolean", int: "Integer", float: "Real"}
+        parameters = "".join(
+            f'<ssv:Parameter name="{n}"><ssv:{kinds[type(v)]} value="{str(v).lower()}"/></ssv:Parameter>' for n, v in values.items()
+        )
+        return (
+            f'<ssd:Component name="{name}" source="{model}.fmu"><ssd:Connectors>{connectors}</ssd:Connectors><ssd:ParameterBindings>'
+            '<ssd:ParameterBinding><ssd:ParameterValues><ssv:ParameterSet version="1.0" name="start"><ssv:Parameters>'
+            f"{parameters}</ssv:Parameters></ssv:ParameterSet></ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings></ssd:Component>"
+        )
+
+    # in the order in which they step
+    elements = "".join(component(name, system["component"][name]) for name in system["order"])
+    connections = "".join(
+        f'<ssd:Connection startElement="{a}" startConnector="{x}" endElement="{b}" endConnector="{y}"/>' for (a, x), (b, y) in wires
+    )
+    example = (EXAMPLES / "abs-stop" / SSD).read_text()
+    head, tail = example[: example.index("<ssd:Elements>")], example[example.index("</ssd:System>") :]
+    return f"{head}<ssd:Elements>{elements}</ssd:Elements><ssd:Connections>{connections}</ssd:Connections>{tail}"
 
 
 class Slave:
@@ -180,12 +233,12 @@ def system_with_libcosim(folder, steps):
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimObserver import CosimObserver
 
-    execution = CosimExecution.from_ssp_file(str(folder / SSD.name))
+    execution = CosimExecution.from_ssp_file(str(folder / SSD))
     observer = CosimObserver.create_last_value()
     assert execution.add_observer(observer)
     places = []
-    for name in BRAKING:
-        component, variable = name.split(".")
+    for name in WATCHED[folder.name]:
+        component, variable = name.split(".", 1)
         index = execution.slave_index_from_instance_name(component)
         places.append((index, {v.name.decode(): v.reference for v in execution.slave_variables(index)}[variable]))
     for _ in range(steps):
@@ -200,7 +253,7 @@ def system_with_ecos(folder, steps):
         assert simulation.init(0, "start")
         for _ in range(steps):
             simulation.step()
-            [simulation.get_real(name.replace(".", "::")) for name in BRAKING]
+            [simulation.get_real(name.replace(".", "::", 1)) for name in WATCHED[folder.name]]
 
 
 class Brush:
@@ -307,11 +360,14 @@ def table(options, machine):
         for peer, _, package in masters:
             row(what, f"{version(package)}, in this process", (model, peer), base, 1e3, "ms")
     system_steps = 1000
-    what = f"{system_steps} steps of 1 ms of examples/abs-stop, three FMUs"
-    base = ("system", "latsch")
-    row(what, "latsch cosimulate, a process that writes a CSV file", base, base, 1e3, "ms")
-    row(what, f"{version('libcosimpy')}, 8 outputs read each step", ("system", "libcosim"), base, 1e3, "ms")
-    row(what, f"{version('ecospy')}, 8 outputs read each step", ("system", "Ecos"), base, 1e3, "ms")
+    about = {"abs-stop": "examples/abs-stop, three FMUs"}
+    about |= {car: f"examples/car-abs-stop with {car}.fmu in steps of {1e3 * CAR_STEP:g} ms, six FMUs" for car in CARS}
+    for system, words in about.items():
+        what = f"{system_steps} steps of 1 ms of {words}"
+        base = (system, "latsch")
+        row(what, "latsch cosimulate, a process that writes a CSV file", base, base, 1e3, "ms")
+        row(what, f"{version('libcosimpy')}, 8 outputs read each step", (system, "libcosim"), base, 1e3, "ms")
+        row(what, f"{version('ecospy')}, 8 outputs read each step", (system, "Ecos"), base, 1e3, "ms")
 
     # ---- foreign FMUs
     foreign = sorted(options.reference_fmus.glob("*.fmu")) if options.reference_fmus else []
@@ -406,9 +462,10 @@ def table(options, machine):
             take((model, "latsch"), lambda: machine.simulate(fmu, values, steps))
             for peer, work, _ in masters:
                 take((model, peer), lambda: work(fmu, values, steps))
-        take(("system", "latsch"), lambda: machine.cosimulate(system_steps))
-        take(("system", "libcosim"), lambda: system_with_libcosim(machine.folder, system_steps))
-        take(("system", "Ecos"), lambda: system_with_ecos(machine.folder, system_steps))
+        for system in WATCHED:
+            take((system, "latsch"), lambda: machine.cosimulate(system, system_steps))
+            take((system, "libcosim"), lambda: system_with_libcosim(machine.folder / system, system_steps))
+            take((system, "Ecos"), lambda: system_with_ecos(machine.folder / system, system_steps))
         for fmu in foreign:
             take((fmu.name, "latsch"), lambda: machine.simulate(fmu, {}, 1000))
             take((fmu.name, "FMPy"), lambda: with_fmpy(fmu, {}, 1000))

@@ -16,6 +16,8 @@ pub struct Cause {
     pub(super) probes: Vec<Vec<f64>>,
     /// Decisions of a controller depend on it: it is tried value after value, because what is explained jumps. What is no more than this is none.
     pub(super) scanned: Option<f64>,
+    /// It tunes what swings within the frequencies that are recorded: it is looked for all over its range.
+    pub(super) swings: bool,
     /// It may be otherwise on one road only.
     pub(super) of_roads: bool,
     /// What manoeuvre shows it where others do not.
@@ -49,25 +51,24 @@ pub(super) enum How {
     Input,
 }
 
-/// A stiffness that swings with a mass is looked for in steps of this factor: what swings answers to a stiffness in a peak that is as narrow
+/// A stiffness or an inertia that swings is looked for in steps of this factor: what swings answers in a peak that is as narrow
 /// as its damping lets it be (a damping ratio of 0.1 is 20 % of the frequency, 40 % of the stiffness), and beside it nothing tells where that peak is.
 const FACTOR: f64 = 1.12;
 
 impl Cause {
     /// Twice the change does not do twice as much.
     pub(super) fn is_bent(&self) -> bool {
-        self.swings() || self.probes.len() > self.unknowns.len()
+        self.swings || self.probes.len() > self.unknowns.len()
     }
 
-    fn swings(&self) -> bool {
-        self.unknowns.iter().any(|unknown| unknown.how == How::Over)
-    }
-
-    /// Changes among which one is close to what there is, if there is one: of a compliance, in even steps of its logarithm.
+    /// Of what swings, changes among which one is close to what there is, if there is one: in even steps of the logarithm of what a parameter is multiplied or divided by.
     pub(super) fn starts(&self) -> Vec<Vec<f64>> {
-        let [Unknown { how: How::Over, range: [low, high], .. }] = self.unknowns[..] else {
+        let [Unknown { how: How::Over | How::Times, range: [low, high], .. }] = self.unknowns[..] else {
             return Vec::new();
         };
+        if !self.swings {
+            return Vec::new();
+        }
         let steps = ((1.0 + high) / (1.0 + low)).ln() / FACTOR.ln();
         (0..=steps as i32).map(|k| vec![(1.0 + low) * FACTOR.powi(k) - 1.0]).collect()
     }
@@ -110,6 +111,7 @@ fn one(
         unknowns: vec![Unknown { names: names.to_vec(), how, range }],
         probes: vec![vec![probe]],
         scanned: None,
+        swings: false,
         of_roads: false,
         shown_by: "",
     }
@@ -123,6 +125,7 @@ pub(super) fn of_vehicles() -> Vec<Cause> {
         cause.shown_by = shown_by;
         cause
     };
+    let swinging = |cause: Cause| Cause { swings: true, ..cause };
     let inertia = one(
         "wheel_inertia",
         "inertia of the front wheels",
@@ -137,6 +140,7 @@ pub(super) fn of_vehicles() -> Vec<Cause> {
             .to_vec(),
         probes: vec![vec![0.1, 0.0], vec![0.0, 0.1]],
         scanned: None,
+        swings: false,
         of_roads: false,
         shown_by: slowly,
     };
@@ -149,6 +153,7 @@ pub(super) fn of_vehicles() -> Vec<Cause> {
         ],
         probes: vec![vec![0.02, 0.0], vec![0.0, 0.02]],
         scanned: None,
+        swings: false,
         of_roads: false,
         shown_by: "any stop",
     };
@@ -170,13 +175,22 @@ pub(super) fn of_vehicles() -> Vec<Cause> {
             "a stop to the limit",
         ),
         with(
-            one(
+            swinging(one(
                 "column_stiffness",
                 "compliance of the steering column and the driver",
                 &["column_stiffness"],
                 (Over, 9.0, [-0.97, 50.0]),
-            ),
+            )),
             "braking with more friction on one side than on the other: what is alike on both sides does not turn the wheels",
+        ),
+        with(
+            swinging(one(
+                "hub_inertia",
+                "inertia of the front wheels and carriers about the steering axis",
+                &["front_carrier_inertia", "front_wheel_transverse_inertia"],
+                (Times, 0.3, [-0.8, 3.0]),
+            )),
+            "a stop with controller with more friction on one side than on the other",
         ),
         with(inertia, slowly),
         heavy,
@@ -245,6 +259,7 @@ pub(super) fn of_pads() -> Vec<Cause> {
             ],
             probes: vec![vec![-0.6, 0.2], vec![-0.3, 0.05], vec![0.3, -0.1]],
             scanned: None,
+            swings: false,
             of_roads: false,
             shown_by: "any stop",
         },

@@ -5,7 +5,6 @@ mod scan;
 
 pub use roads::OnRoad;
 
-use super::cause::How;
 use super::part::Part;
 use super::runs::Use;
 use super::{Hidden, PartFindings};
@@ -131,11 +130,10 @@ pub(super) fn search(part: &dyn Part, jobs: usize) -> Result<PartFindings> {
         let named = fitted.first().filter(|best| best.counts(fitted.len().max(part.causes().len())));
         findings.left = fitted[usize::from(named.is_some())..].iter().map(candidate).collect();
         let named_ids = |id: &str| named.is_some_and(|best| part.causes()[best.cause].id == id);
-        let errors = named.map_or(&round.base, |best| &best.errors);
         let roads = (0..part.causes().len())
             .filter(|k| part.causes()[*k].of_roads && !named_ids(part.causes()[*k].id));
         findings.of_roads =
-            roads.map(|cause| round.of_roads(cause, errors)).collect::<Result<Vec<_>>>()?.concat();
+            roads.map(|cause| round.of_roads(cause, named)).collect::<Result<Vec<_>>>()?.concat();
         let Some(best) = named else { return Ok(findings) };
         let cause = &part.causes()[best.cause];
         let near = |f: &&Fitted| f.gain > NEAR * best.gain;
@@ -439,8 +437,8 @@ impl<'a> Round<'a> {
                     mean: 0.0,
                     low: unknown.range[0],
                     high: unknown.range[1],
-                    // of a compliance a share of itself
-                    step: if unknown.how == How::Over { 0.05 * (1.0 + start[i]) } else { 0.2 * size },
+                    // of what swings a share of itself
+                    step: if self.part.causes()[cause].swings { 0.05 * (1.0 + start[i]) } else { 0.2 * size },
                     prior: f64::INFINITY,
                     reach: f64::INFINITY,
                 }

@@ -88,13 +88,17 @@ fn nothing_is_named_where_only_the_friction_scatters() {
 }
 
 #[test]
-fn friction_of_one_road_is_named_for_that_road() {
+fn friction_of_one_road_is_named_for_that_road_beside_a_cause_of_all() {
     let scales = ["front", "rear"].map(|axle| ["X", "Y"].map(|along| format!("car.{axle}_tire.LMU{along}")));
     let less: Vec<(&str, f64)> = scales.as_flattened().iter().map(|name| (name.as_str(), 0.88)).collect();
-    let findings = causes(&recorded(3, &[], &less));
-    for part in &findings {
-        assert!(part.found.is_empty(), "{part:#?}");
-    }
+    let hubs = [("car.front_carrier_inertia", 0.72), ("car.front_wheel_transverse_inertia", 0.9)];
+    let findings = causes(&recorded(3, &hubs, &less));
+    let [vehicle, rest @ ..] = &findings[..] else { panic!("{findings:#?}") };
+    let [found] = &vehicle.found[..] else { panic!("{vehicle:#?}") };
+    assert_eq!(found.id, "hub_inertia", "{vehicle:#?}");
+    let latsch::model::Value::Real(inertia) = found.changes[0].value else { panic!("a number") };
+    assert!((inertia / 0.72 - 1.0).abs() < 0.03, "{inertia}");
+    assert!(rest.iter().all(|part| part.found.is_empty()), "{rest:#?}");
     let [road] = &findings[0].of_roads[..] else { panic!("{:#?}", findings[0]) };
     assert_eq!((road.id, road.group.as_str()), ("friction_level", "fast"));
     let latsch::model::Value::Real(level) = road.changes[0].value else { panic!("a number") };
