@@ -80,7 +80,7 @@ fn rest(part: &PartFindings) -> Html {
     let mut sentences = Vec::new();
     if let Some(best) = part.left.first() {
         sentences.push(format!(
-            "Not named: {}, which explains {}; a tenth is asked for, of runs to fit and to check, and that runs agree.",
+            "Not named: {}, which explains {}: too little of the runs to fit or of those to check, or they do not agree.",
             best.title,
             percent(best.explains)
         ));
