@@ -2,7 +2,8 @@
 
 use super::cause::{Cause, How, of_vehicles};
 use super::part::{
-    Opened, Part, SLOWEST, changed, component, samples_in, slave, smooth_wheel_speed, source, step, with,
+    Opened, Part, SLOWEST, changed, component, samples_in, slave, smooth_wheel_speed, source, step, value_of,
+    with,
 };
 use super::runs::Recorded;
 use crate::cosimulate::{Plan, PlannedComponent};
@@ -185,14 +186,14 @@ impl<'a> Vehicle<'a> {
         let driven = &self.driven[run];
         let time = &self.opened.runs[run].recording.time;
         let mut part = driven.component.clone();
-        let mut level = 1.0;
+        let mut more = 0.0;
         for (cause, x) in changes {
             let cause = &self.opened.causes[*cause];
             let values = changed(&part, &*slave(&part)?, cause, x)?;
             part = with(&part, &values);
             for (unknown, x) in cause.unknowns.iter().zip(x) {
                 if unknown.how == How::Friction {
-                    level += x;
+                    more += x;
                 }
             }
         }
@@ -205,6 +206,9 @@ impl<'a> Vehicle<'a> {
             (per_wheel(&*slave, "brake_torque")?, per_wheel(&*slave, "friction_factor")?);
         let (spin_out, moment_out) =
             (per_wheel(&*slave, "wheel_speed")?, per_wheel(&*slave, "carrier_moment_y")?);
+        // as the system or this run has it, with what is tried
+        let levels: Vec<f64> =
+            self.wheels.iter().map(|wheel| friction_given(&part, &*slave, wheel) + more).collect();
         let travel = index(&*slave, &self.travel)?;
         let prefix = format!("{}.", self.name);
         let own = self.opened.channels.len() - self.wheels.len();
@@ -224,7 +228,7 @@ impl<'a> Vehicle<'a> {
         let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(driven.end); self.opened.channels.len()];
         let mut before: Vec<f64> = vec![0.0; self.opened.channels.len()];
         let mut now = before.clone();
-        let mut factors = vec![level; self.wheels.len()];
+        let mut factors = levels.clone();
         let mut torques = vec![0.0; self.wheels.len()];
         let mut sample = 0;
         for k in 0.. {
@@ -233,7 +237,7 @@ impl<'a> Vehicle<'a> {
             for (value, output) in now.iter_mut().zip(&outputs) {
                 *value = slave.get(*output)?;
             }
-            for (value, factor) in now[own..].iter_mut().zip(&factors) {
+            for ((value, factor), level) in now[own..].iter_mut().zip(&factors).zip(&levels) {
                 // how much more friction than the model believes
                 *value = 1.0 + factor - level;
             }
@@ -251,6 +255,7 @@ impl<'a> Vehicle<'a> {
             for wheel in 0..self.wheels.len() {
                 let target = at(&driven.wheel_speeds[wheel], t) * speed / at(&driven.speed, t);
                 let off = target - slave.get(spin_out[wheel])?;
+                let level = levels[wheel];
                 factors[wheel] = level * (1.0 + FOLLOWS * off / level).clamp(FRICTION[0], FRICTION[1]);
                 slave.set(friction_in[wheel], factors[wheel])?;
                 let told = if k == 0 { 0.0 } else { torques[wheel] - slave.get(moment_out[wheel])? };
@@ -303,12 +308,22 @@ impl Part for Vehicle<'_> {
         for (unknown, x) in cause.unknowns.iter().zip(x) {
             if unknown.how == How::Friction {
                 for wheel in &self.wheels {
-                    values.push((format!("{wheel}.friction_factor"), Value::Real(1.0), Value::Real(1.0 + x)));
+                    let before = friction_given(part, &*slave(part)?, wheel);
+                    let name = format!("{wheel}.friction_factor");
+                    values.push((name, Value::Real(before), Value::Real(before + x)));
                 }
             }
         }
         values.iter_mut().for_each(|(name, ..)| *name = format!("{}.{name}", self.name));
         Ok(values)
+    }
+}
+
+/// The factor on the friction of a wheel that a component is given.
+fn friction_given(part: &PlannedComponent, slave: &dyn Slave, wheel: &str) -> f64 {
+    match value_of(part, slave, &format!("{wheel}.friction_factor")) {
+        Some(Value::Real(given)) => given,
+        _ => 1.0,
     }
 }
 

@@ -4,6 +4,7 @@
 use crate::WHEELS;
 use crate::procedures::Wired;
 use latsch::causes::{PartFindings, Recorded, Use, find};
+use latsch::model::Value;
 use latsch::recording::{Channel, Recording, interpolate};
 
 /// So many stops to fit on one road, and as many to check, faster ones on another, each with friction that scatters otherwise, sampled every 2 ms. Some values hold on
@@ -21,7 +22,7 @@ fn recorded(repeats: i32, values: &[(&str, f64)], second: &[(&str, f64)]) -> Vec
             ];
             let second = if is_second { second } else { &[] };
             let run = Wired::new(&[values, &scatter, second].concat()).until(2.0).run();
-            let initial = ("car.initial_speed".to_owned(), latsch::model::Value::Real(scatter[3].1));
+            let initial = ("car.initial_speed".to_owned(), Value::Real(scatter[3].1));
             Recorded {
                 name: format!("stop-{k}.csv"),
                 recording: sampled(&run),
@@ -63,44 +64,62 @@ fn causes(recorded: &[Recorded]) -> Vec<PartFindings> {
     find(&Wired::new(&[]).plan, recorded, 0, &mut |_| {}).unwrap()
 }
 
+/// Level of the friction on a slippery road.
+const LESS: f64 = 0.88;
+
+fn less_friction() -> Vec<(String, f64)> {
+    let scales = ["front", "rear"].map(|axle| ["X", "Y"].map(|along| format!("car.{axle}_tire.LMU{along}")));
+    scales.into_iter().flatten().map(|name| (name, LESS)).collect()
+}
+
+fn named(values: &[(String, f64)]) -> Vec<(&str, f64)> {
+    values.iter().map(|(name, value)| (name.as_str(), *value)).collect()
+}
+
 #[test]
 fn causes_are_named_in_the_part_that_has_them_and_with_their_size() {
     let brakes = ["fl", "fr", "rl", "rr"].map(|b| format!("brake_{b}.caliper_lag"));
     let mut values: Vec<(&str, f64)> = brakes.iter().map(|name| (name.as_str(), 0.02)).collect();
     values.push(("car.front_anti_dive", 0.3));
     let findings = causes(&recorded(2, &values, &[]));
-    let named: Vec<Vec<&str>> =
+    let ids: Vec<Vec<&str>> =
         findings.iter().map(|part| part.found.iter().map(|found| found.id).collect()).collect();
-    assert_eq!(named, [vec!["anti_dive"], vec![], vec!["caliper_lag"], vec![]], "{findings:#?}");
+    assert_eq!(ids, [vec!["anti_dive"], vec![], vec!["caliper_lag"], vec![]], "{findings:#?}");
     let value = |part: usize| match findings[part].found[0].changes[0].value {
-        latsch::model::Value::Real(value) => value,
+        Value::Real(value) => value,
         _ => panic!("a number"),
     };
     assert!((value(0) - 0.3).abs() < 0.01, "{}", value(0));
     assert!((value(2) - 0.02).abs() < 1e-3, "{}", value(2));
 }
 
+/// The second road is slippery, and its runs say so.
 #[test]
 fn nothing_is_named_where_only_the_friction_scatters() {
-    for part in causes(&recorded(2, &[], &[])) {
+    let less = less_friction();
+    let mut runs = recorded(2, &[], &named(&less));
+    for run in runs.iter_mut().filter(|run| run.group == "fast") {
+        let given = WHEELS.map(|wheel| (format!("car.{wheel}.friction_factor"), Value::Real(LESS)));
+        run.set.extend(given);
+    }
+    for part in causes(&runs) {
         assert!(part.found.is_empty() && part.of_roads.is_empty(), "{part:#?}");
     }
 }
 
 #[test]
 fn friction_of_one_road_is_named_for_that_road_beside_a_cause_of_all() {
-    let scales = ["front", "rear"].map(|axle| ["X", "Y"].map(|along| format!("car.{axle}_tire.LMU{along}")));
-    let less: Vec<(&str, f64)> = scales.as_flattened().iter().map(|name| (name.as_str(), 0.88)).collect();
+    let less = less_friction();
     let hubs = [("car.front_carrier_inertia", 0.72), ("car.front_wheel_transverse_inertia", 0.9)];
-    let findings = causes(&recorded(3, &hubs, &less));
+    let findings = causes(&recorded(3, &hubs, &named(&less)));
     let [vehicle, rest @ ..] = &findings[..] else { panic!("{findings:#?}") };
     let [found] = &vehicle.found[..] else { panic!("{vehicle:#?}") };
     assert_eq!(found.id, "hub_inertia", "{vehicle:#?}");
-    let latsch::model::Value::Real(inertia) = found.changes[0].value else { panic!("a number") };
+    let Value::Real(inertia) = found.changes[0].value else { panic!("a number") };
     assert!((inertia / 0.72 - 1.0).abs() < 0.03, "{inertia}");
     assert!(rest.iter().all(|part| part.found.is_empty()), "{rest:#?}");
     let [road] = &findings[0].of_roads[..] else { panic!("{:#?}", findings[0]) };
     assert_eq!((road.id, road.group.as_str()), ("friction_level", "fast"));
-    let latsch::model::Value::Real(level) = road.changes[0].value else { panic!("a number") };
-    assert!((level - 0.88).abs() < 0.02, "{level}");
+    let Value::Real(level) = road.changes[0].value else { panic!("a number") };
+    assert!((level - LESS).abs() < 0.02, "{level}");
 }

@@ -376,6 +376,7 @@ fn cos_atan(x: f64) -> f64 {
 
 /// sin(2·atan(x)), as [`cos_atan`].
 fn sin_twice_atan(x: f64) -> f64 {
+    let x = bounded(x);
     2.0 * x / (1.0 + x * x)
 }
 
