@@ -113,7 +113,7 @@ fn lines(part: &PartFindings) -> Vec<String> {
     }
     if let Some(best) = part.left.first() {
         lines.push(format!(
-            "  not named: {}, which explains {:.1} % of what is left",
+            "  not named: {}, which by itself explains {:.1} % of what there was to explain",
             best.title,
             100.0 * best.explains
         ));
