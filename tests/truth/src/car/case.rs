@@ -1,6 +1,6 @@
 //! A case: a car, what is believed of it, what is concealed, and what is recorded.
 
-use super::concealed::{OFFERS, Offer};
+use super::concealed::{self, OFFERS, Offer};
 use super::parameters::{Parameters, rounded};
 use super::programme::{self, INTERVAL, Run};
 use super::system;
@@ -58,7 +58,8 @@ impl Drawn {
         let (truth, belief) = (truth.rounded(), belief.rounded());
         let scatter = (rounded(random.within(0.03, 0.05)), rounded(random.log_within(0.7, 1.5)));
         let runs = programme::draw(random, &belief);
-        let world = World { p: truth, scatter, alike: offer == Offer::ColumnAlike };
+        let other_road = (offer == Offer::OneRoad).then(|| concealed::other_road(random));
+        let world = World { p: truth, scatter, alike: offer == Offer::ColumnAlike, other_road };
         Self { offer, world, belief, runs }
     }
 }
@@ -151,16 +152,19 @@ pub(crate) fn record(drawn: &Drawn, number: usize, random: &mut Random) -> Optio
 /// concealed.
 const FIRST_DIP: f64 = 0.35;
 
-/// What is seen of a cause in a gentle stop, and in the first dip of one with controller: rms over the noise.
+/// What is seen of a cause in a gentle stop, and in the first dip of one with controller, and on a road that is another one: rms over
+/// the noise.
 fn seen(drawn: &Drawn, session: &[Ideal], sensors: &[Sensor]) -> Option<Vec<f64>> {
-    let bare = World { p: drawn.belief.clone(), ..drawn.world.clone() };
-    let dip = ((programme::ONSET + FIRST_DIP) / INTERVAL).round() as usize;
+    let bare = World { p: drawn.belief.clone(), other_road: None, ..drawn.world.clone() };
     let mut most = vec![0.0_f64; sensors.len()];
-    for (kind, samples) in [("flat", dip), ("partial", usize::MAX)] {
+    let other = drawn.world.other_road.map(|(kind, _)| kind);
+    for kind in ["flat", "partial"].into_iter().chain(other) {
         let Some((run, with)) = drawn.runs.iter().zip(session).find(|(run, _)| run.kind == kind) else {
             continue;
         };
         let without = bare.run(run, STEP)?;
+        let dip = ((run.onset + FIRST_DIP) / INTERVAL).round() as usize;
+        let samples = if kind == "partial" { usize::MAX } else { dip };
         for (c, most) in most.iter_mut().enumerate() {
             let both = channel(with, c).iter().zip(channel(&without, c)).take(samples);
             let count = both.len().max(1) as f64;
@@ -198,19 +202,22 @@ fn answer(drawn: &Drawn, number: usize, (session, sensors): (&[Ideal], &[Sensor]
     let off = |p: &Parameter| if p.start == 0.0 { p.value } else { p.value / p.start - 1.0 };
     let effects: Vec<Effect> = causes
         .into_iter()
-        .map(|(id, accept)| Effect {
-            id: id.to_owned(),
-            family: String::new(),
-            channels: channels.clone(),
-            depends_on: Vec::new(),
-            size: parameters.iter().filter(|p| accept.contains(&p.name)).map(off).fold(
-                0.0,
-                |most: f64, o| {
-                    if o.abs() > most.abs() { o } else { most }
-                },
-            ),
-            accept,
-            over_noise,
+        .map(|(id, accept)| {
+            let offs = parameters.iter().filter(|p| accept.contains(&p.name)).map(off);
+            let most = offs.fold(0.0, |most: f64, o| if o.abs() > most.abs() { o } else { most });
+            let (accept, size) = match drawn.world.other_road {
+                Some((kind, level)) => (vec![kind.to_owned()], level - 1.0),
+                None => (accept, most),
+            };
+            Effect {
+                id: id.to_owned(),
+                family: String::new(),
+                channels: channels.clone(),
+                depends_on: Vec::new(),
+                size,
+                accept,
+                over_noise,
+            }
         })
         .collect();
     Some(Answer {

@@ -1,6 +1,6 @@
 //! What is concealed: where the car differs from what is believed of it.
 
-use super::parameters::Parameters;
+use super::parameters::{Parameters, rounded};
 use crate::random::Random;
 
 /// What is offered.
@@ -25,12 +25,15 @@ pub(crate) enum Offer {
     Stiffness,
     MasterPressure,
     MassDistribution,
+    HubInertia,
+    /// Friction of the road of one kind of runs.
+    OneRoad,
     /// Nothing but another friction along the road.
     Nothing,
 }
 
 /// How often each comes in a study.
-pub(crate) const OFFERS: [(Offer, usize); 19] = [
+pub(crate) const OFFERS: [(Offer, usize); 21] = [
     (Offer::PadOnset, 2),
     (Offer::CaliperLag, 2),
     (Offer::FallingBranch, 3),
@@ -49,6 +52,8 @@ pub(crate) const OFFERS: [(Offer, usize); 19] = [
     (Offer::Stiffness, 1),
     (Offer::MasterPressure, 2),
     (Offer::MassDistribution, 2),
+    (Offer::HubInertia, 2),
+    (Offer::OneRoad, 2),
     (Offer::Nothing, 6),
 ];
 
@@ -92,6 +97,12 @@ impl Offer {
             Self::MassDistribution => {
                 vec![("mass_distribution", owned(&["car.centre_of_mass_x", "car.vehicle_mass"]))]
             }
+            Self::HubInertia => {
+                let names = ["car.front_carrier_inertia", "car.front_wheel_transverse_inertia"];
+                vec![("hub_inertia", owned(&names))]
+            }
+            // where that is, only the case knows
+            Self::OneRoad => vec![("friction_level_of_one_road", Vec::new())],
             Self::Nothing => Vec::new(),
         }
     }
@@ -166,9 +177,21 @@ impl Offer {
                 truth.vehicle_mass += random.within(60.0, 110.0);
                 truth.centre_of_mass_x += random.within(0.03, 0.06) * random.sign();
             }
-            Self::Nothing => {}
+            Self::HubInertia => {
+                let factor = random.within(1.4, 1.8);
+                truth.front_carrier_inertia *= factor;
+                truth.front_wheel_transverse_inertia *= factor;
+            }
+            Self::OneRoad | Self::Nothing => {}
         }
     }
+}
+
+/// A kind of runs whose road has another friction, and its factor.
+pub(crate) fn other_road(random: &mut Random) -> (&'static str, f64) {
+    let kinds = ["flat", "fast", "slabs"];
+    let kind = kinds[random.below(kinds.len())];
+    (kind, rounded(1.0 + random.within(0.1, 0.18) * random.sign()))
 }
 
 fn owned(names: &[&str]) -> Vec<String> {

@@ -22,8 +22,10 @@ pub(crate) const HALF_TRACK: f64 = 0.745;
 /// Camber, positive outward at the top, and toe, positive inward in front, of all wheels where the car stands.
 pub(crate) const CAMBER: f64 = -0.0087;
 pub(crate) const TOE: f64 = 0.0014;
-/// Mass of a carrier \[kg\], and its inertia about any axis \[kg.m²\].
-pub(crate) const CARRIER: (f64, f64) = (20.0, 0.4);
+/// Mass of a carrier \[kg\].
+pub(crate) const CARRIER_MASS: f64 = 20.0;
+/// Inertia of a rear carrier about any axis \[kg.m²\].
+pub(crate) const REAR_CARRIER_INERTIA: f64 = 0.4;
 
 /// Values of a car with brakes and controller, in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +36,8 @@ pub(crate) struct Parameters {
     pub(crate) front_wheel_mass: f64,
     pub(crate) front_wheel_inertia: f64,
     pub(crate) front_wheel_transverse_inertia: f64,
+    /// Of a front carrier about any axis.
+    pub(crate) front_carrier_inertia: f64,
     pub(crate) front_spring_stiffness: f64,
     /// Slope of the damper's curve \[N.s/m\].
     pub(crate) front_damping: f64,
@@ -75,6 +79,7 @@ impl Default for Parameters {
             front_wheel_mass: 20.0,
             front_wheel_inertia: 0.9,
             front_wheel_transverse_inertia: 0.5,
+            front_carrier_inertia: 0.4,
             front_spring_stiffness: 38e3,
             front_damping: 2600.0,
             rear_spring_stiffness: 52e3,
@@ -110,6 +115,7 @@ impl Parameters {
         off(&mut p.front_wheel_mass, 0.1);
         off(&mut p.front_wheel_inertia, 0.1);
         off(&mut p.front_wheel_transverse_inertia, 0.1);
+        off(&mut p.front_carrier_inertia, 0.1);
         off(&mut p.front_spring_stiffness, 0.1);
         off(&mut p.front_damping, 0.15);
         off(&mut p.rear_spring_stiffness, 0.1);
@@ -145,6 +151,7 @@ impl Parameters {
             &mut self.front_wheel_mass,
             &mut self.front_wheel_inertia,
             &mut self.front_wheel_transverse_inertia,
+            &mut self.front_carrier_inertia,
             &mut self.front_spring_stiffness,
             &mut self.front_damping,
             &mut self.rear_spring_stiffness,
@@ -182,6 +189,7 @@ impl Parameters {
             ("front_wheel_mass", self.front_wheel_mass),
             ("front_wheel_inertia", self.front_wheel_inertia),
             ("front_wheel_transverse_inertia", self.front_wheel_transverse_inertia),
+            ("front_carrier_inertia", self.front_carrier_inertia),
             ("front_spring_stiffness", self.front_spring_stiffness),
             ("rear_spring_stiffness", self.rear_spring_stiffness),
             ("front_scrub_radius", self.front_scrub_radius),

@@ -58,7 +58,7 @@ pub(crate) struct Run {
     pub(crate) speed: f64,
     /// Where slabs begin \[m\].
     pub(crate) slabs: Option<f64>,
-    onset: f64,
+    pub(crate) onset: f64,
     /// Pressure that is reached \[Pa\], and in which time \[s\].
     level: f64,
     rise: f64,

@@ -1,7 +1,9 @@
 //! Where the car rolls straight on at the start, all in balance.
 
 use super::axle::{Corner, Guide, front, rear};
-use super::parameters::{AIR, BODY_INERTIA, CARRIER, DRAG, GRAVITY, LIFT, Parameters, WHEELBASE};
+use super::parameters::{
+    AIR, BODY_INERTIA, CARRIER_MASS, DRAG, GRAVITY, LIFT, Parameters, REAR_CARRIER_INERTIA, WHEELBASE,
+};
 use super::tire::{Footing, RADIUS, Tire};
 use super::vector::{UP, Vector, v};
 use super::vehicle::{Hub, Rigid, Vehicle, wheel_axes};
@@ -78,7 +80,7 @@ impl Vehicle {
         let left = [front(p, heights[0])?, rear(p, heights[1])];
         for (k, wheel) in wheels.iter().enumerate() {
             let mut corner = if k % 2 == 0 { left[k / 2].clone() } else { left[k / 2].mirrored() };
-            let mass = wheel_mass[k / 2] + CARRIER.0;
+            let mass = wheel_mass[k / 2] + CARRIER_MASS;
             let along = corner.axle * corner.axle.dot(wheel.moment);
             corner.hold(wheel.force - v(brakes, 0.0, GRAVITY) * mass, wheel.moment - along)?;
             corners.push(corner);
@@ -93,15 +95,16 @@ impl Vehicle {
                     wheel_mass: p.front_wheel_mass,
                     spin: p.front_wheel_inertia,
                     across: p.front_wheel_transverse_inertia,
+                    carrier: p.front_carrier_inertia,
                 }
             } else {
-                Hub { wheel_mass: 20.0, spin: 0.9, across: 0.5 }
+                Hub { wheel_mass: 20.0, spin: 0.9, across: 0.5, carrier: REAR_CARRIER_INERTIA }
             }
         };
         let mut mass = p.vehicle_mass;
         let mut moment = v(-p.centre_of_mass_x, 0.0, p.centre_of_mass_z) * mass;
         for (k, corner) in corners.iter().enumerate() {
-            let own = hub(k).wheel_mass + CARRIER.0;
+            let own = hub(k).wheel_mass + CARRIER_MASS;
             mass -= own;
             moment -= corner.centre * own;
         }

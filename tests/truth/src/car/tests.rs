@@ -206,6 +206,25 @@ fn friction_has_the_deviation_and_length_that_it_says() {
     assert!((integral / count / variance / length - 1.0).abs() < 0.1, "{}", integral / count / variance);
 }
 
+#[test]
+fn another_road_is_one_of_all_runs_of_its_kind_and_the_answer_says_which() {
+    let mut random = Random::new(SEED, 5);
+    let mut drawn = Drawn::draw(Offer::OneRoad, &mut random);
+    let (kind, level) = drawn.world.other_road.unwrap();
+    for run in &drawn.runs {
+        let plain = World { other_road: None, ..drawn.world.clone() }.road(run);
+        let factor = drawn.world.road(run).friction[0].at(30.0) / plain.friction[0].at(30.0);
+        let expected = if run.kind == kind { level } else { 1.0 };
+        assert!((factor - expected).abs() < 1e-12, "{}: {factor}", run.file());
+    }
+    drawn.runs.retain(|run| run.number == 1 && run.kind == kind);
+    let answer = record(&drawn, 0, &mut random).unwrap().answer;
+    let [effect] = &answer.effects[..] else { panic!("{answer:?}") };
+    assert!(
+        effect.accept == [kind] && (effect.size - (level - 1.0)).abs() < 1e-12 && effect.over_noise > 1.0
+    );
+}
+
 /// Channels of the first samples, relative to the spread over the run.
 fn differ(a: &Ideal, b: &Ideal, samples: usize) -> f64 {
     let off = a.outputs.iter().zip(&b.outputs).map(|(a, b)| {
@@ -235,7 +254,7 @@ fn shorter_steps_make_no_other_recording_and_a_symmetric_road_hides_the_column()
 #[test]
 fn a_study_has_every_offer_and_a_case_says_nothing_of_it() {
     let study = study(SEED);
-    assert_eq!(study.len(), 44);
+    assert_eq!(study.len(), 48);
     assert!(OFFERS.iter().all(|(offer, times)| study.iter().filter(|o| *o == offer).count() == *times));
     assert_ne!(study, super::case::study(SEED + 1));
     let number = study.iter().position(|offer| *offer == Offer::Nothing).unwrap();

@@ -4,7 +4,7 @@
 //! sticks and slips, brakes and the rack's friction, does one of both in a step.
 
 use super::axle::{ANTI_ROLL, Corner, Guide};
-use super::parameters::{AIR, CARRIER, DRAG, GRAVITY, LIFT, Parameters};
+use super::parameters::{AIR, CARRIER_MASS, DRAG, GRAVITY, LIFT, Parameters};
 use super::road::Road;
 use super::start::Rolling;
 use super::tire::{Footing, Told};
@@ -41,12 +41,13 @@ pub(crate) struct Rigid {
     pub(crate) lift: [Vector; 2],
 }
 
-/// A wheel's mass \[kg\], and its inertia about its axle and a diameter \[kg.m²\].
+/// A wheel's mass \[kg\], its inertia about its axle and a diameter, and that of its carrier about any axis \[kg.m²\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Hub {
     pub(crate) wheel_mass: f64,
     pub(crate) spin: f64,
     pub(crate) across: f64,
+    pub(crate) carrier: f64,
 }
 
 /// All that moves.
@@ -193,7 +194,7 @@ impl Vehicle {
         let wheels: [Vector; 4] = std::array::from_fn(|k| at(BODY + k * WHEEL));
         let mut sum = at(0) * self.body.mass;
         for (wheel, hub) in wheels.iter().zip(&self.hubs) {
-            sum += *wheel * (hub.wheel_mass + CARRIER.0);
+            sum += *wheel * (hub.wheel_mass + CARRIER_MASS);
         }
         let centre = sum * (1.0 / self.p.vehicle_mass);
         (centre, [wheels[0] - centre, wheels[2] - centre].map(|w| v(w.x(), 0.0, w.z() + centre.z())))
@@ -405,14 +406,14 @@ impl Vehicle {
             load.force += force;
             // the moment about the axle spins the wheel and not the carrier
             load.moment += moment - axle * moment.dot(axle) + axle * brake;
-            let mass = hub.wheel_mass + CARRIER.0;
+            let mass = hub.wheel_mass + CARRIER_MASS;
             let acceleration = load.force * (1.0 / mass) - UP * GRAVITY;
             let sways = pose.turning.cross(axle);
             let own = axle.dot(pose.turning);
             let gyroscopic = sways * (hub.spin * spins[k]);
             let rest = load.moment - gyroscopic + sways * (hub.across * own);
             let about = axle * rest.dot(axle);
-            let turn = about * (1.0 / CARRIER.1) + (rest - about) * (1.0 / (CARRIER.1 + hub.across));
+            let turn = about * (1.0 / hub.carrier) + (rest - about) * (1.0 / (hub.carrier + hub.across));
             moves(&mut rates[from..from + BODY], &y[from..from + BODY], pose, (acceleration, turn));
             rates[from + SPIN] = spinning;
             rates[from + DEFLECTION] = tire.rates[0];
@@ -515,12 +516,12 @@ impl Vehicle {
             let (hub, corner, from) = (&self.hubs[k], &self.corners[k], BODY + k * WHEEL);
             let pose = Pose::of(&y[from..]);
             let axle = pose.axes.out(corner.axle);
-            let mass = hub.wheel_mass + CARRIER.0;
+            let mass = hub.wheel_mass + CARRIER_MASS;
             let along = axle.dot(pose.turning);
             let all = pose.turning.dot(pose.turning);
             energy += 0.5 * mass * pose.velocity.dot(pose.velocity)
                 + mass * GRAVITY * pose.place.z()
-                + 0.5 * CARRIER.1 * all
+                + 0.5 * hub.carrier * all
                 + 0.5 * hub.across * (all - along * along)
                 + 0.5 * hub.spin * y[from + SPIN] * y[from + SPIN];
             for link in &corner.links {

@@ -63,20 +63,23 @@ pub(crate) struct World {
     pub(crate) scatter: (f64, f64),
     /// Both tracks have the same.
     pub(crate) alike: bool,
+    /// Friction of the road of one kind of runs, over that of the others.
+    pub(crate) other_road: Option<(&'static str, f64)>,
 }
 
 impl World {
     /// The road of a run.
     pub(crate) fn road(&self, run: &Run) -> Road {
+        let level = self.other_road.filter(|(kind, _)| *kind == run.kind).map_or(1.0, |(_, level)| level);
         let track = |side: u64| {
             if self.scatter.0 > 0.0 {
                 Scatter::draw(
                     &mut Random::new(run.seed, if self.alike { 0 } else { side }),
-                    1.0,
+                    level,
                     self.scatter,
                 )
             } else {
-                Scatter::none(1.0)
+                Scatter::none(level)
             }
         };
         let slabs = run.slabs.map(|start| Slabs {
