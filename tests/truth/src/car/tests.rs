@@ -291,6 +291,8 @@ fn causes_change_what_a_right_diagnosis_may_name() {
             believed.iter().zip(&truly).filter(|(a, b)| a.1 != b.1).map(|(a, _)| &a.0).collect();
         let accepted: Vec<String> = offer.causes().into_iter().flat_map(|(_, accept)| accept).collect();
         assert!(moved.iter().all(|name| accepted.contains(name)), "{offer:?}: {moved:?}");
-        assert_eq!(drawn.belief == drawn.world.p, offer == Offer::Nothing);
+        let same_car = [Offer::Nothing, Offer::OneRoad].contains(&offer);
+        assert_eq!(drawn.belief == drawn.world.p, same_car, "{offer:?}");
+        assert_eq!(drawn.world.other_road.is_some(), offer == Offer::OneRoad);
     }
 }
