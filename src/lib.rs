@@ -25,6 +25,9 @@ pub mod control;
 pub mod cosimulate;
 #[cfg(feature = "host")]
 #[allow(clippy::disallowed_methods)] // host only
+pub mod curves;
+#[cfg(feature = "host")]
+#[allow(clippy::disallowed_methods)] // host only
 pub mod diagnose;
 pub mod effect;
 mod error;

@@ -203,12 +203,7 @@ pub fn simulate<S: Slave + ?Sized>(
     };
 
     for (variable, value) in &experiment.values {
-        match value {
-            Value::Text(text) => slave.set_text(*variable, text)?,
-            Value::Real(v) => slave.set(*variable, *v)?,
-            Value::Integer(v) => slave.set(*variable, f64::from(*v))?,
-            Value::Boolean(v) => slave.set(*variable, f64::from(u8::from(*v)))?,
-        }
+        slave.set_value(*variable, value)?;
     }
     slave.start(schedule.start, Some(schedule.stop))?;
     for course in &courses {

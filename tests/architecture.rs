@@ -63,6 +63,7 @@ const ORDER: &[(&str, &str)] = &[
     ),
     ("fit", "stats model effect"),
     ("characteristic", "stats model recording fit"),
+    ("curves", "model recording"),
     ("comparison", "stats recording characteristic"),
     ("loads", "stats model recording"),
     ("lint", "model recording cosimulate"),
@@ -76,12 +77,12 @@ const ORDER: &[(&str, &str)] = &[
     ),
     (
         "report",
-        "page stats model tire rig recording characteristic comparison loads causes identify diagnose",
+        "page stats model tire rig recording characteristic curves comparison loads causes identify diagnose",
     ),
     (
         "cli",
         "page stats model tire tir road_file rig control effect fmi fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \
-         recording simulate cosimulate characteristic comparison loads lint causes freeze manoeuvre identify diagnose report",
+         recording simulate cosimulate characteristic curves comparison loads lint causes freeze manoeuvre identify diagnose report",
     ),
 ];
 

@@ -1,171 +1,200 @@
-//! `latsch characterize`: stiffness and damping of a solid tire from loops and decays.
+//! `latsch characterize`: the curves of tires.
 
-use super::{Format, check_outputs, print, print_json_text, warn};
-use latsch::characteristic::laws::Known;
-use latsch::characteristic::{Answer, Coefficient, Plan, characterize, parameters};
-use latsch::model::Settings;
-use latsch::report::{characteristic_report, write_html};
-use latsch::tir::create_super_elastic;
-use latsch::{Error, Result, read_text, write_file};
-use std::fmt::Write as _;
+use super::given::Given;
+use super::simulate::{is_file, parse_assignment};
+use super::{print, warn};
+use indicatif::{ProgressBar, ProgressStyle};
+use latsch::curves::{Measure, Programme, Rig, Tire, curves_csv, curves_readings_csv, measure, recordings};
+use latsch::fmi::Entry;
+use latsch::fmi::import::ImportedFmu;
+use latsch::model::unit::quantity;
+use latsch::model::{Settings, Slave};
+use latsch::recording::{Names, read_names, write_tydex};
+use latsch::report::{curves_report, write_html};
+use latsch::shipped::MODELS;
+use latsch::{Error, Result, write_file};
 use std::path::{Path, PathBuf};
 
-/// Find stiffness and damping of a solid tire from force-deflection loops and from decays after a cleat
+/// What a flat track's name ends with.
+const FLAT_TRACK: &str = "-flat-track";
+/// Loads, as shares of the one that the first tire is for.
+const LOADS: [f64; 3] = [0.5, 1.0, 1.5];
+/// Where a rig says nothing \[N\], \[m/s\].
+const LOAD: f64 = 4000.0;
+const SPEED: f64 = 10.0;
+
+/// Measure the characteristics of tires: forces and moments over slip angle, slip, camber and load
 ///
-/// The plan names recordings, channels, and what is known of tire and rig: docs/characteristics.md. What recordings cannot tell is
-/// refused with the reason.
+/// A page with curves and numbers (index.html), all states (curves.csv) and numbers (readings.csv). States are stationary: those in which a shipped
+/// rig starts, or in which an FMU of somebody else settles. Several tires share their pictures. Running an FMU runs its code: use only those that you trust.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The plan
-    #[arg(value_name = "PLAN.toml")]
-    plan: PathBuf,
-    /// Parameters to write: TOML for `latsch export` and `latsch simulate` on the super-elastic models, with intervals
-    #[arg(long, short, value_name = "F.toml")]
+    /// Tires: a shipped flat track (ring-brush-flat-track, or ring-brush for short), the same with parameters or a tire property file behind an @
+    /// (magic-formula@F.tir, ring-brush@F.toml), or an FMU of a flat track
+    #[arg(value_name = "TIRE", required = true)]
+    tires: Vec<String>,
+    /// Folder to write, which is made
+    #[arg(long, short, value_name = "DIR")]
     output: PathBuf,
-    /// Property file of the super-elastic tire to write
-    #[arg(long, value_name = "F.tir")]
-    tir: Option<PathBuf>,
-    /// Page to write: loops with their laws, decays with envelopes, tables over load, speed and number of elements
-    #[arg(long, value_name = "F.html")]
-    report: Option<PathBuf>,
-    /// All numbers to write as JSON
-    #[arg(long, value_name = "F.json")]
-    json: Option<PathBuf>,
-    /// How to print
-    #[arg(long, value_enum, default_value = "text")]
-    format: Format,
+    /// Vertical forces: numbers in N, or with a unit, as "2 kN,4 kN" [default: 0.5, 1 and 1.5 times that for which the first tire was made]
+    #[arg(long, value_name = "F,F,...")]
+    loads: Option<String>,
+    /// Speeds: numbers in m/s, or with a unit; all is measured at the first, curves over slip angle and slip at each [default: what the first rig starts with]
+    #[arg(long, value_name = "V,V,...")]
+    speeds: Option<String>,
+    /// Factors on the friction of the road, as speeds
+    #[arg(long, value_name = "X,X,...", default_value = "1")]
+    friction: String,
+    /// Largest slip angle: a number in rad, or with a unit
+    #[arg(long, value_name = "ANGLE", default_value = "12 deg")]
+    slip_angle: String,
+    /// Largest slip of a driven wheel
+    #[arg(long, value_name = "SLIP", default_value = "50 %")]
+    slip: String,
+    /// Largest camber: a number in rad, or with a unit
+    #[arg(long, value_name = "ANGLE", default_value = "6 deg")]
+    camber: String,
+    /// Value of a parameter of all tires
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// What an FMU calls its variables: TOML with a table [names] of slip_angle = "alpha"; names that are not there are those of the shipped flat tracks
+    #[arg(long, value_name = "F.toml")]
+    names: Option<PathBuf>,
+    /// Also write each curve as a TYDEX file, into the folder tydex
+    #[arg(long)]
+    tydex: bool,
 }
 
 pub fn run(args: &Args) -> Result<()> {
-    let text = read_text(&args.plan)?;
-    let plan = Plan::read(&text).map_err(|e| e.at(args.plan.display()))?;
-    let folder = args.plan.parent().map(Path::to_path_buf).unwrap_or_default();
-    let recordings: Vec<PathBuf> = plan
-        .loops
-        .iter()
-        .map(|l| &l.file)
-        .chain(plan.decays.iter().map(|d| &d.file))
-        .map(|file| folder.join(file))
+    let names = args.names.as_deref().map(read_names).transpose()?.unwrap_or_default();
+    let mut rigs = Vec::new();
+    for tire in &args.tires {
+        rigs.push((name_of(tire, &rigs), rig(tire, &args.set, &names).map_err(|e| e.at(tire))?));
+    }
+    let programme = programme(args, &rigs[0].1)?;
+    programme.check()?;
+    let inside = |name: &str| args.output.join(name);
+    let tydex = inside("tydex");
+    let folder = if args.tydex { &tydex } else { &args.output };
+    std::fs::create_dir_all(folder)
+        .map_err(|e| Error::file(format!("{} cannot be made: {e}", folder.display())))?;
+    let bar = progress(rigs.iter().map(|(_, rig)| programme.states(rig)).sum());
+    let measured: Result<Vec<Tire>> = rigs
+        .iter_mut()
+        .map(|(name, rig)| {
+            bar.set_message(name.clone());
+            measure(name, rig, &programme, &|| bar.inc(1))
+        })
         .collect();
-    let read: Vec<&Path> = std::iter::once(&args.plan).chain(&recordings).map(PathBuf::as_path).collect();
-    let others = [&args.tir, &args.report, &args.json].into_iter().flatten();
-    let outputs: Vec<&Path> = std::iter::once(&args.output).chain(others).map(PathBuf::as_path).collect();
-    check_outputs(&outputs, &read)?;
-    let answer = characterize(&plan, &folder).map_err(|e| e.at(args.plan.display()))?;
-    let json = serde_json::to_string_pretty(&answer).map_err(|e| Error::file(e.to_string()))?;
-    let parameters = parameters(&plan, &answer)?;
-    let property_file =
-        args.tir.as_ref().map(|file| property_file(&plan, &answer, &parameters, file)).transpose()?;
-    write_file(&args.output, parameters.as_bytes())?;
-    if let (Some(file), Some((bytes, lost))) = (&args.tir, &property_file) {
-        write_file(file, bytes)?;
-        for what in lost {
-            warn(&format!("{}: it has no place for {what}", file.display()));
+    bar.finish_and_clear();
+    let tires = measured?;
+    for tire in &tires {
+        tire.notes.iter().for_each(|note| warn(&format!("{}: {note}", tire.name)));
+    }
+    write_file(&inside("curves.csv"), curves_csv(&tires).as_bytes())?;
+    write_file(&inside("readings.csv"), curves_readings_csv(&tires).as_bytes())?;
+    if args.tydex {
+        for (name, recording) in tires.iter().flat_map(recordings) {
+            write_tydex(&tydex.join(format!("{name}.tdx")), &recording)?;
         }
     }
-    if let Some(file) = &args.report {
-        write_html(file, &characteristic_report(&answer))?;
-    }
-    if let Some(file) = &args.json {
-        write_file(file, json.as_bytes())?;
-    }
-    match args.format {
-        Format::Json => print_json_text(&json),
-        Format::Text => print(&told(&answer)),
-    }
+    let page = inside("index.html");
+    write_html(&page, &curves_report(&tires, &programme))?;
+    tires.iter().try_for_each(|tire| print(&told(tire, programme.middle())))?;
+    print(&format!("{}", page.display()))
 }
 
-/// The property file of the parameters that are written, and what it has no place for.
-fn property_file(
-    plan: &Plan,
-    answer: &Answer,
-    parameters: &str,
-    file: &Path,
-) -> Result<(Vec<u8>, Vec<String>)> {
-    let name = file.display().to_string();
-    let settings = Settings::parse(parameters, &name)?;
-    let rim = plan.rim_mass()?;
-    let (mut document, lost) = create_super_elastic(&settings, rim, &name, &answer.title)?;
-    if let [_, Some(radius)] = plan.width_and_rim_radius()? {
-        // the file is in millimetres
-        document.set_number("RIM", "RADIUS_RIM", 1e3 * radius)?;
-    }
-    Ok((document.bytes().to_vec(), lost))
+/// A name for people: that of a file, or of a model without its rig. The second one of a name gets a number.
+fn name_of(tire: &str, others: &[(String, Rig)]) -> String {
+    let file = tire.split_once('@').map_or(tire, |(_, file)| file);
+    let stem = Path::new(file).file_stem().map_or(file.into(), |stem| stem.to_string_lossy());
+    let name = if is_file(tire) || tire.contains('@') { &*stem } else { tire.trim_end_matches(FLAT_TRACK) };
+    let taken = |name: &str| others.iter().any(|(other, _)| other == name);
+    (1..)
+        .map(|k| if k == 1 { name.to_owned() } else { format!("{name} ({k})") })
+        .find(|n| !taken(n))
+        .unwrap_or_default()
 }
 
-fn told(answer: &Answer) -> String {
-    let mut text = String::new();
-    for one in &answer.loops {
-        let analysis = &one.analysis;
-        let _ = writeln!(
-            text,
-            "loop {}: {} cycles of {:.3} s, {:.2} to {:.2} mm, {:.0} to {:.0} N",
-            one.file,
-            analysis.cycles,
-            analysis.period,
-            1e3 * analysis.deflections[0],
-            1e3 * analysis.deflections[1],
-            analysis.loads[0],
-            analysis.loads[1]
-        );
-        if let Some(fit) = analysis.forms.first() {
-            let _ =
-                writeln!(text, "    closest law: {:?}, leaves {:.0} N, R2 {:.5}", fit.form, fit.rmse, fit.r2);
-        }
-        let _ = writeln!(
-            text,
-            "    loses {:.1} J a cycle; equivalent damping {:.0} N.s/m, of an element {:.1} N.s/m; loss angle {:.2} deg",
-            analysis.area.value,
-            analysis.equivalent_damping.value,
-            one.element_damping.value,
-            analysis.loss_angle.to_degrees()
-        );
-        tell(&mut text, &analysis.notes);
-    }
-    for one in &answer.decays {
-        let analysis = &one.analysis;
-        let _ = writeln!(
-            text,
-            "decay {}: {:.0} N, {:.2} m/s, {} periods of {:.3} s: {:.3} Hz, decay rate {} 1/s (envelope {:.3}), {:.1} % left; c of the tire {:.0} N.s/m, of an element {:.1} N.s/m",
-            one.file,
-            one.load,
-            one.speed,
-            analysis.periods,
-            analysis.period,
-            analysis.frequency.value / std::f64::consts::TAU,
-            with_interval(analysis.decay_rate),
-            analysis.envelope_rate.value,
-            100.0 * analysis.left,
-            one.damping.value,
-            one.element.value
-        );
-        tell(&mut text, &analysis.notes);
-    }
-    coefficient(&mut text, "element_radial_stiffness", "N/m", &answer.stiffness);
-    coefficient(&mut text, "element_radial_damping", "N.s/m", &answer.damping);
-    tell(&mut text, &answer.notes);
-    text.trim_end().to_owned()
+/// The rig that a tire names.
+fn rig(tire: &str, set: &[String], names: &Names) -> Result<Rig> {
+    let slave: Box<dyn Slave> = if is_file(tire) {
+        Box::new(ImportedFmu::load(Path::new(tire))?)
+    } else {
+        let (model, file) = tire.split_once('@').map_or((tire, None), |(model, file)| (model, Some(file)));
+        let full =
+            if model.ends_with(FLAT_TRACK) { model.to_owned() } else { format!("{model}{FLAT_TRACK}") };
+        let entry = Entry::find(MODELS, &full).or_else(|_| Entry::find(MODELS, model))?;
+        entry.slave(&settings(&entry, file)?)?
+    };
+    let values =
+        set.iter().map(|text| parse_assignment(slave.interface(), text)).collect::<Result<Vec<_>>>()?;
+    // shipped rigs know their own names only
+    let own = Names::new();
+    Rig::new(slave, &values, if is_file(tire) { names } else { &own })
 }
 
-fn coefficient(text: &mut String, name: &str, unit: &str, c: &Coefficient) {
-    let law = format!("{:?}", c.law).to_lowercase();
-    let _ = writeln!(text, "{name} = {} {unit}, {law}: {}", with_interval(c.value), c.why);
-    for (of, exponent) in [("load", c.load_exponent), ("speed", c.speed_exponent)] {
-        if let Some(exponent) = exponent {
-            let _ = writeln!(text, "    exponent of the {of}: {}", with_interval(exponent));
+/// What the file behind an @ says of the tire.
+fn settings(entry: &Entry, file: Option<&str>) -> Result<Settings> {
+    let Some(file) = file.map(PathBuf::from) else { return Ok(Settings::default()) };
+    let is_property_file = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("tir"));
+    let (tire, parameters) = if is_property_file { (Some(file), None) } else { (None, Some(file)) };
+    let given = Given { parameters, tire, road: None, road_left: None, road_right: None };
+    given.settings(Some(&(entry.table)()))
+}
+
+fn programme(args: &Args, first: &Rig) -> Result<Programme> {
+    let list = |argument: &str, text: &str, unit: &str| {
+        let one = |text: &str| quantity(text.trim(), unit).map_err(|e| e.at(format!("{argument} {text}")));
+        text.split(',').map(one).collect::<Result<Vec<f64>>>()
+    };
+    let one = |argument: &str, text: &str, unit: &str| match list(argument, text, unit)?[..] {
+        [value] if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err(Error::call(format!("{argument} {text}: one number above 0 is wanted"))),
+    };
+    let nominal = first.nominal_load().unwrap_or(LOAD);
+    let loads = match &args.loads {
+        Some(text) => list("--loads", text, "N")?,
+        None => LOADS.iter().map(|share| share * nominal).collect(),
+    };
+    let speeds = match &args.speeds {
+        Some(text) => list("--speeds", text, "m/s")?,
+        None => vec![first.speed().unwrap_or(SPEED)],
+    };
+    Ok(Programme {
+        loads,
+        speeds,
+        frictions: list("--friction", &args.friction, "1")?,
+        slip_angle: one("--slip-angle", &args.slip_angle, "rad")?,
+        slip: one("--slip", &args.slip, "1")?,
+        camber: one("--camber", &args.camber, "rad")?,
+    })
+}
+
+/// A few numbers of a tire.
+fn told(tire: &Tire, load: f64) -> String {
+    let mut text = format!("{} at {load:.0} N:", tire.name);
+    for measure in [
+        Measure::CorneringStiffness,
+        Measure::LateralPeak,
+        Measure::BrakingPeak,
+        Measure::VerticalStiffness,
+        Measure::RelaxationLength,
+    ] {
+        if let Some(value) = tire.reading(measure, load) {
+            let [_, title, unit] = measure.words();
+            let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+            text += &format!("\n  {title:36} {value:10.4}{unit}");
         }
     }
+    text
 }
 
-fn with_interval(known: Known) -> String {
-    match known.half_width.is_finite() {
-        true => format!("{:.4} +- {:.2e}", known.value, known.half_width),
-        false => format!("{:.4}", known.value),
+fn progress(states: usize) -> ProgressBar {
+    // indicatif draws on a terminal's standard error and nowhere else
+    let bar = ProgressBar::new(states as u64);
+    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} %  {eta} left") {
+        bar.set_style(style);
     }
-}
-
-fn tell(text: &mut String, notes: &[String]) {
-    for note in notes {
-        let _ = writeln!(text, "    note: {note}");
-    }
+    bar
 }

@@ -1,8 +1,8 @@
 //! `latsch manoeuvre`: drives a vehicle through a manoeuvre by which models are validated.
 
 use super::{Format, print, print_json, warn};
-use latsch::manoeuvre::{MANOEUVRES, Manoeuvre, Reading, Vehicle, read_names, readings_csv};
-use latsch::recording::write_recording;
+use latsch::manoeuvre::{MANOEUVRES, Manoeuvre, Reading, Vehicle, readings_csv};
+use latsch::recording::{read_names, write_recording};
 use latsch::{Error, Result, write_file};
 use serde_json::json;
 use std::path::PathBuf;

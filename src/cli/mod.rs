@@ -22,6 +22,7 @@ mod plan;
 mod planned;
 mod rig_program;
 mod simulate;
+mod solid_tire;
 mod tire;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -55,6 +56,7 @@ enum Command {
     Convert(convert::Args),
     Identify(identify::Args),
     Characterize(characterize::Args),
+    SolidTire(solid_tire::Args),
     Plan(plan::Args),
     RigProgram(rig_program::Args),
     Loads(loads::Args),
@@ -96,6 +98,7 @@ pub fn run() -> ExitCode {
         Command::Convert(args) => convert::run(&args).map(done),
         Command::Identify(args) => identify::run(&args).map(done),
         Command::Characterize(args) => characterize::run(&args).map(done),
+        Command::SolidTire(args) => solid_tire::run(&args).map(done),
         Command::Plan(args) => plan::run(&args),
         Command::RigProgram(args) => rig_program::run(&args).map(done),
         Command::Loads(args) => loads::run(&args).map(done),

@@ -241,7 +241,7 @@ fn given(args: &Args) -> Result<Settings> {
 }
 
 /// Whether what is called so is an FMU and no model.
-fn is_file(model: &str) -> bool {
+pub fn is_file(model: &str) -> bool {
     let path = Path::new(model);
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) || path.is_file()
 }
@@ -446,7 +446,7 @@ pub fn selected(interface: &Interface, recording: &Recording, all: bool) -> Reco
 }
 
 /// NAME=VALUE, with an optional unit behind the value.
-fn parse_assignment(interface: &Interface, text: &str) -> Result<(usize, Value)> {
+pub fn parse_assignment(interface: &Interface, text: &str) -> Result<(usize, Value)> {
     let at = |e: Error| Error::variable(e.to_string()).at(format!("--set {text}"));
     let Some((name, value)) = text.split_once('=') else {
         return Err(at(Error::variable("the form is NAME=VALUE")));

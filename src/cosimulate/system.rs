@@ -528,13 +528,7 @@ impl Component {
 
     /// Passes on a value that the variable accepted.
     pub(super) fn assign(&mut self, variable: usize, value: &Value) -> Result<()> {
-        let done = match value {
-            Value::Text(text) => self.slave.set_text(variable, text),
-            Value::Real(v) => self.slave.set(variable, *v),
-            Value::Integer(v) => self.slave.set(variable, f64::from(*v)),
-            Value::Boolean(v) => self.slave.set(variable, f64::from(u8::from(*v))),
-        };
-        done.map_err(|e| e.at(&self.name))
+        self.slave.set_value(variable, value).map_err(|e| e.at(&self.name))
     }
 }
 

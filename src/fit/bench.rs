@@ -173,12 +173,7 @@ fn work(factory: &Factory, fixed: &[(usize, Value)], queue: &Mutex<Receiver<Task
 fn drive(slave: &mut Attached<dyn Slave>, fixed: &[(usize, Value)], task: &Task) -> Result<Traces> {
     let Task { drive, setup, watch, .. } = task;
     for (variable, value) in fixed {
-        match value {
-            Value::Text(text) => slave.set_text(*variable, text)?,
-            Value::Real(v) => slave.set(*variable, *v)?,
-            Value::Integer(v) => slave.set(*variable, f64::from(*v))?,
-            Value::Boolean(v) => slave.set(*variable, f64::from(u8::from(*v)))?,
-        }
+        slave.set_value(*variable, value)?;
     }
     for (variable, value) in &setup.values {
         slave.set(*variable, *value)?;

@@ -7,12 +7,9 @@ use crate::cosimulate::{
     Until, cosimulate_until,
 };
 use crate::model::Value;
-use crate::model::line_of;
-use crate::recording::{Channel, Recording, write_csv};
+use crate::recording::{Channel, Names, Recording, write_csv};
 use crate::stats::mean;
-use crate::{Error, Result, read_text};
-use serde::Deserialize;
-use std::collections::BTreeMap;
+use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// Wheels, as the controller counts them.
@@ -31,27 +28,6 @@ pub enum Vehicle {
     Model(String),
     /// An FMU.
     Fmu(PathBuf),
-}
-
-/// What a vehicle calls the variables of manoeuvres, where that is something else.
-pub type Names = BTreeMap<String, String>;
-
-/// Reads names: TOML with a table `[names]` of `"front_left.brake_torque" = "M_B_FL"`.
-///
-/// # Errors
-/// A file that cannot be read or has another form, with its line.
-pub fn read_names(path: &Path) -> Result<Names> {
-    #[derive(Deserialize)]
-    #[serde(deny_unknown_fields)]
-    struct File {
-        names: Names,
-    }
-    let text = read_text(path)?;
-    let file: File = toml::from_str(&text).map_err(|e| {
-        let line = e.span().map_or(1, |span| line_of(&text, span.start));
-        Error::file(format!("{}:{line}: {}", path.display(), e.message()))
-    })?;
-    Ok(file.names)
 }
 
 /// A vehicle in a folder.

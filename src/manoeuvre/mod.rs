@@ -12,11 +12,11 @@ mod reading;
 mod steady_circles;
 mod washboard;
 
-pub use car::{Car, Names, Vehicle, read_names};
+pub use car::{Car, Vehicle};
 pub use reading::{Reading, readings_csv};
 
 use crate::cosimulate::{Outcome, Plan};
-use crate::recording::Recording;
+use crate::recording::{Names, Recording};
 use crate::{Error, Result};
 use std::path::Path;
 

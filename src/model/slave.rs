@@ -1,6 +1,6 @@
 //! [`Slave`]: how anything is run, in plain `f64`.
 
-use super::Interface;
+use super::{Interface, Value};
 use crate::{Error, Result};
 use std::any::Any;
 
@@ -29,6 +29,19 @@ pub trait Slave {
     /// # Errors
     /// A variable that cannot be set now, or a value that it does not accept. The old value stays.
     fn set(&mut self, variable: usize, value: f64) -> Result<()>;
+
+    /// Sets a parameter or input of any kind.
+    ///
+    /// # Errors
+    /// As [`set`](Slave::set) and [`set_text`](Slave::set_text).
+    fn set_value(&mut self, variable: usize, value: &Value) -> Result<()> {
+        match value {
+            Value::Text(text) => self.set_text(variable, text),
+            Value::Real(v) => self.set(variable, *v),
+            Value::Integer(v) => self.set(variable, f64::from(*v)),
+            Value::Boolean(v) => self.set(variable, f64::from(u8::from(*v))),
+        }
+    }
 
     /// The value of a text variable.
     ///

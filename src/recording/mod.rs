@@ -1,6 +1,7 @@
 //! Recordings: measured or simulated channels over time, with units, and the CSV, TYDEX and RPC III files that hold them.
 
 mod csv;
+mod names;
 mod noise;
 mod profile;
 mod rpc;
@@ -10,6 +11,7 @@ mod tydex;
 
 pub(crate) use csv::{Column, Defect, read_csv_with_defects};
 pub use csv::{parse_csv, read_csv, to_csv, write_csv};
+pub use names::{Names, read_names};
 pub use noise::add_noise;
 pub(crate) use profile::points_from_csv;
 pub use profile::{profile_from_csv, profile_value, read_settings};

@@ -2,11 +2,12 @@
 //!
 //! A [`Page`] has sections, a section has parts: text, [`Table`], [`Plot`], [`patch_frames`].
 //! [`simulation_report`] makes the page of a run, [`diagnosis_report`] that of a
-//! diagnosis, [`identification_report`] that of an identification, [`characteristic_report`] that of a characterization, [`plan_report`] that of a plan's check, [`loads_report`] that of loads. Whoever makes a page of
+//! diagnosis, [`identification_report`] that of an identification, [`characteristic_report`] that of a characterization, [`plan_report`] that of a plan's check, [`loads_report`] that of loads, [`curves_report`] that of a tire's curves. Whoever makes a page of
 //! their own with drawings of patches has their scales in [`Picture`].
 
 mod causes;
 mod characteristic;
+mod curves;
 mod diagnosis;
 mod heat;
 mod identification;
@@ -21,6 +22,7 @@ mod simulation;
 pub use crate::page::{Html, Page, Section, Table, escape};
 pub use causes::causes_report;
 pub use characteristic::characteristic_report;
+pub use curves::curves_report;
 pub use diagnosis::{CheckRun, diagnosis_report};
 pub use heat::{HeatCell, HeatMap};
 pub use identification::identification_report;

@@ -99,6 +99,7 @@ impl<T: Tire> Model for FlatTrack<T> {
             local("actual_camber", "rad", real!(actuators.camber.position), "Camber behind the actuator").role(Role::Camber),
             local("actual_slip", "1", real!(actuators.slip.position), "Slip behind the actuator").role(Role::Slip),
             local("actual_slip_angle", "rad", real!(actuators.slip_angle.position), "Slip angle behind the actuator").role(Role::SlipAngle),
+            local("wheel_centre_height", "m", real!(tire.mounted.rim.position.z), "Height of the wheel centre over the road"),
             parameter("step_size", "s", real!(step_size), T::STEP, "Step of the model's own time grid").range(1e-7, 1e-3).purpose(Purpose::Numerics).role(Role::Step),
         ])
         .part("", lens!(actuation), Actuation::rows())
