@@ -1,8 +1,8 @@
 //! `latsch diagnose` of a wired vehicle from recordings that repeat each other.
 
+use super::console::spinner;
 use super::diagnose::Args;
 use super::{Format, print, print_json};
-use indicatif::ProgressBar;
 use latsch::causes::{Change, PartFindings, closed_loops, correct, find, read_runs};
 use latsch::cosimulate::read_system;
 use latsch::model::Value;
@@ -28,8 +28,7 @@ pub fn run(args: &Args) -> Result<()> {
     let runs = read_runs(&args.recordings)?;
     std::fs::create_dir_all(&args.output)
         .map_err(|e| Error::file(format!("{} cannot be made: {e}", args.output.display())))?;
-    // indicatif draws on a terminal's standard error and nowhere else
-    let spinner = ProgressBar::new_spinner();
+    let spinner = spinner();
     spinner.enable_steady_tick(Duration::from_millis(200));
     let findings = find(&file.plan, &runs, args.jobs, &mut |what| spinner.set_message(what.to_owned()))?;
     spinner.finish_and_clear();

@@ -1,9 +1,9 @@
 //! `latsch characterize`: the curves of tires.
 
+use super::console::bar;
 use super::given::Given;
 use super::simulate::{is_file, parse_assignment};
 use super::{print, warn};
-use indicatif::{ProgressBar, ProgressStyle};
 use latsch::curves::{Measure, Programme, Rig, Tire, curves_csv, curves_readings_csv, measure, recordings};
 use latsch::fmi::Entry;
 use latsch::fmi::import::ImportedFmu;
@@ -78,7 +78,8 @@ pub fn run(args: &Args) -> Result<()> {
     let folder = if args.tydex { &tydex } else { &args.output };
     std::fs::create_dir_all(folder)
         .map_err(|e| Error::file(format!("{} cannot be made: {e}", folder.display())))?;
-    let bar = progress(rigs.iter().map(|(_, rig)| programme.states(rig)).sum());
+    let states: usize = rigs.iter().map(|(_, rig)| programme.states(rig)).sum();
+    let bar = bar(states as u64, "");
     let measured: Result<Vec<Tire>> = rigs
         .iter_mut()
         .map(|(name, rig)| {
@@ -188,13 +189,4 @@ fn told(tire: &Tire, load: f64) -> String {
         }
     }
     text
-}
-
-fn progress(states: usize) -> ProgressBar {
-    // indicatif draws on a terminal's standard error and nowhere else
-    let bar = ProgressBar::new(states as u64);
-    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} %  {eta} left") {
-        bar.set_style(style);
-    }
-    bar
 }

@@ -1,7 +1,7 @@
 //! `latsch convert`: files of roads and tires in other formats.
 
 use super::tire::as_toml;
-use super::{check_outputs, print, warn};
+use super::{check_outputs, note, print, warn};
 use latsch::recording::read_settings;
 use latsch::road_file::{self, Lanes, Writing};
 use latsch::tir::{Document, Kind, Units, create_super_elastic, settings};
@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> Result<()> {
 
 fn road(args: &Args) -> Result<Vec<String>> {
     let mut road = road_file::read(&args.input, &Lanes { left: args.left, right: args.right })?;
-    road.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    road.notes.iter().for_each(|text| note(text));
     let mut lost = Vec::new();
     if let Some(tolerance) = args.tolerance {
         if !(tolerance > 0.0 && tolerance.is_finite()) {
@@ -73,7 +73,7 @@ fn road(args: &Args) -> Result<Vec<String>> {
     if ending(&args.output) == "toml" {
         let gone = road.thin();
         if gone > 0 {
-            eprintln!("note: {gone} points on straight lines are left out, which changes no height");
+            note(&format!("{gone} points on straight lines are left out, which changes no height"));
         }
     }
     let writing = Writing { increment: args.increment, like: args.like.as_deref(), adams: args.adams };

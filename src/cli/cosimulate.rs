@@ -1,8 +1,8 @@
 //! `latsch cosimulate`: a wired system of models and FMUs.
 
 use super::compared::{Compared, sides};
+use super::console::bar;
 use super::{check_outputs, print, warn};
-use indicatif::{ProgressBar, ProgressStyle};
 use latsch::cosimulate::{
     Experiment, FrictionLevel, Outcome, Plan, Port, PortName, System, Until, WheelMatch, cosimulate_until,
     energy_warnings, friction_inputs, friction_level, read_system,
@@ -271,12 +271,7 @@ fn run_with_progress(
     until: Option<Until>,
     path: &Path,
 ) -> Result<Outcome> {
-    // indicatif draws on a terminal's standard error and nowhere else
-    let steps = experiment.schedule()?.steps as u64;
-    let bar = ProgressBar::new(steps).with_message(path.display().to_string());
-    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} %  {eta} left") {
-        bar.set_style(style);
-    }
+    let bar = bar(experiment.schedule()?.steps as u64, &path.display().to_string());
     let outcome = cosimulate_until(system, experiment, until, |k| bar.set_position(k as u64));
     bar.finish_and_clear();
     outcome

@@ -1,7 +1,7 @@
 //! `latsch diagnose`: what a model leaves out.
 
+use super::console::share_bar;
 use super::{Format, print, print_json_text};
-use indicatif::{ProgressBar, ProgressStyle};
 use latsch::cosimulate::write_corrected;
 use latsch::diagnose::{Base, Map, Outcome, Request, diagnose};
 use latsch::effect::file::{Fitted, corrected_text};
@@ -68,10 +68,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     std::fs::create_dir_all(&args.output)
         .map_err(|e| Error::file(format!("{} cannot be made: {e}", args.output.display())))?;
-    let bar = ProgressBar::new(1000);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent} % {msg}") {
-        bar.set_style(style);
-    }
+    let bar = share_bar();
     let outcome = diagnose(&request, &mut |what, share| {
         bar.set_message(what.to_owned());
         bar.set_position((1000.0 * share) as u64);

@@ -1,12 +1,12 @@
 //! Values for a model that files give: a tire property file, and parameters over it.
 
-use super::warn;
+use super::{note, warn};
 use latsch::model::{Interface, Settings};
 use latsch::recording::read_settings;
 use latsch::road_file::{self, Lanes};
 use latsch::tire::Tire;
 use latsch::tire::super_elastic::SuperElastic;
-use latsch::{Error, Result, one_line};
+use latsch::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// The files of a model that one names on the command line.
@@ -57,12 +57,12 @@ impl Given {
         if let Some(path) = &self.road {
             let lanes = Lanes { left: self.road_left, right: self.road_right };
             let road = road_file::read(path, &lanes)?;
-            for note in &road.notes {
-                eprintln!("note: {}", one_line(note));
+            for text in &road.notes {
+                note(text);
             }
             let left_out: Vec<&str> = road.left_out().map(String::as_str).collect();
             if !left_out.is_empty() {
-                eprintln!("note: {}: not used: {}", path.display(), one_line(&left_out.join("; ")));
+                note(&format!("{}: not used: {}", path.display(), left_out.join("; ")));
             }
             let edges = road.edges();
             if edges > 0 && interface.is_some_and(|i| i.name.starts_with(SuperElastic::NAME)) {

@@ -4,6 +4,8 @@ mod causes;
 mod characterize;
 mod check;
 mod compared;
+mod completions;
+mod console;
 mod convert;
 mod cosimulate;
 mod demo;
@@ -15,6 +17,7 @@ mod given;
 mod identify;
 mod lint;
 mod loads;
+mod man;
 mod manoeuvre;
 mod models;
 mod pad_friction;
@@ -25,9 +28,10 @@ mod simulate;
 mod solid_tire;
 mod tire;
 
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{ColorChoice, Parser, Subcommand, ValueEnum};
+use console::{note, warn};
 use latsch::temporary::{before_the_end, clean_up_on_signals};
-use latsch::{Error, ErrorKind, Result, one_line, printable, printable_json};
+use latsch::{Error, ErrorKind, Result, printable, printable_json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -37,6 +41,12 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(name = "latsch", version, propagate_version = true)]
 struct Cli {
+    /// Say nothing beside results but errors: no notes, warnings and progress
+    #[arg(long, short, global = true)]
+    quiet: bool,
+    /// When words of messages are colored; a terminal is one that shows colors, and NO_COLOR is not set
+    #[arg(long, value_name = "WHEN", default_value_t = ColorChoice::Auto, global = true)]
+    color: ColorChoice,
     #[command(subcommand)]
     command: Command,
 }
@@ -63,6 +73,8 @@ enum Command {
     PadFriction(pad_friction::Args),
     Diagnose(diagnose::Args),
     Demo(demo::Args),
+    Completions(completions::Args),
+    Man(man::Args),
 }
 
 /// How results are printed.
@@ -77,7 +89,8 @@ enum Format {
 /// Reads the arguments, runs the subcommand and gives the exit code.
 pub fn run() -> ExitCode {
     let done = |()| ExitCode::SUCCESS;
-    let command = Cli::parse().command;
+    let Cli { command, quiet, color } = Cli::parse();
+    console::set(quiet, color);
     // a child of `check` runs foreign code and has nothing of its own to remove
     if !matches!(&command, Command::Check(args) if args.is_child())
         && let Err(e) = clean_up_on_signals()
@@ -105,12 +118,14 @@ pub fn run() -> ExitCode {
         Command::PadFriction(args) => pad_friction::run(&args).map(done),
         Command::Diagnose(args) => diagnose::run(&args).map(done),
         Command::Demo(args) => demo::run(&args).map(done),
+        Command::Completions(args) => completions::run(&args).map(done),
+        Command::Man(args) => man::run(&args).map(done),
     };
     // an error that comes from being ended is not told
     before_the_end(|| match result {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("error: {error}");
+            console::error(&error);
             ExitCode::from(if error.kind() == ErrorKind::Numeric { 1 } else { 2 })
         }
     })
@@ -136,11 +151,6 @@ fn print_json(value: &serde_json::Value) -> Result<()> {
 /// Prints JSON.
 fn print_json_text(json: &str) -> Result<()> {
     print(&printable_json(json))
-}
-
-/// Prints a warning.
-fn warn(text: &str) {
-    eprintln!("warning: {}", one_line(text));
 }
 
 /// Checks before a long run that its results can be written: the folders are there, and no result

@@ -1,15 +1,17 @@
 //! `latsch simulate`: a model or FMU along recorded inputs.
 
 use super::compared::{Compared, sides};
+use super::console::bar;
 use super::given::Given;
-use super::{check_outputs, files_in, print, warn};
-use indicatif::{ProgressBar, ProgressStyle};
+use super::{check_outputs, files_in, note, print, warn};
 use latsch::comparison::Conditions;
+use latsch::diagnose::Map;
 use latsch::fmi::import::ImportedFmu;
 use latsch::fmi::{Entry, guid};
 use latsch::model::{Causality, Interface, Kind, Model, Native, Settings, Slave, Value};
 use latsch::recording::{
-    Recording, add_noise, profile_value, read_recording, read_settings, recording_endings, write_recording,
+    Columns, Recording, add_noise, profile_value, read_recording_as, read_settings, recording_endings,
+    write_recording,
 };
 use latsch::report::{Beside, PatchFrame, patch_caption, simulation_report, write_html};
 use latsch::rig::RingBrushFlatTrack;
@@ -20,6 +22,9 @@ use latsch::simulate::{
 use latsch::{Error, Result, VERSION};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+
+/// A ratio that is as near to a whole number is one: times are sums of steps in binary.
+const WHOLE: f64 = 1e-6;
 
 /// Run a model, or any FMI 2.0 co-simulation FMU, along recorded inputs
 ///
@@ -37,6 +42,9 @@ pub struct Args {
     /// A column of the recording that is left out
     #[arg(long, value_name = "COLUMN")]
     ignore: Vec<String>,
+    /// What columns of the recording are: TOML with a table [channels] of "Force (kN)" = { variable = "axle_force_z", unit = "kN" }, or {} for one that is left out; the time's variable is time
+    #[arg(long, value_name = "F.toml", requires = "inputs")]
+    map: Option<PathBuf>,
     /// Value of a parameter, or of an input for the whole run; `path_speed="90 km/h"` is converted, `road_profile=@F.csv` takes the points of a road from a file with the columns `x [m],z [m]`
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -63,6 +71,12 @@ pub struct Args {
     /// Also write the internal quantities
     #[arg(long)]
     all: bool,
+    /// Write these variables and no others, in this order
+    #[arg(long, value_name = "NAME,NAME,...", value_delimiter = ',', conflicts_with = "all")]
+    channels: Vec<String>,
+    /// Write a sample every so many seconds, a whole number of steps, and the last [default: each step]
+    #[arg(long, value_name = "T")]
+    interval: Option<f64>,
     /// Page with plots to write
     #[arg(long, value_name = "F.html")]
     report: Option<PathBuf>,
@@ -94,10 +108,10 @@ fn one_file(args: &Args) -> Result<()> {
     let given = given(args)?;
     let Ran { subject, experiment, mut outcome, notes } =
         one_run(args, &given, inputs.as_ref(), &Settings::default())?;
-    notes.iter().for_each(|note| eprintln!("note: {note}"));
+    notes.iter().for_each(|text| note(text));
     let interface = subject.slave.interface();
     sense(args, interface, std::slice::from_mut(&mut outcome.recording));
-    write_recording(&args.output, &selected(interface, &outcome.recording, args.all))?;
+    write_recording(&args.output, &written(args, interface, &outcome.recording)?)?;
     if let Some(report) = &args.report {
         let page = subject.report(&experiment, &outcome, &conditions)?;
         write_html(report, &page)?;
@@ -124,9 +138,9 @@ fn every_file(args: &Args, folder: &Path) -> Result<()> {
         let switches = Some(file.with_extension("toml")).filter(|toml| toml.is_file());
         let switches = read_settings(switches.as_deref())?;
         let Ran { subject, outcome, notes, .. } = one_run(args, &given, Some(&inputs), &switches)?;
-        for note in notes {
-            if said.insert(note.clone()) {
-                eprintln!("note: {note}");
+        for text in notes {
+            if said.insert(text.clone()) {
+                note(&text);
             }
         }
         if let Some(error) = outcome.stopped {
@@ -135,7 +149,7 @@ fn every_file(args: &Args, folder: &Path) -> Result<()> {
                 file.display()
             )));
         }
-        recordings.push(selected(subject.slave.interface(), &outcome.recording, args.all));
+        recordings.push(written(args, subject.slave.interface(), &outcome.recording)?);
         interface = Some(subject.slave.interface().clone());
     }
     if let Some(interface) = &interface {
@@ -150,7 +164,8 @@ fn every_file(args: &Args, folder: &Path) -> Result<()> {
 
 /// A recording without what is to be left out.
 fn read_inputs(args: &Args, file: &Path) -> Result<Recording> {
-    let mut inputs = read_recording(file)?;
+    let columns = args.map.as_deref().map(Map::read).transpose()?;
+    let mut inputs = read_recording_as(file, columns.as_ref().map_or(&Columns::new(), Map::columns))?;
     for name in &args.ignore {
         inputs.channel(name)?;
         inputs.channels.retain(|c| c.name != *name);
@@ -314,7 +329,7 @@ impl Subject {
                 schedule.start, schedule.stop, schedule.step
             )));
         }
-        let bar = progress(&schedule, title);
+        let bar = bar(schedule.steps as u64, title);
         let outcome = simulate(self.slave.as_mut(), experiment, |k, slave| {
             if k == 0
                 && let Some(warning) = slave.warning()
@@ -395,15 +410,6 @@ fn own_flat_track(fmu: &ImportedFmu) -> Option<Settings> {
     if same { Settings::parse(&text, "model.toml").ok() } else { None }
 }
 
-fn progress(schedule: &Schedule, title: &str) -> ProgressBar {
-    // indicatif draws on a terminal's standard error and nowhere else
-    let bar = ProgressBar::new(schedule.steps as u64).with_message(title.to_string());
-    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} %  {eta} left") {
-        bar.set_style(style);
-    }
-    bar
-}
-
 /// Pictures of the contact patch along the run. An FMU does not tell of single bristles; the same
 /// model in this process has the same bits.
 fn patch_frames(
@@ -433,6 +439,40 @@ fn measured(interface: &Interface, recording: &Recording) -> Recording {
         interface.index(&c.name).is_some_and(|i| interface.variables[i].causality != Causality::Input)
     });
     measured
+}
+
+/// What is written of a run: the variables and samples that are asked for.
+fn written(args: &Args, interface: &Interface, recording: &Recording) -> Result<Recording> {
+    let mut chosen = if args.channels.is_empty() {
+        selected(interface, recording, args.all)
+    } else {
+        let mut channels = Vec::new();
+        for name in &args.channels {
+            let info = &interface.variables[interface.find(name).map_err(|e| e.at("--channels"))?];
+            channels.push(recording.channel(&info.name).map_err(|e| e.at("--channels"))?.clone());
+        }
+        Recording { channels, ..recording.clone() }
+    };
+    let ([first, second, ..], Some(interval)) = (&recording.time[..], args.interval) else {
+        return Ok(chosen);
+    };
+    let steps = interval / (second - first);
+    if !(steps.round() >= 1.0 && (steps / steps.round() - 1.0).abs() < WHOLE) {
+        return Err(Error::call(format!(
+            "--interval {interval}: no whole number of steps of {} s",
+            second - first
+        )));
+    }
+    let (every, last) = (steps.round() as usize, recording.time.len() - 1);
+    let thinned = |values: &[f64]| -> Vec<f64> {
+        let kept = values.iter().enumerate().filter(|(k, _)| k.is_multiple_of(every) || *k == last);
+        kept.map(|(_, value)| *value).collect()
+    };
+    chosen.time = thinned(&chosen.time);
+    for channel in &mut chosen.channels {
+        channel.values = thinned(&channel.values);
+    }
+    Ok(chosen)
 }
 
 /// Inputs and outputs, or everything.

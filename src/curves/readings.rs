@@ -171,9 +171,8 @@ pub(super) fn readings(
 
 /// States beside another, for slopes.
 struct Beside {
-    /// At the half difference below and above, and at half of that.
-    wide: [Point; 2],
-    narrow: [Point; 2],
+    /// At the half difference below and above, at half of that, and at a quarter.
+    pairs: [[Point; 2]; 3],
     half: f64,
 }
 
@@ -183,14 +182,18 @@ impl Beside {
             let mut at = |value: f64| rig.point(&about.with(over, about.of(over) + value)).ok();
             Some([at(-half)?, at(half)?])
         };
-        Some(Self { wide: pair(half)?, narrow: pair(0.5 * half)?, half })
+        Some(Self { pairs: [pair(half)?, pair(0.5 * half)?, pair(0.25 * half)?], half })
     }
 
-    /// From two differences, as their width goes to nothing: a curve may bend at once on both sides, as that of a brush does with the
-    /// square of the slip, and one difference is then too low in proportion to its width.
+    /// From three differences, as their width goes to nothing: a curve may bend at once on both sides, as that of a brush does with the
+    /// square of the slip, and a difference is then too low in proportion to its width; one that is smooth makes errors of the second order.
     fn slope(&self, of: impl Fn(&Point) -> f64) -> f64 {
-        let difference = |[below, above]: &[Point; 2], half: f64| (of(above) - of(below)) / (2.0 * half);
-        2.0 * difference(&self.narrow, 0.5 * self.half) - difference(&self.wide, self.half)
+        let mut half = 2.0 * self.half;
+        let [wide, middle, narrow] = self.pairs.each_ref().map(|[below, above]| {
+            half *= 0.5;
+            (of(above) - of(below)) / (2.0 * half)
+        });
+        (8.0 * narrow - 6.0 * middle + wide) / 3.0
     }
 }
 

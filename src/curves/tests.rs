@@ -39,9 +39,9 @@ fn readings_of_a_brush_tire_are_its_parameters() {
             assert!((value / expected - 1.0).abs() < share, "{measure:?} at {load}: {value} for {expected}");
         };
         let per_degree = 1_f64.to_radians();
-        near(Measure::CorneringStiffness, stiffness * per_degree, 2e-4);
-        near(Measure::AligningStiffness, stiffness * width / 3.0 * per_degree, 3e-3);
-        near(Measure::PneumaticTrail, 1e3 * width / 3.0, 3e-3);
+        near(Measure::CorneringStiffness, stiffness * per_degree, 1e-5);
+        near(Measure::AligningStiffness, stiffness * width / 3.0 * per_degree, 1e-4);
+        near(Measure::PneumaticTrail, 1e3 * width / 3.0, 1e-4);
         near(Measure::SlipStiffness, 0.01 * along, 1e-9);
         let most = friction(1.0) * load;
         near(Measure::Locked, (most - most * most / (4.0 * along)) / load, 1e-9);

@@ -14,9 +14,9 @@ use super::witnesses::{Shared, share_out};
 use crate::effect::Role;
 use crate::fit::{Bench, Drive, Run};
 use crate::model::Causality;
-use crate::recording::Recording;
+use crate::recording::{Recording, recording_endings};
 use crate::stats::median_interval;
-use crate::{Error, Result};
+use crate::{Error, Result, ending};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -339,11 +339,14 @@ fn read_folder(
         std::fs::read_dir(folder).map_err(|e| Error::file(format!("{place} cannot be read: {e}")))?;
     let mut files: Vec<PathBuf> = entries
         .filter_map(|e| e.ok().map(|e| e.path()))
-        .filter(|p| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")))
+        .filter(|p| recording_endings().contains(&ending(p).as_str()))
         .collect();
     files.sort();
     if files.is_empty() {
-        return Err(Error::file(format!("{place}: there is no recording, that is no file *.csv")));
+        return Err(Error::file(format!(
+            "{place}: there is no recording, that is no file *.{}",
+            recording_endings().join(", *.")
+        )));
     }
     let mut recordings = Vec::new();
     for file in &files {

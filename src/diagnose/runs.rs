@@ -6,7 +6,7 @@ use crate::bounded::{self, MAX_TEXT};
 use crate::effect::Role;
 use crate::fit::{Channel, Drive, Run};
 use crate::model::{Causality, Interface, Kind};
-use crate::recording::{Column, Recording, Smooth};
+use crate::recording::{Columns, Recording, Smooth, recording_endings};
 use crate::stats::{about_mean, deviation, mean, mean_or_zero, median_interval};
 use crate::{Error, Result};
 use serde::Deserialize;
@@ -28,7 +28,7 @@ const MAX_POINTS: usize = 2_000_000;
 pub struct Map {
     /// Columns by their header in the recordings, with its unit or without.
     #[serde(default)]
-    channels: BTreeMap<String, Column>,
+    channels: Columns,
     /// Roles of variables whose names do not tell.
     #[serde(default)]
     roles: BTreeMap<String, Role>,
@@ -54,7 +54,7 @@ impl Map {
     }
 
     /// What the columns of recordings are, by their headers.
-    pub(super) fn columns(&self) -> &BTreeMap<String, Column> {
+    pub fn columns(&self) -> &Columns {
         &self.channels
     }
 }
@@ -94,19 +94,15 @@ pub fn uses(folder: &Path, names: &[String], courses: &[Vec<&[f64]>]) -> Result<
             let line = e.span().map_or(1, |s| crate::model::line_of(&text, s.start));
             Error::file(format!("{place}:{line}: {}", e.message()))
         })?;
-        let recordings: HashSet<&str> = names.iter().map(String::as_str).collect();
+        let recordings: HashSet<&str> = names.iter().map(|name| without_ending(name)).collect();
         let mut given = HashMap::new();
         for (name, use_) in &file.runs {
-            // with the ending or without it
-            let both = [name.as_str(), name.trim_end_matches(".csv")];
-            if !both.iter().any(|name| recordings.contains(name)) {
+            if !recordings.contains(without_ending(name)) {
                 return Err(Error::file(format!("{place}: there is no recording {name:?}")));
             }
-            for name in both {
-                given.entry(name).or_insert(*use_);
-            }
+            given.insert(without_ending(name), *use_);
         }
-        names.iter().map(|name| given.get(name.as_str()).copied().unwrap_or(Use::Fit)).collect()
+        names.iter().map(|name| given.get(without_ending(name)).copied().unwrap_or(Use::Fit)).collect()
     } else {
         split(courses)
     };
@@ -119,6 +115,14 @@ pub fn uses(folder: &Path, names: &[String], courses: &[Vec<&[f64]>]) -> Result<
         }
     }
     Ok(uses)
+}
+
+/// A run's name may have the ending of its file or not.
+fn without_ending(name: &str) -> &str {
+    match name.rsplit_once('.') {
+        Some((stem, end)) if recording_endings().iter().any(|known| known.eq_ignore_ascii_case(end)) => stem,
+        _ => name,
+    }
 }
 
 /// A third of the runs for checking, the middle of every three changed for what is like the others: a programme
@@ -330,6 +334,8 @@ mod tests {
         std::fs::write(folder.path().join(RUNS_FILE), &text).unwrap();
         let given = uses(folder.path(), &names, &[]).unwrap();
         assert!((0..COUNT).all(|i| given[i] == if i % 2 == 0 { Use::Fit } else { Use::Check }));
+        let files: Vec<String> = names.iter().map(|name| format!("{name}.tdx")).collect();
+        assert_eq!(uses(folder.path(), &files, &[]).unwrap(), given);
         let error = uses(folder.path(), &names[1..], &[]).unwrap_err().to_string();
         assert!(error.contains("there is no recording \"run0\""), "{error}");
     }

@@ -3,7 +3,7 @@
 use super::c::Text;
 use super::description::{PLATFORM, model_description, model_identifier};
 use super::documentation;
-use super::entry::{Entry, guid};
+use super::entry::{Entry, guid, no_model};
 use super::export::Sink;
 use super::make::{MAX_ABOUT, ORIGINAL_DESCRIPTION};
 use crate::bounded::MAX_TEXT;
@@ -188,7 +188,7 @@ impl ModelLibrary {
     /// The interface of the model called `name`.
     ///
     /// # Errors
-    /// None; the message lists those that are there.
+    /// None; the message has the most similar one.
     pub fn model(&self, name: &str) -> Result<&Interface> {
         self.find(name).map(|(table, _)| table)
     }
@@ -196,10 +196,9 @@ impl ModelLibrary {
     /// Its interface and documentation.
     pub(super) fn find(&self, name: &str) -> Result<(&Interface, &str)> {
         let mut models = self.models.iter().zip(self.documentation.iter().map(String::as_str));
-        models.find(|(table, _)| table.name == name).ok_or_else(|| {
-            let names: Vec<&str> = self.models.iter().map(|m| m.name.as_str()).collect();
-            Error::variable(format!("there is no model {name:?}; there is {}", names.join(", ")))
-        })
+        models
+            .find(|(table, _)| table.name == name)
+            .ok_or_else(|| no_model(name, self.models.iter().map(|m| m.name.as_str())))
     }
 
     /// An FMU of a model with these settings, as the bytes of its archive. The same arguments give

@@ -55,13 +55,26 @@ impl Entry {
     /// The entry called `name`.
     ///
     /// # Errors
-    /// None; the message lists those that are there.
+    /// None; the message has the most similar one.
     pub fn find(entries: &[Self], name: &str) -> Result<Self> {
-        entries.iter().find(|e| e.name == name).copied().ok_or_else(|| {
-            let names: Vec<&str> = entries.iter().map(|e| e.name).collect();
-            Error::variable(format!("there is no model {name:?}; there is {}", names.join(", ")))
-        })
+        entries
+            .iter()
+            .find(|e| e.name == name)
+            .copied()
+            .ok_or_else(|| no_model(name, entries.iter().map(|e| e.name)))
     }
+}
+
+/// The error for a model that is not there, with the most similar of those that are.
+pub(super) fn no_model<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Error {
+    #[cfg(feature = "host")]
+    let hint = crate::model::did_you_mean(name, names);
+    #[cfg(not(feature = "host"))]
+    let hint = {
+        let _ = names;
+        ""
+    };
+    Error::variable(format!("there is no model {name:?}{hint} (`latsch models` lists all)"))
 }
 
 /// The GUID of an FMU: it changes with the text of its `resources/model.toml`, with the model's

@@ -1,7 +1,7 @@
 //! Units: from the text of a column header or a variable to SI base units and back.
 //!
 //! A unit is a product of symbols with whole exponents and at most one `/`, which divides by
-//! everything behind it: `N.m/rad`, `m/s2`, `m/s^2`, `kN/mm`, `1/s`, `km/h`. Symbols take the SI
+//! everything behind it: `N.m/rad`, `m/s2`, `m/s^2`, `m/s²`, `kN/mm`, `1/s`, `km/h`, `N m`. Symbols take the SI
 //! prefixes where that is customary.
 
 use crate::{Error, Result};
@@ -31,20 +31,26 @@ const SYMBOLS: &[Symbol] = &[
     ("g", [1, 0, 0, 0, 0, 0, 0, 0], 1e-3, 0.0, true),
     ("t", [1, 0, 0, 0, 0, 0, 0, 0], 1e3, 0.0, false),
     ("s", [0, 0, 1, 0, 0, 0, 0, 0], 1.0, 0.0, true),
+    ("sec", [0, 0, 1, 0, 0, 0, 0, 0], 1.0, 0.0, false),
     ("min", [0, 0, 1, 0, 0, 0, 0, 0], 60.0, 0.0, false),
     ("h", [0, 0, 1, 0, 0, 0, 0, 0], 3600.0, 0.0, false),
     ("A", [0, 0, 0, 1, 0, 0, 0, 0], 1.0, 0.0, true),
     ("K", [0, 0, 0, 0, 1, 0, 0, 0], 1.0, 0.0, false),
     ("degC", [0, 0, 0, 0, 1, 0, 0, 0], 1.0, 273.15, false),
+    ("°C", [0, 0, 0, 0, 1, 0, 0, 0], 1.0, 273.15, false),
     ("mol", [0, 0, 0, 0, 0, 1, 0, 0], 1.0, 0.0, false),
     ("cd", [0, 0, 0, 0, 0, 0, 1, 0], 1.0, 0.0, false),
     ("rad", [0, 0, 0, 0, 0, 0, 0, 1], 1.0, 0.0, true),
     ("deg", [0, 0, 0, 0, 0, 0, 0, 1], std::f64::consts::PI / 180.0, 0.0, false),
     ("°", [0, 0, 0, 0, 0, 0, 0, 1], std::f64::consts::PI / 180.0, 0.0, false),
     ("rev", [0, 0, 0, 0, 0, 0, 0, 1], std::f64::consts::TAU, 0.0, false),
+    // German Umdrehung
+    ("U", [0, 0, 0, 0, 0, 0, 0, 1], std::f64::consts::TAU, 0.0, false),
     ("rpm", [0, 0, -1, 0, 0, 0, 0, 1], std::f64::consts::TAU / 60.0, 0.0, false),
     ("N", [1, 1, -2, 0, 0, 0, 0, 0], 1.0, 0.0, true),
     ("Nm", [1, 2, -2, 0, 0, 0, 0, 0], 1.0, 0.0, true),
+    ("Nmm", [1, 2, -2, 0, 0, 0, 0, 0], 1e-3, 0.0, true),
+    ("kgf", [1, 1, -2, 0, 0, 0, 0, 0], 9.80665, 0.0, false),
     ("J", [1, 2, -2, 0, 0, 0, 0, 0], 1.0, 0.0, true),
     ("W", [1, 2, -3, 0, 0, 0, 0, 0], 1.0, 0.0, true),
     ("Pa", [1, -1, -2, 0, 0, 0, 0, 0], 1.0, 0.0, true),
@@ -53,6 +59,8 @@ const SYMBOLS: &[Symbol] = &[
     ("V", [1, 2, -3, -1, 0, 0, 0, 0], 1.0, 0.0, true),
     ("mph", [0, 1, -1, 0, 0, 0, 0, 0], 0.44704, 0.0, false),
     ("kph", [0, 1, -1, 0, 0, 0, 0, 0], 1.0 / 3.6, 0.0, false),
+    ("l", [0, 3, 0, 0, 0, 0, 0, 0], 1e-3, 0.0, true),
+    ("L", [0, 3, 0, 0, 0, 0, 0, 0], 1e-3, 0.0, true),
     ("in", [0, 1, 0, 0, 0, 0, 0, 0], 0.0254, 0.0, false),
     ("ft", [0, 1, 0, 0, 0, 0, 0, 0], 0.3048, 0.0, false),
     ("lb", [1, 0, 0, 0, 0, 0, 0, 0], 0.453_592_37, 0.0, false),
@@ -66,10 +74,14 @@ const SYMBOLS: &[Symbol] = &[
 const PREFIXES: &[(&str, f64)] = &[
     ("n", 1e-9),
     ("u", 1e-6),
-    ("µ", 1e-6),
+    // the sign of its own, and the Greek letter
+    ("\u{b5}", 1e-6),
+    ("\u{3bc}", 1e-6),
     ("m", 1e-3),
     ("c", 1e-2),
     ("d", 1e-1),
+    ("da", 1e1),
+    ("h", 1e2),
     ("k", 1e3),
     ("M", 1e6),
     ("G", 1e9),
@@ -83,13 +95,13 @@ impl Unit {
     pub fn parse(text: &str) -> Result<Self> {
         let text = text.trim();
         let fail = |what: &str| Error::variable(format!("unit {text:?}: {what}"));
+        let plain: String = text.chars().map(lowered).collect();
         let mut unit = ONE;
-        let mut parts = text.split('/');
+        let mut parts = plain.split('/');
         for (position, side) in [parts.next(), parts.next()].into_iter().flatten().enumerate() {
             let sign = if position == 0 { 1 } else { -1 };
             let side = side.trim().trim_start_matches('(').trim_end_matches(')');
-            for factor in side.split(['.', '*', '·']) {
-                let factor = factor.trim();
+            for factor in side.split(['.', '*', '·', '⋅']).flat_map(words) {
                 let digits = factor.trim_end_matches(|c: char| c.is_ascii_digit());
                 let (name, exponent) = match digits.trim_end_matches('-').trim_end_matches('^') {
                     "" => (factor, 1),
@@ -103,7 +115,7 @@ impl Unit {
                     }
                 };
                 let symbol = symbol(name).ok_or_else(|| {
-                    fail(&format!("the symbol {name:?} is not known (known are SI units, deg, rpm, km/h, bar and the like)"))
+                    fail(&format!("the symbol {name:?} is not known (known are SI units, deg, rpm, km/h, bar and the like){}", similar(name)))
                 })?;
                 unit = unit.times(symbol, sign * exponent);
             }
@@ -157,6 +169,44 @@ pub fn quantity(text: &str, own: &str) -> Result<f64> {
     }
 }
 
+/// A sign of an exponent on the line.
+fn lowered(c: char) -> char {
+    match c {
+        '²' => '2',
+        '³' => '3',
+        '¹' => '1',
+        '⁻' => '-',
+        '⁴' => '4',
+        c => c,
+    }
+}
+
+/// What stands between blanks; of nothing, nothing.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    let is_empty = text.trim().is_empty();
+    text.split_whitespace().chain(is_empty.then_some(""))
+}
+
+/// A hint `; did you mean ...?` for a symbol that is not known, or nothing.
+#[cfg(feature = "host")]
+fn similar(name: &str) -> String {
+    let prefixed = |symbol: &Symbol| {
+        let prefixes = PREFIXES.iter().filter(|_| symbol.4).map(|(prefix, _)| *prefix);
+        std::iter::once("").chain(prefixes).map(|prefix| format!("{prefix}{}", symbol.0)).collect::<Vec<_>>()
+    };
+    let all: Vec<String> = SYMBOLS.iter().flat_map(prefixed).collect();
+    // another letter for a capital one is the likeliest mistake
+    match all.iter().find(|known| known.eq_ignore_ascii_case(name)) {
+        Some(known) => format!("; did you mean {known:?}?"),
+        None => super::did_you_mean(name, all.iter().map(String::as_str)),
+    }
+}
+
+#[cfg(not(feature = "host"))]
+fn similar(_name: &str) -> String {
+    String::new()
+}
+
 /// A factor to a whole power, by squaring.
 fn power(mut factor: f64, exponent: i8) -> f64 {
     let (mut rest, mut product) = (exponent.unsigned_abs(), 1.0);
@@ -207,6 +257,20 @@ mod tests {
             ("N.m.s/rad", "Nm.s/rad", 1.0, 1.0),
             ("1/min", "Hz", 60.0, 1.0),
             ("ms", "s", 5.0, 0.005),
+            ("m/s²", "m/s2", 9.81, 9.81),
+            ("s⁻¹", "1/s", 7.0, 7.0),
+            ("N m", "Nm", 3.0, 3.0),
+            ("N ⋅ mm", "Nmm", 3.0, 3.0),
+            ("kgf", "N", 2.0, 19.6133),
+            ("daN", "N", 2.0, 20.0),
+            ("hPa", "Pa", 2.0, 200.0),
+            ("Nmm", "N.m", 2500.0, 2.5),
+            ("sec", "s", 2.0, 2.0),
+            ("l/min", "m3/s", 60.0, 1e-3),
+            ("°C", "K", 22.0, 295.15),
+            ("μm", "µm", 4.0, 4.0),
+            ("U/min", "rpm", 4.0, 4.0),
+            ("deg/s", "rad/s", 180.0, std::f64::consts::PI),
         ] {
             let (factor, offset) = Unit::parse(from).unwrap().to(Unit::parse(to).unwrap()).unwrap();
             let result = value * factor + offset;
@@ -232,8 +296,12 @@ mod tests {
         assert_eq!(force.to(Unit::parse("N.m").unwrap()), None);
         // A frequency is not an angular speed, however often they are confused.
         assert_eq!(Unit::parse("Hz").unwrap().to(Unit::parse("rad/s").unwrap()), None);
-        for text in ["furlong", "", "m//s", "m/s/s", "m^x", "N.", "kmin"] {
+        for text in ["furlong", "", " ", "m//s", "m/s/s", "m^x", "N.", "N. .m", "kmin"] {
             assert!(Unit::parse(text).is_err(), "{text:?}");
+        }
+        for (text, meant) in [("NM", "\"Nm\""), ("KM/h", "\"km\""), ("Rad", "\"rad\""), ("barr", "\"bar\"")] {
+            let message = Unit::parse(text).unwrap_err().to_string();
+            assert!(message.contains(&format!("did you mean {meant}?")), "{message}");
         }
     }
 }

@@ -1,12 +1,10 @@
-//! Recordings as CSV: a header line of `name [unit]` cells, the first of them the time.
+//! Recordings as CSV: a header line of `name [unit]` cells, one of them the time; and the dialects of that which programs write.
 
+use super::Recording;
+use super::header::{Axis, Columns, Header, Titles};
 use super::shortest::push_shortest;
-use super::{Channel, Recording};
 use crate::bounded;
-use crate::model::unit::Unit;
 use crate::{Error, Result};
-use serde::Deserialize;
-use std::collections::{BTreeMap, HashMap};
 use std::io::Write;
 use std::path::Path;
 
@@ -18,10 +16,15 @@ pub(super) const MAX_COLUMNS: usize = 100_000;
 pub(super) const BLOCK: usize = 1 << 16;
 /// Characters that may separate cells.
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
+/// A line that begins with it is a comment.
+const COMMENT: u8 = b'#';
 
-/// Reads a CSV file: UTF-8, cells separated by `,`, `;` or tab (found in the header line), numbers with
+/// Reads a CSV file: UTF-8, cells separated by `,`, `;` or tab (found in the header line, or said by a first line `sep=;`), numbers with
 /// a decimal point (or, unless commas separate the cells, a decimal comma throughout), a header of
-/// `name [unit]` cells that begins with `time [s]` (or another unit of time, which is converted).
+/// `name [unit]` cells with `time [s]` among them (or another unit of time, which is converted).
+///
+/// Units may also be in parentheses, `Force (N)`, or in a second line for all columns, where nothing stands for a number without unit.
+/// The time may be called `Time`, in any letters, or `t` if it is the first column. Lines that begin with `#` are comments.
 ///
 /// # Errors
 /// A file that cannot be read, or content that is not as above: no time column, a column without
@@ -30,18 +33,6 @@ const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 /// `file:line:column`.
 pub fn read_csv(path: &Path) -> Result<Recording> {
     read_csv_over(&TIME, path)
-}
-
-/// What the first column of a file is.
-pub(super) struct Axis {
-    /// Its name.
-    pub name: &'static str,
-    /// The unit that it is converted to.
-    pub unit: &'static str,
-    /// What that unit is one of.
-    pub quantity: &'static str,
-    /// Whether a row may have the value of the row before.
-    pub repeats: bool,
 }
 
 const TIME: Axis = Axis { name: "time", unit: "s", quantity: "time", repeats: false };
@@ -91,10 +82,7 @@ pub(crate) struct Defect {
 /// # Errors
 /// A file that cannot be read, a header that [`read_csv`] refuses (but for what `names` says of columns, by what stands in the
 /// header, with the unit or without), fewer than two rows.
-pub(crate) fn read_csv_with_defects(
-    path: &Path,
-    names: &BTreeMap<String, Column>,
-) -> Result<(Recording, Vec<Defect>)> {
+pub(crate) fn read_csv_with_defects(path: &Path, names: &Columns) -> Result<(Recording, Vec<Defect>)> {
     let (text, source) = read_text(path)?;
     let mut defects = Vec::new();
     let recording = parse_rows(&TIME, names, &text, &source, &mut |defect| {
@@ -104,36 +92,39 @@ pub(crate) fn read_csv_with_defects(
     Ok((recording, defects))
 }
 
-/// What a column is, in place of what its header says.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Column {
-    /// Its name, `time` for the time; without one the column is left out, whatever is in it.
-    pub variable: Option<String>,
-    /// Its unit, if the header has none or a wrong one.
-    pub unit: Option<String>,
+/// Reads a CSV file whose columns are what is said of them.
+///
+/// # Errors
+/// As [`read_csv`].
+pub(super) fn read_csv_as(path: &Path, names: &Columns) -> Result<Recording> {
+    let (text, source) = read_text(path)?;
+    parse_rows(&TIME, names, &text, &source, &mut |defect| Err(defect.error))
 }
 
 fn parse_csv_over(axis: &Axis, text: &str, source: &str) -> Result<Recording> {
-    parse_rows(axis, &BTreeMap::new(), text, source, &mut |defect| Err(defect.error))
+    parse_rows(axis, &Columns::new(), text, source, &mut |defect| Err(defect.error))
 }
 
 /// Reads CSV text; `judge` says of every bad cell, row and order of times whether to go on.
 fn parse_rows(
     axis: &Axis,
-    names: &BTreeMap<String, Column>,
+    names: &Columns,
     text: &str,
     source: &str,
     judge: &mut dyn FnMut(Defect) -> Result<()>,
 ) -> Result<Recording> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = Lines { text: text.as_bytes(), byte: 0, line: 1 };
-    let separator = separator(text.as_bytes());
+    let (separator, text, first_line) = match said_separator(text) {
+        Some((separator, rest)) => (separator, rest, 2),
+        None => (separator(behind_comments(text.as_bytes())), text, 1),
+    };
+    let mut lines = Lines { text: text.as_bytes(), byte: 0, line: first_line };
     refuse_wide_rows(text.as_bytes(), separator, source)?;
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(separator)
         .has_headers(false)
         .flexible(true)
+        .comment(Some(COMMENT))
         .trim(csv::Trim::All)
         .from_reader(text.as_bytes());
     let mut record = csv::StringRecord::new();
@@ -150,12 +141,23 @@ fn parse_rows(
             axis.name, axis.unit
         )));
     };
-    let Header { mut recording, columns, places, factor } =
-        Header::parse(axis, names, &record, source, line)?;
+    let mut titles = Titles { names: record.clone(), line, units: None };
+    let mut pending = next(&mut record)?;
+    if let Some(line) = pending
+        && titles.lack_units(names)
+        && record.get(titles.time(axis, names)).is_some_and(|cell| number(cell, &mut None).is_err())
+    {
+        titles.units = Some((record.clone(), line));
+        pending = None;
+    }
+    let Header { mut recording, columns, places, factor } = Header::parse(axis, names, &titles, source)?;
 
     // the decimal mark is the first that is seen; a comma between commas could be anything
     let mut mark = (separator == b',').then_some('.');
-    while let Some(line) = next(&mut record)? {
+    while let Some(line) = match pending.take() {
+        None => next(&mut record)?,
+        read => read,
+    } {
         let row = recording.time.len();
         if record.len() != columns.len() {
             let error = Error::file(format!(
@@ -225,117 +227,6 @@ fn out_of_order(axis: &Axis, recording: &Recording, time: f64, line: u64, column
     )))
 }
 
-/// What the header line says.
-struct Header {
-    /// The recording without samples.
-    recording: Recording,
-    /// How messages call the columns: name and number.
-    columns: Vec<String>,
-    /// What each column is: the time, a channel by its number, or nothing that is read.
-    places: Vec<Option<Option<usize>>>,
-    /// From the first column's unit to that of the axis.
-    factor: f64,
-}
-
-impl Header {
-    fn parse(
-        axis: &Axis,
-        names: &BTreeMap<String, Column>,
-        row: &csv::StringRecord,
-        source: &str,
-        line: u64,
-    ) -> Result<Self> {
-        let mut recording = Recording { source: source.into(), ..Recording::default() };
-        let (mut columns, mut places) = (Vec::new(), Vec::new());
-        let mut seen = HashMap::new();
-        let mut factor = 1.0;
-        let Axis { name: axis_name, unit: axis_unit, quantity, .. } = axis;
-        let given: Vec<Option<&Column>> = row.iter().map(|cell| column_of(names, cell)).collect();
-        let is_time =
-            |column: &Option<&Column>| column.is_some_and(|c| c.variable.as_deref() == Some(axis_name));
-        let time = given.iter().position(is_time).unwrap_or(0);
-        for (i, (cell, given)) in row.iter().zip(given).enumerate() {
-            let number = i + 1;
-            let fail = |column: &str, what: String| {
-                Err(Error::file(format!("{source}:{line}:{column} (column {number}): {what}")))
-            };
-            let own = name_and_unit(cell);
-            let named = given.map(|column| (column.variable.as_deref(), column.unit.as_deref()));
-            let (name, unit) = match (named, own) {
-                (Some((None, _)), _) => {
-                    columns.push(format!("{cell} (column {number})"));
-                    places.push(None);
-                    continue;
-                }
-                (Some((Some(name), unit)), own) => (name, unit.or(own.map(|(_, unit)| unit))),
-                (None, Some((name, unit))) => (name, Some(unit)),
-                (None, None) => (cell, None),
-            };
-            let Some(unit) = unit else {
-                if cell.is_empty() {
-                    return fail("", "the header cell is empty; write `name [unit]`".into());
-                }
-                if i == time && given.is_none() {
-                    return fail(
-                        cell,
-                        format!("the first column has to be the {quantity}, `{axis_name} [{axis_unit}]`"),
-                    );
-                }
-                return fail(
-                    cell,
-                    format!(
-                        "no unit; write `{name} [unit]`, for instance `{name} [N]`, or `{name} [1]` for a number without unit"
-                    ),
-                );
-            };
-            let parsed = match Unit::parse(unit) {
-                Ok(unit) => unit,
-                Err(e) => return fail(name, format!("{e}; write [1] for a number without unit")),
-            };
-            if let Some(first) = seen.insert(name.to_owned(), number) {
-                return fail(name, format!("column {first} has the same name; names have to be unique"));
-            }
-            columns.push(format!("{name} (column {number})"));
-            if i != time {
-                places.push(Some(Some(recording.channels.len())));
-                recording.channels.push(Channel { name: name.into(), unit: unit.into(), values: Vec::new() });
-                continue;
-            }
-            places.push(Some(None));
-            if name != *axis_name {
-                return fail(
-                    name,
-                    format!(
-                        "the first column has to be the {quantity}, written `{axis_name} [{axis_unit}]` in small letters"
-                    ),
-                );
-            }
-            match Unit::parse(axis_unit).ok().and_then(|si| parsed.to(si)) {
-                Some((to_si, _)) => factor = to_si,
-                None => {
-                    return fail(
-                        name,
-                        format!("{unit:?} is no unit of {quantity}; write `{axis_name} [{axis_unit}]`"),
-                    );
-                }
-            }
-        }
-        Ok(Self { recording, columns, places, factor })
-    }
-}
-
-/// What is said of the column with this header: by all of it, or by the name before the unit.
-fn column_of<'a>(names: &'a BTreeMap<String, Column>, cell: &str) -> Option<&'a Column> {
-    names.get(cell).or_else(|| names.get(name_and_unit(cell)?.0))
-}
-
-/// Splits `name [unit]`. The space is needed: `x[1]` may be the name of an element.
-fn name_and_unit(cell: &str) -> Option<(&str, &str)> {
-    let (name, unit) = cell.strip_suffix(']')?.rsplit_once('[')?;
-    let trimmed = name.trim_end();
-    (!trimmed.is_empty() && trimmed.len() < name.len()).then(|| (trimmed, unit.trim()))
-}
-
 /// A finite number, or what is wrong with the cell. A decimal comma is as good as a point, but not
 /// both in one file: it could separate thousands.
 fn number(cell: &str, mark: &mut Option<char>) -> std::result::Result<f64, String> {
@@ -357,6 +248,28 @@ fn number(cell: &str, mark: &mut Option<char>) -> std::result::Result<f64, Strin
             Err(_) => Err(format!("{cell:?} is not a number")),
         },
     }
+}
+
+/// The separator in a first line `sep=;`, as spreadsheets write it, and the text behind that.
+fn said_separator(text: &str) -> Option<(u8, &str)> {
+    let (first, rest) = text.split_once('\n')?;
+    match first.trim_end().as_bytes() {
+        [b's' | b'S', b'e' | b'E', b'p' | b'P', b'=', separator] if SEPARATORS.contains(separator) => {
+            Some((*separator, rest))
+        }
+        _ => None,
+    }
+}
+
+/// The text from the first line on that is no comment.
+fn behind_comments(mut text: &[u8]) -> &[u8] {
+    while text.first() == Some(&COMMENT) {
+        let end = text.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(text.len());
+        let rest = &text[end..];
+        let line_break = rest.iter().position(|byte| !matches!(byte, b'\n' | b'\r')).unwrap_or(rest.len());
+        text = &rest[line_break..];
+    }
+    text
 }
 
 /// The separator that the header line has most of, outside quotes.
@@ -381,7 +294,7 @@ fn separator(text: &[u8]) -> u8 {
     SEPARATORS[most]
 }
 
-/// Counts lines as an editor does. The reader's own count stands before blank lines that it skips.
+/// Counts lines as an editor does. The reader's own count stands before blank lines and comments that it skips.
 struct Lines<'a> {
     text: &'a [u8],
     byte: usize,
@@ -391,8 +304,11 @@ struct Lines<'a> {
 impl Lines<'_> {
     /// The line of the first row at or after `byte`; rows are asked for in order.
     fn number(&mut self, byte: usize) -> u64 {
+        let mut in_comment = false;
         while let Some(b) = self.text.get(self.byte) {
-            if self.byte >= byte && !matches!(b, b'\r' | b'\n') {
+            let ends_line = matches!(b, b'\r' | b'\n');
+            in_comment = !ends_line && (in_comment || *b == COMMENT && self.byte >= byte);
+            if self.byte >= byte && !ends_line && !in_comment {
                 break;
             }
             // an old Mac's lone carriage return ends a line, too
@@ -473,6 +389,7 @@ fn quoted(cell: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Channel, Column};
     use super::*;
     use proptest::prelude::*;
 
@@ -506,7 +423,7 @@ mod tests {
             variable: variable.map(str::to_owned),
             unit: unit.map(str::to_owned),
         };
-        let names = BTreeMap::from([
+        let names = Columns::from([
             ("Force (N)".to_owned(), column(Some("force"), Some("N"))),
             ("note".to_owned(), column(None, None)),
             ("t/ms".to_owned(), column(Some("time"), Some("ms"))),
@@ -537,9 +454,35 @@ mod tests {
             "\"time [s]\",\"a [N]\",\"b [m]\"\n\"0\",\"1\",\"2\"\n\"1\",\"3\",\"4\"\n",
             "time [s] , a  [ N ], b [m]\n 0, 1, 2\n1 ,3 ,4\n\n\n",
             "\n\ntime [ms],a [N],b [m]\n0,1,2\n1000,3,4\r\n\r\n",
+            "sep=;\r\ntime [s];a [N];b [m]\r\n0;1;2\r\n1;3;4\r\n",
+            "SEP=\t\ntime [s]\ta [N]\tb [m]\n0\t1\t2\n1\t3\t4\n",
+            "# a, b, c;\n\n#\ntime [s],a [N],b [m]\n0,1,2\n# warm\n1,3,4\n",
+            "Time (s);a (N);b (m)\n0;1;2\n1;3;4\n",
+            "TIME[s];a[N];b[m]\n0;1;2\n1;3;4\n",
+            "t,a,b\ns,N,m\n0,1,2\n1,3,4\n",
+            "Time;a;b\n[sec];[N];[m]\n0;1;2\n1;3;4\n",
+            "time,a,b\n(ms),(N),(m)\n0,1,2\n1000,3,4\n",
+            // wherever the time is
+            "a [N],Time [s],b [m]\n1,0,2\n3,1,4\n",
         ] {
             assert_eq!(read(text), plain, "{text:?}");
         }
+    }
+
+    #[test]
+    fn a_line_of_units_says_which_column_has_none_that_is_one() {
+        let read = read("Time,slip,note (raw)\ns,,-\n0,0.1,1\n1,0.2,2\n");
+        assert_eq!(
+            read.channels.iter().map(|c| (&*c.name, &*c.unit)).collect::<Vec<_>>(),
+            [("slip", "1"), ("note (raw)", "-")]
+        );
+        refuse("time,a\ns,furlong\n0,1\n1,2\n", &["rig.csv:2:a (column 2)", "furlong"]);
+        refuse("time,a\n,N\n0,1\n1,2\n", &["rig.csv:2:time (column 1)", "no unit of time"]);
+        refuse("time,a\ns\n0,1\n1,2\n", &["rig.csv:2: the header has 2 cells", "units has 1"]);
+        // a name that ends in parentheses with no unit in them has none
+        refuse("time [s],a (raw)\n0,1\n1,2\n", &["rig.csv:1:a (raw) (column 2)", "no unit"]);
+        refuse("#\ntime [s],a [N]\n# x\n0,1\n#\n1,x\n", &["rig.csv:6:a"]);
+        refuse("sep=;\ntime [s];a [N]\n0;1\n1;x\n", &["rig.csv:4:a"]);
     }
 
     #[test]
@@ -552,7 +495,7 @@ mod tests {
     fn header_errors_say_where_and_what_to_write() {
         refuse("", &["rig.csv", "empty", "time [s]"]);
         refuse("\u{feff}\n\r\n", &["rig.csv", "empty"]);
-        refuse("force [N],time [s]\n0,1\n1,2\n", &["rig.csv:1:force (column 1)", "time [s]"]);
+        refuse("force [N],way [m]\n0,1\n1,2\n", &["rig.csv:1:force (column 1)", "time [s]"]);
         refuse("time [N],a [N]\n0,1\n1,2\n", &["rig.csv:1:time (column 1)", "\"N\"", "time [s]"]);
         refuse("time [s],a\n0,1\n1,2\n", &["rig.csv:1:a (column 2)", "a [N]", "a [1]"]);
         refuse("time [s],a []\n0,1\n1,2\n", &["rig.csv:1:a (column 2)", "[1]"]);

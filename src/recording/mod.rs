@@ -1,6 +1,7 @@
 //! Recordings: measured or simulated channels over time, with units, and the CSV, TYDEX and RPC III files that hold them.
 
 mod csv;
+mod header;
 mod names;
 mod noise;
 mod profile;
@@ -9,8 +10,9 @@ mod shortest;
 mod smooth;
 mod tydex;
 
-pub(crate) use csv::{Column, Defect, read_csv_with_defects};
+pub(crate) use csv::Defect;
 pub use csv::{parse_csv, read_csv, to_csv, write_csv};
+pub use header::{Column, Columns};
 pub use names::{Names, read_names};
 pub use noise::add_noise;
 pub(crate) use profile::points_from_csv;
@@ -138,6 +140,28 @@ pub fn read_recording(path: &Path) -> Result<Recording> {
         Form::Csv => read_csv(path),
         Form::Tydex => read_tydex(path),
         Form::Rpc => read_rpc(path),
+    }
+}
+
+/// The same of a recording whose columns are what is said of them, by what stands above them.
+///
+/// # Errors
+/// As [`read_recording`]; what is said makes two channels of one name, or is no unit.
+pub fn read_recording_as(path: &Path, columns: &Columns) -> Result<Recording> {
+    match Form::of(path) {
+        Form::Csv => csv::read_csv_as(path, columns),
+        Form::Tydex | Form::Rpc => header::renamed(read_recording(path)?, columns),
+    }
+}
+
+/// The same of a recording that may be faulty, as far as its form knows of faults: cells and rows of CSV that [`read_csv`] refuses.
+///
+/// # Errors
+/// As [`read_recording_as`], without those.
+pub(crate) fn read_with_defects(path: &Path, columns: &Columns) -> Result<(Recording, Vec<Defect>)> {
+    match Form::of(path) {
+        Form::Csv => csv::read_csv_with_defects(path, columns),
+        Form::Tydex | Form::Rpc => Ok((read_recording_as(path, columns)?, Vec::new())),
     }
 }
 

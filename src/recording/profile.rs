@@ -1,6 +1,7 @@
 //! Road profiles from CSV files, and settings that name such files.
 
-use super::csv::{Axis, read_csv_over};
+use super::csv::read_csv_over;
+use super::header::Axis;
 use super::shortest::shortest;
 use crate::bounded::{self, MAX_TEXT};
 use crate::model::{Settings, Value};

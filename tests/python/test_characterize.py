@@ -31,7 +31,7 @@ def test_a_model_and_its_fmu_tell_the_same_and_what_the_coefficients_say(tmp_pat
     assert all(own[key] == its[key] or math.isnan(own[key]) and math.isnan(its[key]) for key in own)
 
     described = json.loads(latsch("describe", MODEL, "--format", "json").stdout)["variables"]
-    c = {v["name"]: v["start"] for v in described if isinstance(v.get("start"), (int, float))}
+    c = {v["name"]: v["default"] for v in described if isinstance(v.get("default"), (int, float))}
     for load in LOADS:
         # Pacejka 2002: cornering stiffness, slip stiffness and peaks without camber, where nothing is shifted
         dfz = load / c["FNOMIN"] - 1

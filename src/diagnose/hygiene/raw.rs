@@ -4,10 +4,9 @@ use super::copies::copies;
 use super::time::mend;
 use super::values::faults_of_values;
 use super::{Fault, FaultKind, Severity, run_name, short};
-use crate::recording::{Channel, Column, Defect, Recording, read_csv_with_defects};
+use crate::recording::{Channel, Columns, Defect, Recording, read_with_defects};
 use crate::stats::quantile;
 use crate::{Error, Result};
-use std::collections::BTreeMap;
 use std::path::Path;
 
 /// A channel that lacks more than this share of its cells is left out, not its rows.
@@ -24,19 +23,15 @@ pub struct RawRecording {
     pub faults: Vec<Fault>,
 }
 
-/// Reads a CSV file as [`read_csv`](crate::recording::read_csv) does, but goes on where that stops: time
+/// Reads a recording as [`read_recording`](crate::recording::read_recording) does, but goes on where that stops: time
 /// stamps that step back or repeat, empty cells, cells that are no finite number, short rows. All of these
 /// become faults, as do gaps, jitter, rails, frozen values and spikes. `names` says what columns are: what is left out is not
 /// looked at; `drives` which channels drive a model.
 ///
 /// # Errors
 /// A file that cannot be read, a header that cannot be understood, fewer than two rows that are left.
-pub(crate) fn read_raw(
-    path: &Path,
-    names: &BTreeMap<String, Column>,
-    drives: &dyn Fn(&str) -> bool,
-) -> Result<RawRecording> {
-    let (recording, defects) = read_csv_with_defects(path, names)?;
+pub(crate) fn read_raw(path: &Path, names: &Columns, drives: &dyn Fn(&str) -> bool) -> Result<RawRecording> {
+    let (recording, defects) = read_with_defects(path, names)?;
     mended(recording, &defects, drives)
 }
 
