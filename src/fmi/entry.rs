@@ -55,7 +55,7 @@ impl Entry {
     /// The entry called `name`.
     ///
     /// # Errors
-    /// None; the message has the most similar one.
+    /// None; the message has those that begin so, or the most similar one.
     pub fn find(entries: &[Self], name: &str) -> Result<Self> {
         entries
             .iter()
@@ -65,14 +65,17 @@ impl Entry {
     }
 }
 
-/// The error for a model that is not there, with the most similar of those that are.
+/// The error for a model that is not there, with those that begin so, or else the most similar one.
 pub(super) fn no_model<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Error {
-    #[cfg(feature = "host")]
-    let hint = crate::model::did_you_mean(name, names);
-    #[cfg(not(feature = "host"))]
-    let hint = {
-        let _ = names;
-        ""
+    let names: Vec<&str> = names.collect();
+    let begin: Vec<&str> =
+        names.iter().copied().filter(|other| other.starts_with(&format!("{name}-"))).collect();
+    let hint = match begin.is_empty() {
+        false => format!("; there is {}", begin.join(", ")),
+        #[cfg(feature = "host")]
+        true => crate::model::did_you_mean(name, names.into_iter()),
+        #[cfg(not(feature = "host"))]
+        true => String::new(),
     };
     Error::variable(format!("there is no model {name:?}{hint} (`latsch models` lists all)"))
 }

@@ -195,8 +195,9 @@ fn similar(name: &str) -> String {
         std::iter::once("").chain(prefixes).map(|prefix| format!("{prefix}{}", symbol.0)).collect::<Vec<_>>()
     };
     let all: Vec<String> = SYMBOLS.iter().flat_map(prefixed).collect();
-    // another letter for a capital one is the likeliest mistake
-    match all.iter().find(|known| known.eq_ignore_ascii_case(name)) {
+    // a small letter for a capital one is the likeliest mistake; of several, the one with fewest of them
+    let same = |known: &String| known.bytes().zip(name.bytes()).filter(|(a, b)| a == b).count();
+    match all.iter().filter(|known| known.eq_ignore_ascii_case(name)).max_by_key(|known| same(known)) {
         Some(known) => format!("; did you mean {known:?}?"),
         None => super::did_you_mean(name, all.iter().map(String::as_str)),
     }

@@ -253,7 +253,7 @@ fn number(cell: &str, mark: &mut Option<char>) -> std::result::Result<f64, Strin
 /// The separator in a first line `sep=;`, as spreadsheets write it, and the text behind that.
 fn said_separator(text: &str) -> Option<(u8, &str)> {
     let (first, rest) = text.split_once('\n')?;
-    match first.trim_end().as_bytes() {
+    match first.trim_end_matches('\r').as_bytes() {
         [b's' | b'S', b'e' | b'E', b'p' | b'P', b'=', separator] if SEPARATORS.contains(separator) => {
             Some((*separator, rest))
         }

@@ -31,9 +31,9 @@ def test_models_and_describe():
 
 
 @pytest.mark.quick
-def test_unknown_model_gets_a_list():
+def test_the_beginning_of_a_model_gets_a_list():
     done = latsch("describe", "ring-brush")
-    assert done.returncode == 2 and MODEL in done.stderr
+    assert done.returncode == 2 and MODEL in done.stderr and "magic" not in done.stderr
 
 
 @pytest.mark.quick
@@ -566,3 +566,69 @@ def test_a_page_compares_peaks_oscillations_and_repeats_behind_one_low_pass(tmp_
         "simulate", model, "--inputs", push, "--output", tmp_path / "out.csv", "--report", page, "--low-pass", 40,
     )
     assert done.returncode == 2 and "named like an output" in done.stderr
+
+
+@pytest.mark.quick
+def test_shells_complete_and_manual_pages_are_written(tmp_path):
+    for shell in ("bash", "zsh", "fish", "powershell"):
+        assert "characterize" in latsch("completions", shell).stdout
+    script = tmp_path / "latsch.bash"
+    script.write_text(latsch("completions", "bash").stdout)
+    subprocess.run(["bash", "-n", script], check=True)
+    assert latsch("man", tmp_path / "man1").returncode == 0
+    pages = {path.name: path.read_text() for path in (tmp_path / "man1").iterdir()}
+    assert {"latsch.1", "latsch-simulate.1", "latsch-tire.1"} <= pages.keys()
+    assert all(text.lstrip().startswith((".ie", ".TH")) for text in pages.values())
+    assert "\\-\\-inputs" in pages["latsch-simulate.1"]
+
+
+@pytest.mark.quick
+def test_notes_can_be_silenced_and_words_colored(tmp_path):
+    inputs = tmp_path / "inputs.csv"
+    inputs.write_text("time [s],slip_angle [deg]\n0,0\n0.1,2\n")
+    run = ["simulate", "magic-formula-flat-track", "--inputs", inputs, "--output", tmp_path / "results.csv"]
+    told = latsch(*run)
+    assert told.stderr.startswith("note: command_actuators") and "\x1b" not in told.stderr
+    assert latsch("--quiet", *run).stderr == ""
+    assert latsch(*run, "-q").stdout == told.stdout
+    # errors stay
+    assert latsch("-q", "simulate", "magic-formul", "--output", "x.csv").stderr.startswith("error: ")
+    colored = latsch("--color", "always", *run).stderr
+    assert "\x1b[" in colored and colored.replace("\x1b[1m\x1b[36m", "").replace("\x1b[0m", "") == told.stderr
+    assert latsch("--color", "never", *run).stderr == told.stderr
+
+
+@pytest.mark.quick
+def test_a_model_that_is_not_there_is_named_with_one_that_is():
+    said = latsch("simulate", "ring-brush-wheal", "--output", "x.csv").stderr
+    assert 'did you mean "ring-brush-wheel"?' in said and len(said) < 200
+
+
+@pytest.mark.quick
+def test_recordings_of_other_programs_drive_a_model(tmp_path):
+    """Units in a second line, a decimal comma, another name and unit; samples and channels are chosen."""
+    plain, foreign, names = tmp_path / "plain.csv", tmp_path / "foreign.csv", tmp_path / "map.toml"
+    plain.write_text("time [s],slip_angle [rad],deflection [mm]\n0,0,20\n0.1,0.02,20.5\n")
+    foreign.write_text("sep=;\n# rig 4\nZeit;alpha;Einfederung;Bemerkung\ns;rad;mm;-\n0,0;0,00;20,0;1\n0,1;0,02;20,5;2\n")
+    names.write_text(
+        '[channels]\nZeit = { variable = "time" }\nalpha = { variable = "slip_angle" }\nEinfederung = { variable = "deflection" }\nBemerkung = {}\n'
+    )
+    results = []
+    for number, arguments in enumerate(([plain], [foreign, "--map", names])):
+        output = tmp_path / f"{number}.csv"
+        done = latsch("simulate", "magic-formula-flat-track", "--inputs", *arguments, "--output", output)
+        assert done.returncode == 0, done.stderr
+        results.append(output.read_text())
+    assert results[0] == results[1]
+
+    chosen = tmp_path / "chosen.csv"
+    run = ["simulate", "magic-formula-flat-track", "--inputs", plain, "--output", chosen, "--channels", "force_y,wheel_speed", "--interval"]
+    assert latsch(*run, "0.03").returncode == 0
+    whole = {row.split(",")[0]: row for row in results[0].splitlines()}
+    rows = chosen.read_text().splitlines()
+    assert rows[0] == "time [s],force_y [N],wheel_speed [rad/s]"
+    assert [row.split(",")[0] for row in rows[1:]] == ["0", "0.03", "0.06", "0.09", "0.1"]
+    column = results[0].splitlines()[0].split(",").index("force_y [N]")
+    assert all(row.split(",")[1] == whole[row.split(",")[0]].split(",")[column] for row in rows[1:])
+    assert "no whole number" in latsch(*run, "0.0305").stderr
+    assert "force_y" in latsch("simulate", "magic-formula-flat-track", "--output", chosen, "--channels", "forcey").stderr
