@@ -5,7 +5,7 @@ import json
 import math
 
 import pytest
-from conftest import latsch
+from conftest import ROOT, latsch
 
 MODEL = "magic-formula-flat-track"
 LOADS = (2000.0, 4000.0)
@@ -41,6 +41,15 @@ def test_a_model_and_its_fmu_tell_the_same_and_what_the_coefficients_say(tmp_pat
         assert found["mine", "slip_stiffness", load] == pytest.approx(0.01 * slip, rel=1e-4)
         assert found["mine", "braking_peak", load] == pytest.approx(c["PDX1"] + c["PDX2"] * dfz, rel=2e-3)
         assert found["mine", "lateral_peak", load] == pytest.approx(abs(c["PDY1"] + c["PDY2"] * dfz), rel=2e-3)
+
+    # the example has that of the book, whose camber stiffness is 0.92 of the load per rad
+    found, _ = characterized(tmp_path / "example", f"magic-formula@{ROOT / 'examples' / 'tires' / '205-60-r15.toml'}")
+    tire = "205-60-r15"
+    stiffness = 14.95 * 4000 * math.sin(2 * math.atan(1 / 2.13))
+    assert found[tire, "cornering_stiffness", 4000.0] == pytest.approx(math.radians(stiffness), rel=1e-3)
+    assert found[tire, "camber_stiffness", 4000.0] == pytest.approx(math.radians(0.92 * 4000), rel=5e-3)
+    assert found[tire, "slip_stiffness", 4000.0] == pytest.approx(0.01 * 21.51 * 4000, rel=5e-3)
+    assert found[tire, "braking_peak", 4000.0] == pytest.approx(1.21, rel=2e-3)
 
     page = (tmp_path / "curves" / "index.html").read_text()
     assert page.count("<svg") > 20 and "magic-formula, mine" in page and "108 km/h" in page
