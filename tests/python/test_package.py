@@ -1,0 +1,88 @@
+"""The Python package: a wheel of this build, installed into a folder of its own, in a process of its own."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from conftest import PROGRAM, ROOT, TARGET
+
+SCRIPT = """
+import json, pathlib, sys
+import numpy as np
+import latsch
+
+assert pathlib.Path(latsch.__file__).is_relative_to(sys.argv[1])
+names = [m["name"] for m in latsch.models()]
+assert "ring-brush-flat-track" in names
+assert {v["name"] for v in latsch.describe("magic-formula-flat-track")["variables"]} >= {"slip_angle", "force_y"}
+
+t = np.linspace(0, 0.5, 51)
+inputs = latsch.Recording(t, {"slip_angle": 2 * np.sin(4 * np.pi * t)}, {"slip_angle": "deg"})
+values = {"path_speed": "72 km/h", "load_control": True, "load": 3000}
+run = latsch.simulate("magic-formula-flat-track", inputs, values=values, parameters={"VERTICAL_STIFFNESS": "250 N/mm"}, channels=["force_y", "force_z", "slip_angle"])
+assert run.time[0] == 0 and run.time[-1] == 0.5 and run.units == {"force_y": "N", "force_z": "N", "slip_angle": "rad"}
+assert np.allclose(np.interp(t, run.time, run["slip_angle"]), np.radians(inputs["slip_angle"]), atol=1e-9)
+assert np.abs(run["force_z"] - 3000).max() < 60 and np.corrcoef(run["force_y"], run["slip_angle"])[0, 1] < -0.9
+assert any("command_actuators" in note for note in run.notes)
+
+fmu = latsch.export("magic-formula-flat-track", "tire.fmu", parameters={"VERTICAL_STIFFNESS": 250e3})
+again = latsch.simulate(fmu, inputs, values=values, channels=list(run))
+assert all(np.array_equal(run[name], again[name]) for name in run)
+
+tires = latsch.characterize("magic-formula", fmu, loads=["2 kN", "4 kN"])
+assert tires.reading("vertical_stiffness", 4000.0, "tire") - 250 < 1e-6
+assert tires.curves["force_y"].shape == tires.curves["slip_angle"].shape and "<svg" in tires.page.html
+assert tires.page._repr_html_().startswith("<iframe")
+
+for call in (lambda: latsch.simulate("ring-brush-wheal"), lambda: latsch.export("axle", "x.fmu", parameters={"nonsense": 1.0})):
+    try:
+        call()
+    except latsch.LatschError as error:
+        assert error.exit_code == 2 and "error:" not in str(error)
+    else:
+        raise AssertionError("nothing was refused")
+print(json.dumps(names))
+"""
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("package")
+    library = TARGET / "debug" / "liblatsch_fmu.so"
+    made = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "wheel", "--program", PROGRAM, "--library", library, "--output", folder],
+        check=True, capture_output=True, text=True,
+    )
+    install = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--no-index"]
+    subprocess.run([*install, "--target", folder / "site", made.stdout.strip()], check=True)
+    return folder / "site"
+
+
+def test_functions_do_what_the_program_does(installed, tmp_path):
+    environment = {**os.environ, "PYTHONPATH": str(installed)}
+    environment.pop("LATSCH_LIBRARY", None)
+    done = subprocess.run([sys.executable, "-c", SCRIPT, installed], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    told = subprocess.run([installed / "bin" / "latsch", "models", "--format", "json"], env=environment, capture_output=True, text=True, check=True)
+    assert [m["name"] for m in json.loads(told.stdout)] == json.loads(done.stdout)
+
+
+def test_recordings_identify_and_are_diagnosed(installed, tmp_path):
+    script = """
+import latsch, pathlib
+latsch.rig_program("ring-brush-flat-track", "programme")
+assert len(list(pathlib.Path("programme").glob("*.csv"))) == 9
+try:
+    latsch.identify("ring-brush-flat-track", "programme")
+except latsch.LatschError as error:
+    assert "force_z" in str(error), error
+try:
+    latsch.diagnose("fiala-flat-track", "programme")
+except latsch.LatschError as error:
+    print(error)
+"""
+    environment = {**os.environ, "PYTHONPATH": str(installed)}
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.strip(), done.stderr
