@@ -25,7 +25,7 @@ pub struct Args {
     /// Name of a shipped model (see `latsch models`), an FMU file or a wired system
     #[arg(value_name = "MODEL|F.fmu|F.ssd|F.toml")]
     pub(super) model: String,
-    /// Folder of recordings: CSV with the columns `time [s]` and `name [unit]`; columns named like inputs drive the
+    /// Folder of recordings, CSV with the columns `time [s]` and `name [unit]`, TYDEX or RPC III; columns named like inputs drive the
     /// model, columns named like outputs are compared. `runs.toml` in it says which runs are to fit and which to check
     #[arg(long, value_name = "DIR")]
     pub(super) recordings: PathBuf,

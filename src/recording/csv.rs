@@ -142,6 +142,7 @@ fn parse_rows(
         )));
     };
     let mut titles = Titles { names: record.clone(), line, units: None };
+    refuse_rows_as_comments(text.as_bytes(), separator, first_line, &titles, source)?;
     let mut pending = next(&mut record)?;
     if let Some(line) = pending
         && titles.lack_units(names)
@@ -209,6 +210,28 @@ fn refuse_wide_rows(text: &[u8], separator: u8, source: &str) -> Result<()> {
             return Err(Error::file(format!(
                 "{source}:{}: the line has {cells} cells; no more than {MAX_COLUMNS} are read",
                 i + 1
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Fails for a comment behind the header with as many cells as that has: a spreadsheet writes `#N/A` where it has no number.
+fn refuse_rows_as_comments(
+    text: &[u8],
+    separator: u8,
+    first_line: u64,
+    titles: &Titles,
+    source: &str,
+) -> Result<()> {
+    let lines = (first_line..).zip(text.split(|byte| *byte == b'\n'));
+    let behind = lines.filter(|(line, text)| *line > titles.line && text.first() == Some(&COMMENT));
+    for (line, text) in behind {
+        let cells = text.iter().filter(|byte| **byte == separator).count() + 1;
+        if cells > 1 && cells == titles.names.len() {
+            return Err(Error::file(format!(
+                "{source}:{line}: the line begins with # and has as many cells as the header; a row begins with a number, a comment has no {:?} between its words",
+                char::from(separator)
             )));
         }
     }
@@ -483,6 +506,7 @@ mod tests {
         refuse("time [s],a (raw)\n0,1\n1,2\n", &["rig.csv:1:a (raw) (column 2)", "no unit"]);
         refuse("#\ntime [s],a [N]\n# x\n0,1\n#\n1,x\n", &["rig.csv:6:a"]);
         refuse("sep=;\ntime [s];a [N]\n0;1\n1;x\n", &["rig.csv:4:a"]);
+        refuse("sep=;\ntime [s];a [N]\n0;1\n#N/A;2\n1;3\n", &["rig.csv:4: the line begins with #", "';'"]);
     }
 
     #[test]
