@@ -245,6 +245,7 @@ impl Search<'_> {
         let measured: Vec<f64> = reads.iter().map(|r| self.measured(r)).collect::<Result<_>>()?;
         let (mut left, mut refused) = (f64::INFINITY, None);
         let mut jacobian: Option<DMatrix<f64>> = None;
+        let mut most = 0;
         for _ in 0..ROUNDS {
             let offsets = self.find_offsets(plan, &reads)?;
             let model = self.model(plan)?;
@@ -274,8 +275,9 @@ impl Search<'_> {
                 refused = found.unsolved.first().map(|(_, why)| model.words(why));
                 found.parameters
             };
-            let moved = (0..at.len()).map(|k| (next[k] - at[k]).abs() / (bounds[k][1] - bounds[k][0]));
-            let before = std::mem::replace(&mut left, moved.fold(0.0, f64::max));
+            let moved = |k: usize| (next[k] - at[k]).abs() / (bounds[k][1] - bounds[k][0]);
+            most = (0..at.len()).max_by(|a, b| moved(*a).total_cmp(&moved(*b))).unwrap_or(0);
+            let before = std::mem::replace(&mut left, moved(most));
             // derivatives of one place serve as long as they take off most of what is left
             if left > SERVES * before {
                 jacobian = None;
@@ -288,9 +290,15 @@ impl Search<'_> {
                 return Ok(refused);
             }
         }
+        let mut sought = plan.groups.iter().flat_map(|group| &group.parameters);
+        let moving = sought.nth(most).map_or("", |parameter| &parameter.name);
+        let why = match refused {
+            Some(why) => format!("; in the last one {why}"),
+            None => String::new(),
+        };
         Err(Error::numeric(format!(
-            "the corrections for where the rig measured do not come to rest: parameters still move by {left:.1e} of their ranges. \
-             The recordings were made too far from the plan's conditions"
+            "the corrections for where the rig measured do not come to rest: {moving} still moves by {left:.1e} of its range{why}. \
+             The recordings were made too far from the plan's conditions, or the model cannot do what they show"
         )))
     }
 
