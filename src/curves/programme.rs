@@ -4,12 +4,10 @@ use super::readings::{Measure, Reading, readings};
 use super::{Condition, Point, Rig};
 use crate::{Error, Result};
 
-/// Slip angles and cambers as shares of the largest: dense where curves bend, on both sides.
-const ANGLES: [f64; 15] =
-    [0.0, 0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.24, 0.3, 0.38, 0.46, 0.56, 0.68, 0.84, 1.0];
-/// Slips of the side that brakes as shares of a locked wheel, and up to the largest one that drives.
-const SLIPS: [f64; 18] =
-    [0.0, 0.005, 0.01, 0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.125, 0.15, 0.2, 0.25, 0.3, 0.4, 0.55, 0.75, 1.0];
+/// States on one side of a curve over slip angle or camber, and how much denser they are at its beginning: places go with this power.
+const ANGLES: (u32, f64) = (30, 1.4);
+/// The same over slip, most of which is far behind the peak.
+const SLIPS: (u32, f64) = (40, 2.2);
 /// Slip angles at which the wheel is braked as well, as shares of the largest.
 const COMBINED: [f64; 3] = [1.0 / 6.0, 1.0 / 3.0, 2.0 / 3.0];
 /// Loads of the vertical curve over the largest one.
@@ -162,14 +160,14 @@ impl Programme {
 
     /// The values of a curve.
     fn values(&self, over: Quantity) -> Vec<f64> {
-        let both = |shares: &[f64], low: f64, high: f64| {
-            let below = shares.iter().skip(1).rev().map(|share| -low * share);
-            below.chain(shares.iter().map(|share| high * share)).collect()
+        let both = |(count, power): (u32, f64), low: f64, high: f64| {
+            let share = move |k: u32| (f64::from(k) / f64::from(count)).powf(power);
+            (1..=count).rev().map(|k| -low * share(k)).chain((0..=count).map(|k| high * share(k))).collect()
         };
         match over {
-            Quantity::SlipAngle => both(&ANGLES, self.slip_angle, self.slip_angle),
-            Quantity::Camber => both(&ANGLES, self.camber, self.camber),
-            Quantity::Slip => both(&SLIPS, 1.0, self.slip),
+            Quantity::SlipAngle => both(ANGLES, self.slip_angle, self.slip_angle),
+            Quantity::Camber => both(ANGLES, self.camber, self.camber),
+            Quantity::Slip => both(SLIPS, 1.0, self.slip),
             Quantity::Load => {
                 let most = self.loads.last().copied().unwrap_or(0.0);
                 (1..=VERTICAL).map(|k| most * f64::from(k) / f64::from(VERTICAL)).collect()
