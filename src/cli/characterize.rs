@@ -107,14 +107,15 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// A name for people: that of a file, or of a model without its rig. The second one of a name gets a number.
 fn name_of(tire: &str, others: &[(String, Rig)]) -> String {
-    let file = tire.split_once('@').map_or(tire, |(_, file)| file);
-    let stem = Path::new(file).file_stem().map_or(file.into(), |stem| stem.to_string_lossy());
-    let name = if is_file(tire) || tire.contains('@') { &*stem } else { tire.trim_end_matches(FLAT_TRACK) };
-    let taken = |name: &str| others.iter().any(|(other, _)| other == name);
-    (1..)
-        .map(|k| if k == 1 { name.to_owned() } else { format!("{name} ({k})") })
-        .find(|n| !taken(n))
-        .unwrap_or_default()
+    let stem = |file: &str| Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let name = match tire.split_once('@') {
+        _ if is_file(tire) => stem(tire),
+        Some((_, file)) => stem(file),
+        None => tire.trim_end_matches(FLAT_TRACK).into(),
+    };
+    let named = |k: usize| if k == 1 { name.clone() } else { format!("{name} ({k})") };
+    let is_taken = |name: &String| others.iter().any(|(other, _)| other == name);
+    (1..).map(named).find(|name| !is_taken(name)).unwrap_or_default()
 }
 
 /// The rig that a tire names.

@@ -19,7 +19,7 @@ const WINDOWS: usize = 30;
 const STEER: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// The way after which the lateral force has this share of its change is the relaxation length: 1 - 1/e, as for a lag of first order.
 const RELAXED: f64 = 1.0 - 0.367_879_441_171_442_33;
-/// A tire of the first order takes its force after so many relaxation lengths within a percent; no longer way is looked at \[m\].
+/// No longer way is looked at \[m\]: ten times what truck tires relax over.
 const LONGEST: f64 = 30.0;
 /// The deflection that carries a load is found to this share of it, or as well as a settled force is known.
 const CARRIED: f64 = 1e-3;
