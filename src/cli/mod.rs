@@ -42,10 +42,10 @@ use std::process::ExitCode;
 #[command(name = "latsch", version, propagate_version = true)]
 struct Cli {
     /// Say nothing beside results but errors: no notes, warnings and progress
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, help_heading = "Global options")]
     quiet: bool,
-    /// When words of messages are colored; a terminal is one that shows colors, and NO_COLOR is not set
-    #[arg(long, value_name = "WHEN", default_value_t = ColorChoice::Auto, global = true)]
+    /// When messages are colored; auto is on a terminal that shows colors, unless NO_COLOR is set
+    #[arg(long, value_name = "WHEN", default_value_t = ColorChoice::Auto, global = true, help_heading = "Global options")]
     color: ColorChoice,
     #[command(subcommand)]
     command: Command,
