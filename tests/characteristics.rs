@@ -508,7 +508,7 @@ fn the_command_writes_parameters_property_file_page_and_numbers() {
     let run = |plan: &str| {
         std::process::Command::new(env!("CARGO_BIN_EXE_latsch"))
             .current_dir(folder.path())
-            .args(["characterize", plan, "--output", "tire.toml", "--tir", "tire.tir"])
+            .args(["solid-tire", plan, "--output", "tire.toml", "--tir", "tire.tir"])
             .args(["--report", "tire.html", "--json", "tire.json"])
             .output()
             .unwrap()

@@ -120,6 +120,11 @@ fn name_of(tire: &str, others: &[(String, Rig)]) -> String {
 
 /// The rig that a tire names.
 fn rig(tire: &str, set: &[String], names: &Names) -> Result<Rig> {
+    if !tire.contains('@') && Path::new(tire).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+        return Err(Error::call(
+            "this is no tire: parameters stand behind a model, as ring-brush@F.toml, and a plan for recordings of a solid tire is for `latsch solid-tire`",
+        ));
+    }
     let slave: Box<dyn Slave> = if is_file(tire) {
         Box::new(ImportedFmu::load(Path::new(tire))?)
     } else {

@@ -71,6 +71,7 @@ def test_what_cannot_be_measured_is_refused_with_the_reason(tmp_path):
 
     assert "flat track" in refused("abs-controller")
     assert "there is no model" in refused("ring-brsh")
+    assert "solid-tire" in refused("plan.toml")
     assert "--loads" in refused("ring-brush", "--loads", "4 km")
     assert "rise" in refused("ring-brush", "--loads", "4000,2000")
     assert "missing.tir" in refused("magic-formula@missing.tir")
