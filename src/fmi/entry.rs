@@ -65,19 +65,30 @@ impl Entry {
     }
 }
 
-/// The error for a model that is not there, with those that begin so, or else the most similar one.
+/// More names than these are not listed to somebody who mistyped one.
+const FEW: usize = 8;
+
+/// The error for a model that is not there, with those that begin so, all if they are few, or else the most similar one.
 pub(super) fn no_model<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Error {
     let names: Vec<&str> = names.collect();
     let begin: Vec<&str> =
         names.iter().copied().filter(|other| other.starts_with(&format!("{name}-"))).collect();
-    let hint = match begin.is_empty() {
-        false => format!("; there is {}", begin.join(", ")),
-        #[cfg(feature = "host")]
-        true => crate::model::did_you_mean(name, names.into_iter()),
-        #[cfg(not(feature = "host"))]
-        true => String::new(),
+    let hint = match (&begin[..], names.len() <= FEW) {
+        ([], true) => format!("; there is {}", names.join(", ")),
+        ([], false) => format!("{} (`latsch models` lists all)", similar(name, &names)),
+        (begin, _) => format!("; there is {}", begin.join(", ")),
     };
-    Error::variable(format!("there is no model {name:?}{hint} (`latsch models` lists all)"))
+    Error::variable(format!("there is no model {name:?}{hint}"))
+}
+
+#[cfg(feature = "host")]
+fn similar(name: &str, names: &[&str]) -> String {
+    crate::model::did_you_mean(name, names.iter().copied())
+}
+
+#[cfg(not(feature = "host"))]
+fn similar(_name: &str, _names: &[&str]) -> String {
+    String::new()
 }
 
 /// The GUID of an FMU: it changes with the text of its `resources/model.toml`, with the model's
