@@ -49,24 +49,23 @@ fn readings_of_a_brush_tire_are_its_parameters() {
         near(Measure::VerticalStiffness, 1e-3 * vertical, 1e-9);
         near(Measure::RollingResistance, 0.015, 0.06);
 
-        // the tire slides as a whole from three times friction over stiffness on, where friction falls
-        let mut slides = 3.0 * friction(0.1) * load / stiffness;
-        for _ in 0..20 {
-            slides = 3.0 * friction(slides) * load / stiffness;
-        }
+        let force = |slip: f64| {
+            let most = friction(slip) * load;
+            most * (1.0 - (1.0 - stiffness * slip / (3.0 * most)).max(0.0).powi(3))
+        };
+        // the peak is a little before the tire slides as a whole, because friction falls with the slip
+        let slips = (0..25_000).map(|k| 1e-5 * f64::from(k));
+        let top = slips.max_by(|a, b| force(*a).total_cmp(&force(*b))).unwrap();
+        near(Measure::LateralPeak, force(top.min(12_f64.to_radians().tan())) / load, 1e-4);
         let peak = tire.reading(Measure::LateralPeakAngle, load).unwrap();
-        if slides < 11_f64.to_radians().tan() {
-            assert!((peak.to_radians().tan() / slides - 1.0).abs() < 0.02, "{peak}");
+        if top < 11_f64.to_radians().tan() {
+            assert!((peak.to_radians().tan() / top - 1.0).abs() < 0.01, "{peak}");
         } else {
             assert!(peak.is_nan());
         }
 
         // behind a lag of the slip angle over a way, the force has its share when the angle has that for which it is
         let angle = 0.5_f64.to_radians().tan();
-        let force = |slip: f64| {
-            let most = friction(slip) * load;
-            most * (1.0 - (1.0 - stiffness * slip / (3.0 * most)).powi(3))
-        };
         let share = (1.0 - (-1_f64).exp()) * force(angle);
         let (mut low, mut high) = (0.0, angle);
         for _ in 0..60 {
