@@ -97,9 +97,8 @@ pub fn run(args: &Args) -> Result<()> {
 /// Runs what `--inputs` names, or the model without any.
 fn one_file(args: &Args) -> Result<()> {
     let mut read: Vec<&Path> = vec![Path::new(&args.model)];
-    read.extend(
-        args.inputs.iter().map(PathBuf::as_path).chain(args.given.read()).chain(args.compared.read()),
-    );
+    read.extend(args.inputs.iter().chain(&args.map).map(PathBuf::as_path));
+    read.extend(args.given.read().chain(args.compared.read()));
     let outputs: Vec<&Path> =
         std::iter::once(&args.output).chain(&args.report).map(PathBuf::as_path).collect();
     check_outputs(&outputs, &read)?;
@@ -240,6 +239,7 @@ fn one_run<'a>(
         switched.iter().map(|(variable, _)| motions_are_followed(&interface.variables[*variable].name));
     let notes = notes.collect();
     experiment.values.extend(switched);
+    check_written(args, interface, &experiment.schedule(interface)?)?;
     let outcome = subject.run(&experiment, &args.model)?;
     Ok(Ran { subject, experiment, outcome, notes })
 }
@@ -441,6 +441,22 @@ fn measured(interface: &Interface, recording: &Recording) -> Recording {
     measured
 }
 
+/// Checks before a long run that what is asked for can be written of it.
+fn check_written(args: &Args, interface: &Interface, schedule: &Schedule) -> Result<()> {
+    for name in &args.channels {
+        let info = &interface.variables[interface.find(name).map_err(|e| e.at("--channels"))?];
+        if info.causality == Causality::Parameter || info.kind == Kind::Text {
+            return Err(Error::call(format!("--channels: {name} does not change during a run")));
+        }
+    }
+    let Some(interval) = args.interval else { return Ok(()) };
+    let steps = interval / schedule.step;
+    if steps.round() >= 1.0 && (steps / steps.round() - 1.0).abs() < WHOLE {
+        return Ok(());
+    }
+    Err(Error::call(format!("--interval {interval}: no whole number of steps of {} s", schedule.step)))
+}
+
 /// What is written of a run: the variables and samples that are asked for.
 fn written(args: &Args, interface: &Interface, recording: &Recording) -> Result<Recording> {
     let mut chosen = if args.channels.is_empty() {
@@ -456,14 +472,7 @@ fn written(args: &Args, interface: &Interface, recording: &Recording) -> Result<
     let ([first, second, ..], Some(interval)) = (&recording.time[..], args.interval) else {
         return Ok(chosen);
     };
-    let steps = interval / (second - first);
-    if !(steps.round() >= 1.0 && (steps / steps.round() - 1.0).abs() < WHOLE) {
-        return Err(Error::call(format!(
-            "--interval {interval}: no whole number of steps of {} s",
-            second - first
-        )));
-    }
-    let (every, last) = (steps.round() as usize, recording.time.len() - 1);
+    let (every, last) = ((interval / (second - first)).round() as usize, recording.time.len() - 1);
     let thinned = |values: &[f64]| -> Vec<f64> {
         let kept = values.iter().enumerate().filter(|(k, _)| k.is_multiple_of(every) || *k == last);
         kept.map(|(_, value)| *value).collect()
