@@ -7,12 +7,27 @@ use crate::page::{Html, Page, Section, Table, number};
 /// A curve that never leaves this is none: kN, kN.m or mm \[of the axis\].
 const NOTHING: f64 = 1e-6;
 
+/// A quantity of a state, in the unit of its axis.
+type Of = fn(&Condition, &Point) -> f64;
+
+/// What stands along an axis: the quantity, its unit, and where it comes from.
+type Along = (&'static str, &'static str, Of);
+
+const SLIP_ANGLE: Along = ("slip angle", "deg", |at, _| at.slip_angle.to_degrees());
+const SLIP: Along = ("slip", "%", |at, _| 100.0 * at.slip);
+const CAMBER: Along = ("camber", "deg", |at, _| at.camber.to_degrees());
+const DEFLECTION: Along = ("deflection", "mm", |_, point| 1e3 * point.deflection.unwrap_or(f64::NAN));
+const LONGITUDINAL: Along = ("longitudinal force", "kN", |_, point| 1e-3 * point.force[0]);
+const LATERAL: Along = ("lateral force", "kN", |_, point| 1e-3 * point.force[1]);
+const VERTICAL: Along = ("vertical force", "kN", |_, point| 1e-3 * point.force[2]);
+const OVERTURNING: Along = ("overturning moment", "N.m", |at, point| contact(at, point)[0]);
+const ALIGNING: Along = ("aligning moment", "N.m", |at, point| contact(at, point)[2]);
+
 /// What a picture shows.
-struct Picture<'a> {
-    title: &'a str,
-    x: Axis,
-    y: Axis,
-    of: &'a dyn Fn(&Condition, &Point) -> (f64, f64),
+struct Picture {
+    title: &'static str,
+    x: Along,
+    y: Along,
 }
 
 /// The page.
@@ -79,33 +94,17 @@ fn readings(tires: &[Tire], programme: &Programme) -> Section {
 }
 
 fn cornering(tires: &[Tire]) -> Section {
-    let angle = || Axis::new("slip angle", "deg");
-    let lateral = Picture {
-        title: "Lateral force",
-        x: angle(),
-        y: Axis::new("lateral force", "kN"),
-        of: &|at, point| (at.slip_angle.to_degrees(), 1e-3 * point.force[1]),
-    };
-    let aligning = Picture {
-        title: "Aligning moment",
-        x: angle(),
-        y: Axis::new("aligning moment", "N.m"),
-        of: &|at, point| (at.slip_angle.to_degrees(), contact(at, point)[2]),
-    };
-    let overturning = Picture {
-        title: "Overturning moment",
-        x: angle(),
-        y: Axis::new("overturning moment", "N.m"),
-        of: &|at, point| (at.slip_angle.to_degrees(), contact(at, point)[0]),
-    };
-    let gough = Picture {
-        title: "Lateral force over aligning moment",
-        x: Axis::new("aligning moment", "N.m"),
-        y: Axis::new("lateral force", "kN"),
-        of: &|at, point| (contact(at, point)[2], 1e-3 * point.force[1]),
-    };
-    let all = [lateral, aligning, overturning, gough];
-    Section::new("Cornering").side_by_side(all.iter().flat_map(|picture| drawn(tires, Kind::Cornering, picture))).with(Html::note(
+    let pictures = [
+        Picture { title: "Lateral force", x: SLIP_ANGLE, y: LATERAL },
+        Picture { title: "Aligning moment", x: SLIP_ANGLE, y: ALIGNING },
+        Picture { title: "Overturning moment", x: SLIP_ANGLE, y: OVERTURNING },
+        Picture { title: "Lateral force over aligning moment", x: ALIGNING, y: LATERAL },
+    ];
+    let section = section("Cornering", tires, Kind::Cornering, &pictures);
+    if section.is_empty() {
+        return section;
+    }
+    section.with(Html::note(
         "Moments are about the place where the wheel's middle plane meets the road below its axis (TYDEX W axes), or about the wheel's centre for a rig that does not tell how high that is.",
     ))
 }
@@ -116,59 +115,34 @@ fn contact(at: &Condition, point: &Point) -> [f64; 3] {
 }
 
 fn braking(tires: &[Tire]) -> Section {
-    let along = Picture {
-        title: "Longitudinal force",
-        x: Axis::new("slip", "%"),
-        y: Axis::new("longitudinal force", "kN"),
-        of: &|at, point| (100.0 * at.slip, 1e-3 * point.force[0]),
-    };
-    Section::new("Braking and driving").side_by_side(drawn(tires, Kind::Braking, &along))
+    let pictures = [Picture { title: "Longitudinal force", x: SLIP, y: LONGITUDINAL }];
+    section("Braking and driving", tires, Kind::Braking, &pictures)
 }
 
 fn combined(tires: &[Tire]) -> Section {
-    let ellipse = Picture {
-        title: "Lateral over longitudinal force",
-        x: Axis::new("longitudinal force", "kN"),
-        y: Axis::new("lateral force", "kN"),
-        of: &|_, point| (1e-3 * point.force[0], 1e-3 * point.force[1]),
-    };
-    let lateral = Picture {
-        title: "Lateral force",
-        x: Axis::new("slip", "%"),
-        y: Axis::new("lateral force", "kN"),
-        of: &|at, point| (100.0 * at.slip, 1e-3 * point.force[1]),
-    };
-    let all = [ellipse, lateral];
-    Section::new("Combined slip")
-        .side_by_side(all.iter().flat_map(|picture| drawn(tires, Kind::Combined, picture)))
+    let pictures = [
+        Picture { title: "Lateral over longitudinal force", x: LONGITUDINAL, y: LATERAL },
+        Picture { title: "Lateral force", x: SLIP, y: LATERAL },
+    ];
+    section("Combined slip", tires, Kind::Combined, &pictures)
 }
 
 fn camber(tires: &[Tire]) -> Section {
-    let angle = || Axis::new("camber", "deg");
-    let lateral = Picture {
-        title: "Lateral force",
-        x: angle(),
-        y: Axis::new("lateral force", "kN"),
-        of: &|at, point| (at.camber.to_degrees(), 1e-3 * point.force[1]),
-    };
-    let aligning = Picture {
-        title: "Aligning moment",
-        x: angle(),
-        y: Axis::new("aligning moment", "N.m"),
-        of: &|at, point| (at.camber.to_degrees(), contact(at, point)[2]),
-    };
-    let all = [lateral, aligning];
-    Section::new("Camber").side_by_side(all.iter().flat_map(|picture| drawn(tires, Kind::Camber, picture)))
+    let pictures = [
+        Picture { title: "Lateral force", x: CAMBER, y: LATERAL },
+        Picture { title: "Aligning moment", x: CAMBER, y: ALIGNING },
+    ];
+    section("Camber", tires, Kind::Camber, &pictures)
 }
 
 fn vertical(tires: &[Tire]) -> Section {
-    let deflection = Picture {
-        title: "",
-        x: Axis::new("deflection", "mm"),
-        y: Axis::new("vertical force", "kN"),
-        of: &|_, point| (1e3 * point.deflection.unwrap_or(f64::NAN), 1e-3 * point.force[2]),
-    };
-    Section::new("Vertical").side_by_side(drawn(tires, Kind::Vertical, &deflection))
+    section("Vertical", tires, Kind::Vertical, &[Picture { title: "", x: DEFLECTION, y: VERTICAL }])
+}
+
+fn section(heading: &str, tires: &[Tire], kind: Kind, pictures: &[Picture]) -> Section {
+    let plots: Vec<Html> = pictures.iter().flat_map(|picture| drawn(tires, kind, picture)).collect();
+    // a tire without such forces has no such section
+    if plots.is_empty() { Section::new(heading) } else { Section::new(heading).side_by_side(plots) }
 }
 
 fn notes(tires: &[Tire]) -> Section {
@@ -182,7 +156,7 @@ fn notes(tires: &[Tire]) -> Section {
 
 /// The pictures of a kind of curves: of one tire those at other loads, speeds and friction each in one, of several tires each condition
 /// in one.
-fn drawn(tires: &[Tire], kind: Kind, picture: &Picture<'_>) -> Vec<Html> {
+fn drawn(tires: &[Tire], kind: Kind, picture: &Picture) -> Vec<Html> {
     let curves =
         |tire: &'_ Tire| -> Vec<Curve> { tire.curves.iter().filter(|c| c.kind == kind).cloned().collect() };
     let mut plots = Vec::new();
@@ -291,19 +265,21 @@ impl Varied {
     }
 }
 
-fn plot(picture: &Picture<'_>, told: &str, lines: &[(String, &Curve)]) -> Option<Html> {
-    let Picture { title, x, y, of } = picture;
+fn plot(picture: &Picture, told: &str, lines: &[(String, &Curve)]) -> Option<Html> {
+    let Picture { title, x: (x, x_unit, x_of), y: (y, y_unit, y_of) } = picture;
     let title = match (title.is_empty(), told.is_empty()) {
         (_, true) => (*title).to_owned(),
         (true, _) => told.to_owned(),
         _ => format!("{title}, {told}"),
     };
-    let mut plot = Plot::new(&title, x.clone(), y.clone()).size(Size::Half);
+    let mut plot = Plot::new(&title, Axis::new(x, x_unit), Axis::new(y, y_unit)).size(Size::Half);
     let mut most = 0.0_f64;
     for (name, curve) in lines {
         let nothing = (f64::NAN, f64::NAN);
-        let points =
-            curve.states.iter().map(|(at, point)| point.as_ref().map_or(nothing, |point| of(at, point)));
+        let points = curve
+            .states
+            .iter()
+            .map(|(at, point)| point.as_ref().map_or(nothing, |point| (x_of(at, point), y_of(at, point))));
         let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
         most = y.iter().filter(|y| y.is_finite()).fold(most, |most, y| most.max(y.abs()));
         plot = plot.line(name, &x, &y);
