@@ -296,11 +296,20 @@ def identify(
     *,
     model: PathLike | None = None,
     parameters: Mapping[str, Value] | PathLike | None = None,
+    within: Mapping[str, float] | None = None,
+    nearest: bool = False,
 ) -> Identification:
-    """Identifies parameters group after group from a folder of recordings."""
+    """Identifies parameters group after group from a folder of recordings.
+
+    `within` says of parameters that recordings do not tell within which share of their value they are known. With `nearest` the
+    parameters that come nearest to what was read are the answer where none meet it, in place of an error."""
     with _temporary() as name:
         folder = pathlib.Path(name)
         options = _options(recordings=recordings, model=model)
+        for parameter, share in (within or {}).items():
+            options += ["--within", f"{parameter}={share!r}"]
+        if nearest:
+            options.append("--nearest")
         printed, notes = _run(
             "identify", plan, *options, *_given(folder, parameters, None), "--format", "json",
             "--output", folder / "parameters-found.toml", "--report", folder / "report.html",

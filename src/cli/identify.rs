@@ -4,8 +4,9 @@ use super::planned::{numbers, plan, slave};
 use super::{Format, check_outputs, files_in, print, print_json};
 use clap::ValueEnum;
 use latsch::identify::benchmark::{Benchmark, kaden};
-use latsch::identify::recorded::{Answer, Beforehand, Light, identify};
+use latsch::identify::recorded::{Answer, Beforehand, Light, Unmet, identify};
 use latsch::identify::{Plan, Stand, ring_brush};
+use latsch::model::Interface;
 use latsch::recording::{Recording, read_recording, recording_endings};
 use latsch::report::{identification_report, write_html};
 use latsch::{Error, Result};
@@ -40,6 +41,10 @@ pub struct Args {
     /// What is known of a parameter should recordings not tell it: `sidewall_radial_stiffness=0.1` for within a tenth of its value; without, it may be anywhere in its range, and intervals of others count that
     #[arg(long, value_name = "NAME=SHARE", requires = "plan")]
     within: Vec<String>,
+    /// Take the parameters that come nearest to what was read where none within their bounds meet it, in place of an error: of a
+    /// tire that the model cannot be. What is missed is told, and widens the intervals
+    #[arg(long, requires = "plan")]
+    nearest: bool,
     /// A published benchmark: parameters are found from its target values, exact, rounded as printed, and as printed
     #[arg(long, value_enum, value_name = "NAME")]
     benchmark: Option<Name>,
@@ -78,7 +83,7 @@ pub fn run(args: &Args) -> Result<()> {
         let page = identification_report(&stated.title, &answer, |name| unit(name).unwrap_or_default());
         write_html(report, &page)?;
     }
-    let toml = parameter_file(&answer);
+    let toml = parameter_file(&answer, stand.interface());
     std::fs::write(output, toml)
         .map_err(|e| Error::file(format!("{} cannot be written: {e}", output.display())))?;
     match args.format {
@@ -91,7 +96,8 @@ fn from_recordings(plan: &Plan, stand: &Stand, folder: &Path, args: &Args) -> Re
     let values = numbers(args.parameters.as_deref(), stand.interface())?;
     let within = args.within.iter().map(|text| share(text)).collect::<Result<_>>()?;
     let beforehand = Beforehand { values, within };
-    identify(plan, stand, ring_brush::REGISTRY, &beforehand, &recordings(folder)?)
+    let unmet = if args.nearest { Unmet::Nearest } else { Unmet::Refused };
+    identify(plan, stand, ring_brush::REGISTRY, &beforehand, unmet, &recordings(folder)?)
 }
 
 /// `name=0.1`
@@ -115,14 +121,20 @@ fn recordings(folder: &Path) -> Result<Vec<Recording>> {
 /// this once in a thousand times.
 const BEYOND: f64 = 2.0;
 
-/// The parameters, and what a diagnosis may move them to: what is not identified is free.
-fn parameter_file(answer: &Answer) -> String {
+/// The parameters, and what a diagnosis may move them to: what is not identified is free. Intervals end where the model's own
+/// ranges do.
+fn parameter_file(answer: &Answer, interface: &Interface) -> String {
     let mut text = String::from("[parameters]\n");
+    let within = |name: &str, value: f64| {
+        let variable = interface.index(name).map(|k| &interface.variables[k]);
+        let [least, most] = [variable.and_then(|v| v.min), variable.and_then(|v| v.max)];
+        value.max(least.unwrap_or(f64::NEG_INFINITY)).min(most.unwrap_or(f64::INFINITY))
+    };
     let known = |name: &str| answer.parameters.iter().find(|p| p.name == name).and_then(|p| p.half_width);
     for (name, value) in &answer.values {
         let _ = match known(name) {
             Some(half) => {
-                let (low, high) = (value - half, value + half);
+                let [low, high] = [value - half, value + half].map(|end| within(name, end));
                 writeln!(text, "{name} = {{ value = {value:?}, low = {low:?}, high = {high:?} }}")
             }
             None => writeln!(text, "{name} = {value:?}"),
@@ -132,7 +144,7 @@ fn parameter_file(answer: &Answer) -> String {
     for row in &answer.parameters {
         let _ = match row.half_width {
             Some(half) => {
-                let [min, max] = [-BEYOND, BEYOND].map(|side| row.value + side * half);
+                let [min, max] = [-BEYOND, BEYOND].map(|side| within(&row.name, row.value + side * half));
                 writeln!(text, "{} = {{ min = {min:?}, max = {max:?} }}", row.name)
             }
             None => writeln!(text, "{} = true", row.name),

@@ -2,7 +2,7 @@
 
 use latsch::fmi::Entry;
 use latsch::fmi::import::ImportedFmu;
-use latsch::identify::{Numbers, Plan, number, ring_brush};
+use latsch::identify::{Numbers, Plan, number, shipped};
 use latsch::model::{Interface, Settings, Slave};
 use latsch::recording::read_settings;
 use latsch::shipped::MODELS;
@@ -11,9 +11,9 @@ use std::path::Path;
 
 /// A plan that is shipped, or in a file.
 pub fn plan(name: &str) -> Result<Plan> {
-    let text = match name {
-        "ring-brush-flat-track" => ring_brush::PLAN.to_owned(),
-        file => read_text(Path::new(file))?,
+    let text = match shipped(name) {
+        Some(text) => text.to_owned(),
+        None => read_text(Path::new(name))?,
     };
     Plan::read(&text).map_err(|e| e.at(name))
 }

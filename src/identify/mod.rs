@@ -11,6 +11,7 @@
 
 pub mod benchmark;
 pub mod check;
+mod like;
 mod named;
 mod plan;
 mod programme;
@@ -23,6 +24,7 @@ pub mod solve;
 mod sought;
 mod stand;
 
+pub use like::{SHIPPED, shipped};
 pub use plan::{
     Condition, GroupPlan, Limit, NestingPlan, Plan, Ramp, Reach, Recordings, Require, Sought, Target, Touch,
 };

@@ -1,5 +1,6 @@
 //! A plan: which parameters are found together, from which readings under which conditions. Data, as TOML.
 
+use super::like::parse;
 use super::programme::Programme;
 use crate::model::did_you_mean;
 use crate::{Error, Result};
@@ -228,13 +229,14 @@ fn one() -> f64 {
 }
 
 impl Plan {
-    /// Reads a plan.
+    /// Reads a plan. With `like = "NAME"` it is the shipped one of that name, but for what it says: conditions, groups and runs take
+    /// the place of those of the same name.
     ///
     /// # Errors
     /// No TOML, unknown entries, groups whose numbers of parameters and targets differ, conditions that are not there, ranges
     /// that are none, and whatever else cannot be followed on any model.
     pub fn read(text: &str) -> Result<Self> {
-        let plan: Self = toml::from_str(text).map_err(|e| Error::file(e.to_string()))?;
+        let plan = parse(text)?;
         finite(&plan.set)?;
         for condition in &plan.conditions {
             condition.check().map_err(|e| e.at(format!("condition \"{}\"", condition.name)))?;

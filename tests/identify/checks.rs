@@ -368,6 +368,44 @@ fn is_refused(text: &str, registry: Registry, words: &[&str]) {
     }
 }
 
+/// A plan that is like a shipped one differs from it where it says so, and nowhere else.
+#[test]
+fn a_plan_like_another_differs_where_it_says() {
+    let whole = Plan::read(ring_brush::PLAN).unwrap();
+    let plan = Plan::read(include_str!("../../examples/plans/ring-brush-passenger-car.toml")).unwrap();
+    assert_eq!((&plan.groups, &plan.recordings, &plan.set), (&whole.groups, &whole.recordings, &whole.set));
+    let other: Vec<&str> = plan
+        .conditions
+        .iter()
+        .zip(&whole.conditions)
+        .filter(|(own, other)| own != other)
+        .map(|(own, _)| own.name.as_str())
+        .collect();
+    assert_eq!(other, ["driven at 6000 N", "braked at 4000 N", "driven at 2000 N"]);
+    assert_eq!(plan.condition("braked at 4000 N").unwrap().hold["slip"], -0.05);
+    let [own, other] = [&plan, &whole].map(|p| &p.programme.as_ref().unwrap().runs);
+    let changed: Vec<usize> = (0..other.len()).filter(|k| own[*k] != other[*k]).collect();
+    assert_eq!((own.len(), changed), (other.len(), vec![6]));
+}
+
+#[test]
+fn a_plan_like_another_says_what_is_wrong() {
+    let like = |text: &str, words: &[&str]| {
+        is_refused(&format!("like = \"ring-brush-flat-track\"\n{text}"), ring_brush::REGISTRY, words);
+    };
+    like(
+        "[[condition]]\nname = \"driven at 6001 N\"",
+        &["driven at 6001 N", "no target", "driven at 6000 N"],
+    );
+    like("[[condition]]\nname = \"driven at 6000 N\"\nholds = {}", &["unknown field `holds`"]);
+    is_refused(
+        "like = \"ring-brush\"",
+        ring_brush::REGISTRY,
+        &["no shipped plan \"ring-brush\"", "ring-brush-flat-track"],
+    );
+    is_refused("like = 3", ring_brush::REGISTRY, &["in quotes"]);
+}
+
 /// The plan of the ring-and-brush tire with one thing changed is refused.
 #[track_caller]
 fn of_ring_brush(old: &str, new: &str, words: &[&str]) {

@@ -69,16 +69,20 @@ const SCENARIOS: [Scenario; 4] = [
 
 /// Runs everything and writes FMUs, systems, results and the page into existing folders.
 pub fn run(folder: &Path, library: &ModelLibrary) -> Result<()> {
-    for model in [RingBrushCorner::NAME, BrakeHydraulics::NAME, AbsController::NAME] {
-        write_file(&folder.join(format!("{model}.fmu")), &library.fmu(model, &Settings::default(), &[])?)?;
+    let tire = super::tire()?;
+    let none = Settings::default();
+    for (model, settings) in
+        [(RingBrushCorner::NAME, &tire), (BrakeHydraulics::NAME, &none), (AbsController::NAME, &none)]
+    {
+        write_file(&folder.join(format!("{model}.fmu")), &library.fmu(model, settings, &[])?)?;
     }
-    write_file(&folder.join("abs-stop.toml"), SCENARIOS[0].system(true, "", "runs/").as_bytes())?;
+    write_file(&folder.join("abs-stop.toml"), SCENARIOS[0].system(true, "", "runs/", &tire)?.as_bytes())?;
     let mut scenes = Vec::new();
     for scenario in &SCENARIOS {
         let inputs = folder.join("runs").join(format!("{}-inputs.csv", scenario.id));
         write_file(&inputs, scenario.inputs().as_bytes())?;
-        let (with, road) = scenario.run(true, folder)?;
-        let (without, _) = scenario.run(false, folder)?;
+        let (with, road) = scenario.run(true, folder, &tire)?;
+        let (without, _) = scenario.run(false, folder, &tire)?;
         scenes.push(StopScene {
             id: scenario.id.into(),
             title: scenario.title.into(),
@@ -111,7 +115,7 @@ fn about(scenes: &[StopScene]) -> Section {
     let mut section = Section::new("What this is");
     for text in [
         "Corner (ring-brush-corner): sprung mass, suspension and wheel of a quarter vehicle that travels straight, on the ring-and-brush \
-         tire of Kaden (TU München, 2015) with the parameters of its example; no load transfer, no aerodynamics. The friction factor \
+         tire of Kaden (TU München, 2015) with parameters of a passenger car's tire, 205/60 R15; no load transfer, no aerodynamics. The friction factor \
          scales the tire's dry friction, static and sliding alike. Masses and suspension are of sports-car size and placeholders.",
         "The source's friction does not depend on the sliding speed: with it a locked wheel brakes as hard as a controlled one or harder. \
          Here the sliding friction is divided by 1 + v · 0.01 s/m (friction_speed_falloff), a placeholder: how much shorter the stops with ABS are \
@@ -153,14 +157,15 @@ impl Scenario {
     }
 
     /// The system as TOML, for FMUs in `fmus` and inputs in `inputs`.
-    fn system(&self, abs: bool, fmus: &str, inputs: &str) -> String {
+    fn system(&self, abs: bool, fmus: &str, inputs: &str, tire: &Settings) -> Result<String> {
         let Self { id, title, road, stop, .. } = self;
         let (order, controller, wires, driver) = if abs {
             (
                 "\"abs\", \"brake\", \"corner\"",
                 format!(
                     "\n# The controller of one wheel; it has to know the tire's rolling radius.\n[component.abs]\nfmu = \"{fmus}abs-controller.fmu\"\n\
-                     set = {{ wheels = 1, rolling_radius_1 = 0.328 }}\n"
+                     set = {{ wheels = 1, rolling_radius_1 = {} }}\n",
+                    super::rolling_radius(tire)?
                 ),
                 "\"corner.wheel_speed\" = \"abs.wheel_speed_1\"\n\"abs.inlet_valve_1\" = \"brake.inlet_valve\"\n\"abs.outlet_valve_1\" = \"brake.outlet_valve\"\n",
                 "[\"brake.driver_pressure\", \"abs.driver_pressure\"]",
@@ -169,7 +174,7 @@ impl Scenario {
             ("\"brake\", \"corner\"", String::new(), "", "\"brake.driver_pressure\"")
         };
         let variant = if abs { "with ABS" } else { "without ABS" };
-        format!(
+        Ok(format!(
             "# {title}, {variant}: a quarter vehicle brakes from 100 km/h.
 # latsch cosimulate THIS_FILE --output results.csv --report report.html
 stop = {stop:?}
@@ -197,15 +202,15 @@ fmu = \"{fmus}brake-hydraulics.fmu\"
 file = \"{inputs}{id}-inputs.csv\"
 connect = {{ driver_pressure = {driver}, friction_factor = \"corner.friction_factor\" }}
 "
-        )
+        ))
     }
 
     /// Runs the system and writes it and its results; gives the road, too.
-    fn run(&self, abs: bool, folder: &Path) -> Result<(StopRun, Vec<[f64; 2]>)> {
+    fn run(&self, abs: bool, folder: &Path, tire: &Settings) -> Result<(StopRun, Vec<[f64; 2]>)> {
         let folder = folder.join("runs");
         let name = format!("{}-{}", self.id, if abs { "abs" } else { "no-abs" });
         let file = folder.join(format!("{name}.toml"));
-        let text = self.system(abs, "../", "");
+        let text = self.system(abs, "../", "", tire)?;
         write_file(&file, text.as_bytes())?;
         let plan = parse_toml(&text, &file.display().to_string(), &folder)?;
         let mut system = plan.load()?;
@@ -218,7 +223,8 @@ connect = {{ driver_pressure = {driver}, friction_factor = \"corner.friction_fac
             return Err(error.at(file.display()));
         }
         let inputs = [("brake_torque".into(), "N.m"), ("friction_factor".into(), "1")];
-        let replay = Replay { plan: &plan, part: "corner", inputs: &inputs, step: experiment.step };
+        let replay =
+            Replay { plan: &plan, part: "corner", made_with: tire, inputs: &inputs, step: experiment.step };
         let mut frames = Vec::new();
         let twin = replay.run(&outcome.recording, |k, corner: &RingBrushCorner| {
             if k % EVERY == 0 {

@@ -4,7 +4,7 @@ use super::abs_stop::{every, until};
 use super::stop::{Film, Readout, Scene, Stage, Way, player};
 use super::twin::Replay;
 use latsch::cosimulate::{Assignment, Plan, cosimulate, parse_toml};
-use latsch::model::Value;
+use latsch::model::{Settings, Value};
 use latsch::recording::{Recording, write_csv};
 use latsch::report::{Axis, Html, Page, PatchFrame, Plot, Section, Size, Table, write_html};
 use latsch::rig::Vehicle;
@@ -151,16 +151,25 @@ impl Road {
         if !abs {
             plan.remove("abs");
         }
-        let falloff = ["front_tire.friction_speed_falloff", "rear_tire.friction_speed_falloff"];
-        let values = falloff.iter().map(|name| (*name, super::FALLOFF)).chain(self.values.iter().copied());
-        if let Some(car) = plan.components.iter_mut().find(|c| c.name == "car") {
-            car.set.extend(values.map(|(variable, value)| Assignment {
-                variable: variable.to_owned(),
-                value: if variable == "road_kind" {
-                    Value::Integer(value as i32)
-                } else {
-                    Value::Real(value)
-                },
+        let tire = super::tire()?;
+        let mut values: Vec<(String, Value)> = Vec::new();
+        for axle in ["front_tire", "rear_tire"] {
+            values.extend(tire.values.iter().map(|s| (format!("{axle}.{}", s.name), s.value.clone())));
+            values.push((format!("{axle}.friction_speed_falloff"), Value::Real(super::FALLOFF)));
+        }
+        for (variable, value) in self.values {
+            let is_kind = *variable == "road_kind";
+            let value = if is_kind { Value::Integer(*value as i32) } else { Value::Real(*value) };
+            values.push(((*variable).to_owned(), value));
+        }
+        let radius = Value::Real(super::rolling_radius(&tire)?);
+        let radii = (1..=WHEELS.len()).map(|k| (format!("rolling_radius_{k}"), radius.clone())).collect();
+        for (part, values) in [("car", values), ("abs", radii)] {
+            let Some(component) = plan.components.iter_mut().find(|c| c.name == part) else { continue };
+            component.set.retain(|own| values.iter().all(|(variable, _)| *variable != own.variable));
+            component.set.extend(values.into_iter().map(|(variable, value)| Assignment {
+                variable,
+                value,
                 place: "the demo".into(),
             }));
         }
@@ -180,7 +189,13 @@ impl Road {
         }
         outcome.recording.source.clone_from(&name);
         let inputs = WHEELS.map(|(wheel, ..)| (format!("{wheel}.brake_torque"), "N.m"));
-        let replay = Replay { plan: &plan, part: "car", inputs: &inputs, step: experiment.step };
+        let replay = Replay {
+            plan: &plan,
+            part: "car",
+            made_with: &Settings::default(),
+            inputs: &inputs,
+            step: experiment.step,
+        };
         let mut frames = Vec::new();
         replay.run(&outcome.recording, |k, car: &Vehicle<RingBrush>| {
             if k % EVERY == 0 {

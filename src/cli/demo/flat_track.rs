@@ -18,7 +18,7 @@ const PROGRAMME: &str = include_str!("../../../examples/rig-programme.csv");
 pub fn run(folder: &Path, library: &ModelLibrary) -> Result<()> {
     let model = RingBrushFlatTrack::NAME;
     let fmu = folder.join(format!("{model}.fmu"));
-    write_file(&fmu, &library.fmu(model, &Settings::default(), &[])?)?;
+    write_file(&fmu, &library.fmu(model, &super::tire()?, &[])?)?;
     write_file(&folder.join("rig-programme.csv"), PROGRAMME.as_bytes())?;
 
     let inputs = parse_csv(PROGRAMME, "rig-programme.csv")?;

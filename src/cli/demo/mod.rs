@@ -8,12 +8,28 @@ mod twin;
 
 use super::print;
 use latsch::fmi::archive::ModelLibrary;
+use latsch::model::{Settings, Value};
 use latsch::shipped::MODELS;
 use latsch::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// How the sliding friction falls with the sliding speed \[s/m\]: a placeholder, as the pages say.
 const FALLOFF: f64 = 0.01;
+
+/// The tire of the demo: a passenger car's.
+const TIRE: &str = include_str!("../../../examples/tires/ring-brush-205-60-r15.toml");
+
+fn tire() -> Result<Settings> {
+    Settings::parse(TIRE, "ring-brush-205-60-r15.toml")
+}
+
+/// The rolling radius of that tire \[m\], which a controller has to know.
+fn rolling_radius(tire: &Settings) -> Result<f64> {
+    match tire.values.iter().find(|setting| setting.name == "rolling_radius").map(|setting| &setting.value) {
+        Some(Value::Real(radius)) => Ok(*radius),
+        _ => Err(Error::file("the demo's tire has no rolling radius")),
+    }
+}
 
 /// Export FMUs, brake a wheel and a car with and without ABS, run a rig programme; write pages with the results
 #[derive(clap::Args)]

@@ -11,6 +11,8 @@ pub struct Replay<'a> {
     pub plan: &'a Plan,
     /// The part's name in it.
     pub part: &'a str,
+    /// What the part was made with, over which the system sets its own.
+    pub made_with: &'a Settings,
     /// Its inputs that were driven, each with its unit.
     pub inputs: &'a [(String, &'a str)],
     /// Communication step \[s\].
@@ -24,13 +26,13 @@ impl Replay<'_> {
     /// It does not end at the place (`vehicle_distance`) at which the recorded one did, to the last bit.
     pub fn run<M: Model>(&self, recording: &Recording, mut seen: impl FnMut(usize, &M)) -> Result<Native<M>> {
         let values = self.plan.components.iter().filter(|c| c.name == self.part).flat_map(|c| &c.set);
-        let settings = values.map(|set| Setting {
+        let mut settings = self.made_with.clone();
+        settings.values.extend(values.map(|set| Setting {
             name: set.variable.clone(),
             value: set.value.clone(),
             causality: Causality::Parameter,
             place: set.place.clone(),
-        });
-        let settings = Settings { values: settings.collect(), ..Settings::default() };
+        }));
         let mut slave = Native::<M>::new(&settings)?;
         let mut inputs = Vec::new();
         for (name, unit) in self.inputs {

@@ -104,7 +104,13 @@ impl Search<'_> {
     pub fn answer(&self, plan: &Plan, reduced: &Reduced, known: &Known, within: &Numbers) -> Result<Answer> {
         let names: Vec<&String> = plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name).collect();
         let misfits = self.misfits(plan, reduced, known, within)?;
-        let contradicted = |group: &String| misfits.iter().find(|m| m.groups.contains(group));
+        let contradicted = |group: &String| {
+            let missed = self.contradicted.iter().find(|(of, _)| of == group).map(|(_, told)| told.clone());
+            let misfit = misfits.iter().find(|m| m.groups.contains(group));
+            missed.or_else(|| {
+                Some(format!("{} contradicts the model in {}", misfit?.output, misfit?.recording))
+            })
+        };
         let parameters = self.given(plan, reduced, known, within)?.into_iter().map(|given| {
             let held = given.by_held.and_then(|k| reduced.dropped.iter().find(|(name, _)| name == names[k]));
             let half_width = held.is_none().then_some(known.side * given.deviation);
@@ -122,9 +128,7 @@ impl Search<'_> {
                 why: match (held, contradicted(&given.group)) {
                     (Some((name, why)), _) if *name == given.name => Some(why.clone()),
                     (Some((name, why)), _) => Some(format!("{name}: {why}")),
-                    (None, misfit) => {
-                        misfit.map(|m| format!("{} contradicts the model in {}", m.output, m.recording))
-                    }
+                    (None, contradicted) => contradicted,
                 },
                 name: given.name,
                 group: given.group,

@@ -23,6 +23,7 @@ mod scatter;
 mod search;
 mod stretches;
 mod suspicion;
+mod tangent;
 mod uncertainty;
 mod zeros;
 
@@ -32,4 +33,4 @@ pub use evidence::{Evidence, Read};
 pub use figures::{Characteristic, Quantity, Response};
 pub use matching::{Moved, Reading, Signals};
 pub use misfit::Misfit;
-pub use search::{Beforehand, identify};
+pub use search::{Beforehand, Unmet, identify};

@@ -2,7 +2,7 @@
 
 use super::estimate::Point;
 use super::evidence::Read;
-use super::search::{Asked, Search};
+use super::search::{Asked, MISSED, Search};
 use crate::identify::readings::Readings;
 use crate::identify::registry::Numbers;
 use crate::stats::chance::student_beyond;
@@ -185,6 +185,9 @@ impl Search<'_> {
             before.push((own, simulated, base));
         }
         let mut covariance = DMatrix::zeros(reads.len(), reads.len());
+        for (row, (read, (own, ..))) in reads.iter().zip(&before).enumerate() {
+            covariance[(row, row)] = (MISSED * read.factor * read.estimate.of(own)).powi(2);
+        }
         for error in self.errors(reads, scatter) {
             let input = error.channel.checked_sub(outputs);
             if error.sizes.values().all(|size| *size == 0.0)

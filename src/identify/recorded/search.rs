@@ -7,6 +7,7 @@ use super::matching::Moved;
 use super::reduced::{Known, Reduced};
 use super::scatter::side;
 use super::suspicion;
+use super::tangent::Tangent;
 use crate::identify::plan::Plan;
 use crate::identify::readings::Readings;
 use crate::identify::registry::{Numbers, Registry};
@@ -27,10 +28,12 @@ const NEAR: f64 = 0.02;
 const SERVES: f64 = 0.3;
 /// A target that is missed by more than so many half intervals contradicts the others.
 const CONTRADICTS: f64 = 2.0;
-/// What rounding and a search that has come to rest leave of a target, as a share.
-const MISSED: f64 = 1e-4;
+/// What rounding and a search that has come to rest leave of a target, as a share: it counts as met, and as no surer than that.
+pub(super) const MISSED: f64 = 1e-4;
 /// Where a parameter is on a bound up to this share of its range, targets that are missed within their intervals are told.
 const ON_BOUND: f64 = 1e-6;
+/// A target is met to rounding at this share of how sure it is.
+const MET: f64 = 1e-9;
 /// Steps of differences, as a share of a parameter's range: far above what rounding leaves of a stationary state, far below what
 /// curves.
 const STEP: f64 = 1e-4;
@@ -50,15 +53,28 @@ pub struct Beforehand {
     pub within: Numbers,
 }
 
+/// What becomes of targets that no parameters within their bounds meet.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Unmet {
+    /// They are an error.
+    #[default]
+    Refused,
+    /// The parameters that come nearest to them, by how sure each of a group's targets is, are the answer; what is left is told,
+    /// and counted as how far the model can be from the tire.
+    Nearest,
+}
+
 /// Identifies what recordings tell of a plan's parameters.
 ///
 /// # Errors
-/// Recordings that cannot be understood or that the model cannot explain: which, and likely why.
+/// Recordings that cannot be understood or, unless the nearest parameters will do, that the model cannot explain: which, and
+/// likely why.
 pub fn identify(
     plan: &Plan,
     stand: &Stand,
     registry: Registry,
     beforehand: &Beforehand,
+    unmet: Unmet,
     recordings: &[Recording],
 ) -> Result<Answer> {
     let start = &beforehand.values;
@@ -79,6 +95,7 @@ pub fn identify(
         numbers: start.clone(),
         offsets: Vec::new(),
         notes: Vec::new(),
+        contradicted: Vec::new(),
     };
     search.offsets = vec![0.0; evidence.signals.inputs.len()];
     reduced.has_something()?;
@@ -94,7 +111,7 @@ pub fn identify(
             reduced.without_group_of(target, &why);
             continue;
         }
-        let known = search.known(&reduced.plan)?;
+        let mut known = search.known(&reduced.plan)?;
         if reduced.drop_open(&known) {
             continue;
         }
@@ -107,8 +124,20 @@ pub fn identify(
                 continue;
             }
         }
-        let notes = search.agrees(&reduced.plan, &known, refused)?;
-        search.notes.extend(notes);
+        for miss in search.missed(&reduced.plan, &known, refused)? {
+            if miss.contradicts {
+                if unmet == Unmet::Refused {
+                    return Err(Error::numeric(format!(
+                        "{}. {LIKELY}. The nearest parameters are found when they are asked for (--nearest)",
+                        miss.told
+                    )));
+                }
+                // as if it had been measured as badly as the model has it
+                known.covariance[(miss.target, miss.target)] += (miss.by / known.side).powi(2);
+                search.contradicted.push((miss.group, miss.told.clone()));
+            }
+            search.notes.push(miss.told);
+        }
         break known;
     };
     search.numbers = whole.with_what_is_held(&search.numbers, |name| reduced.drops(name))?;
@@ -131,6 +160,31 @@ pub(super) struct Search<'a> {
     pub offsets: Vec<f64>,
     /// What is to be said of the answer.
     pub notes: Vec<String>,
+    /// Groups of which a target contradicts the others, and how.
+    pub contradicted: Vec<(String, String)>,
+}
+
+/// A target that no parameters within their bounds meet.
+struct Miss {
+    /// Its number,
+    target: usize,
+    /// its group,
+    group: String,
+    /// and by how much it is missed.
+    by: f64,
+    /// That is more than how sure the target is allows.
+    contradicts: bool,
+    /// The same as a sentence.
+    told: String,
+}
+
+/// How sure things are, as standard deviations. What is nearest depends on it, and would not come to rest while it follows a model
+/// that is not there yet.
+struct Sure {
+    /// Each output, as a mean over a stretch.
+    outputs: Vec<f64>,
+    /// Each target.
+    targets: Vec<f64>,
 }
 
 impl Search<'_> {
@@ -238,32 +292,39 @@ impl Search<'_> {
         Ok(points)
     }
 
-    /// Rounds of sequential identification, corrected by where the rig measured; near the answer by Newton's method. Returns why
-    /// the targets cannot be met, if they cannot: the parameters are then the nearest to them within their bounds.
+    /// Rounds of sequential identification, corrected by where the rig measured; near the answer by Newton's method. Where a
+    /// group's targets cannot be met within its bounds, its parameters are the nearest to them, by how sure they are. Returns why
+    /// they cannot, if the rounds end before Newton's method takes over.
     fn solve(&mut self, plan: &Plan) -> Result<Option<String>> {
         let reads = self.reads(plan)?;
         let measured: Vec<f64> = reads.iter().map(|r| self.measured(r)).collect::<Result<_>>()?;
         let (mut left, mut refused) = (f64::INFINITY, None);
-        let mut jacobian: Option<DMatrix<f64>> = None;
+        let (mut jacobian, mut sure) = (None, None::<Sure>);
+        // how far Newton's last step went, while it goes on
+        let mut newton: Option<f64> = None;
         let mut most = 0;
         for _ in 0..ROUNDS {
-            let offsets = self.find_offsets(plan, &reads)?;
+            self.offsets = self.find_offsets(plan, &reads, sure.as_ref())?;
             let model = self.model(plan)?;
             let at = model.sought_values(&self.numbers)?;
             let numbers = model.model_values(&at)?;
             let modelled = self.modelled(&model, &reads, &numbers)?;
             let bounds = model.bounds();
-            let next: Vec<f64> = if left <= NEAR && refused.is_none() {
+            let is_newton = left <= NEAR || newton.is_some();
+            let next: Vec<f64> = if is_newton {
                 let known = match jacobian.take() {
                     Some(jacobian) => jacobian,
                     None => self.jacobian(&model, &reads, &at)?,
                 };
-                let missing = DVector::from_fn(at.len(), |k, _| measured[k] - modelled[k]);
-                let step = known.clone().lu().solve(&missing);
-                jacobian = Some(known);
-                let step = step.ok_or_else(|| Error::numeric("the readings do not fix the parameters"))?;
-                let moved = (0..at.len()).map(|k| at[k] + step[k]);
-                moved.zip(bounds).map(|(x, [low, high])| x.clamp(*low, *high)).collect()
+                let sure = match &sure {
+                    Some(sure) => sure,
+                    None => sure.insert(self.sure(&model, &reads, &numbers)?),
+                };
+                let goal = Goal { values: measured.clone(), sizes: sure.targets.clone(), tolerance: MET };
+                let tangent = Tangent { bounds, at: &at, values: &modelled, jacobian: &known };
+                let next = tangent.nearest(&goal, plan.groups.iter().map(|group| group.parameters.len()))?;
+                (jacobian, refused) = (Some(known), None);
+                next
             } else {
                 let nominal = model.at(&at)?;
                 let goal: Vec<f64> =
@@ -278,6 +339,8 @@ impl Search<'_> {
             let moved = |k: usize| (next[k] - at[k]).abs() / (bounds[k][1] - bounds[k][0]);
             most = (0..at.len()).max_by(|a, b| moved(*a).total_cmp(&moved(*b))).unwrap_or(0);
             let before = std::mem::replace(&mut left, moved(most));
+            // the first step may be long, from what is nearest in itself to what is nearest by how sure targets are
+            newton = (is_newton && newton.is_none_or(|last| left < last)).then_some(left);
             // derivatives of one place serve as long as they take off most of what is left
             if left > SERVES * before {
                 jacobian = None;
@@ -285,7 +348,6 @@ impl Search<'_> {
             let next = model.model_values(&next)?;
             drop(model);
             self.numbers.extend(next);
-            self.offsets = offsets;
             if left <= AT_REST {
                 return Ok(refused);
             }
@@ -300,6 +362,17 @@ impl Search<'_> {
             "the corrections for where the rig measured do not come to rest: {moving} still moves by {left:.1e} of its range{why}. \
              The recordings were made too far from the plan's conditions, or the model cannot do what they show"
         )))
+    }
+
+    /// How sure outputs and targets are, with the parameters as they are.
+    fn sure(&self, model: &Readings<'_>, reads: &[Read], numbers: &Numbers) -> Result<Sure> {
+        let mut asked = BTreeMap::new();
+        let scatter = self.scatter(model, reads, numbers, &mut asked)?;
+        let covariance = self.covariance(model, reads, numbers, &scatter, &mut asked)?;
+        Ok(Sure {
+            outputs: scatter.sizes(false).to_vec(),
+            targets: covariance.diagonal().iter().map(|variance| variance.sqrt()).collect(),
+        })
     }
 
     /// A target that is read from ramps of which one began where the tire touched the road already, if there is one: by number,
@@ -327,47 +400,56 @@ impl Search<'_> {
         Ok(None)
     }
 
-    /// What was measured is what the model has, up to what scatters. Returns what is missed within that, and why.
-    fn agrees(&self, plan: &Plan, known: &Known, refused: Option<String>) -> Result<Vec<String>> {
+    /// Targets for which the model does not have what was measured, and why, if that is known.
+    fn missed(&self, plan: &Plan, known: &Known, refused: Option<String>) -> Result<Vec<Miss>> {
         let model = self.model(plan)?;
         let at = model.sought_values(&self.numbers)?;
-        let names: Vec<&String> = plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name).collect();
-        let is_on_bound = |k: &usize| {
-            let [low, high] = model.bounds()[*k];
-            (at[*k] - low).min(high - at[*k]) <= ON_BOUND * (high - low)
-        };
-        let on_bound: Vec<String> =
-            (0..at.len()).filter(is_on_bound).map(|k| format!("{} = {:.4e}", names[k], at[k])).collect();
-        let why = refused.unwrap_or_else(|| match &on_bound[..] {
-            [] => "no parameter is on a bound".to_owned(),
-            some => format!("{} is as far as it goes", some.join(", ")),
-        });
-        let mut notes = Vec::new();
         let numbers = model.model_values(&at)?;
         let reads = self.reads(plan)?;
         let modelled = self.modelled(&model, &reads, &numbers)?;
-        let groups = plan.groups.iter().flat_map(|g| g.targets.iter().map(|_| &g.name));
-        for (k, (read, group)) in reads.iter().zip(groups).enumerate() {
-            let (measured, half) = (self.measured(read)?, known.side * known.covariance[(k, k)].sqrt());
-            let missed = (measured - modelled[k]).abs();
-            if missed <= MISSED * measured.abs() {
-                continue;
+        let mut missed = Vec::new();
+        let mut from = 0;
+        for group in &plan.groups {
+            let own = from..from + group.parameters.len();
+            from = own.end;
+            let is_on_bound = |k: &usize| {
+                let [low, high] = model.bounds()[*k];
+                (at[*k] - low).min(high - at[*k]) <= ON_BOUND * (high - low)
+            };
+            let on_bound: Vec<String> = own
+                .clone()
+                .filter(is_on_bound)
+                .map(|k| format!("{} = {:.4e}", group.parameters[k - own.start].name, at[k]))
+                .collect();
+            for k in own {
+                let (measured, half) =
+                    (self.measured(&reads[k])?, known.side * known.covariance[(k, k)].sqrt());
+                let by = (measured - modelled[k]).abs();
+                if by <= MISSED * measured.abs() {
+                    continue;
+                }
+                let why = match (&refused, &on_bound[..]) {
+                    (Some(why), _) => why.clone(),
+                    (None, []) => "no parameter of the group is on a bound".to_owned(),
+                    (None, some) => format!("{} is as far as it goes", some.join(", ")),
+                };
+                missed.push(Miss {
+                    target: k,
+                    group: group.name.clone(),
+                    by,
+                    contradicts: by > CONTRADICTS * half,
+                    told: format!(
+                        "group \"{}\": \"{}\" was measured to be {measured:.5e} +- {half:.1e} (in {}), and no parameters within \
+                         their bounds come nearer to it, together with the group's other targets, than {:.5e} ({why})",
+                        group.name,
+                        reads[k].name,
+                        self.evidence.files(&reads[k]),
+                        modelled[k]
+                    ),
+                });
             }
-            if missed > CONTRADICTS * half {
-                return Err(Error::numeric(format!(
-                    "group \"{group}\": \"{}\" was measured to be {measured:.5e} +- {half:.1e} (in {}), and no parameters within their \
-                     bounds give more or less than {:.5e} together with the other targets ({why}). {LIKELY}",
-                    read.name,
-                    self.evidence.files(read),
-                    modelled[k]
-                )));
-            }
-            notes.push(format!(
-                "\"{}\" was measured to be {measured:.5e} +- {half:.1e}, the model gives {:.5e}: {why}",
-                read.name, modelled[k]
-            ));
         }
-        Ok(notes)
+        Ok(missed)
     }
 
     /// Derivatives of the model's readings (rows) by what is looked for (columns).
@@ -383,7 +465,7 @@ impl Search<'_> {
 
     /// Offsets of inputs: those with which the model has the values that were measured where its inputs are 0, which no target
     /// reads, and touches the road where it was measured to.
-    fn find_offsets(&self, plan: &Plan, reads: &[Read]) -> Result<Vec<f64>> {
+    fn find_offsets(&self, plan: &Plan, reads: &[Read], sure: Option<&Sure>) -> Result<Vec<f64>> {
         let Some(how) = &plan.recordings else { return Ok(self.offsets.clone()) };
         let signals = &self.evidence.signals;
         let looked: Vec<(usize, f64)> =
@@ -391,8 +473,10 @@ impl Search<'_> {
         let model = self.model(plan)?;
         let numbers = model.model_values(&model.sought_values(&self.numbers)?)?;
         let mut asked = BTreeMap::new();
-        let scatter = self.scatter(&model, reads, &numbers, &mut asked)?;
-        let sizes = scatter.sizes(false);
+        let sizes = match sure {
+            Some(sure) => sure.outputs.clone(),
+            None => self.scatter(&model, reads, &numbers, &mut asked)?.sizes(false).to_vec(),
+        };
         let (mut rows, mut rest): (Vec<Vec<f64>>, Vec<f64>) = (Vec::new(), Vec::new());
         let mut offsets = self.offsets.clone();
         let mut seen = BTreeSet::new();

@@ -3,8 +3,8 @@
 //! It ends where no direction within the box leads nearer. Any method that ends only there inherits what appendix B.10 proves
 //! of the gradient method, in a hundredth of its steps.
 
-use super::outcome::Unsolved;
 use super::targets::Problem;
+use crate::Result;
 use nalgebra::{DMatrix, DVector};
 
 /// The projected gradient counts as zero where it is by so much smaller than derivatives and distance make possible: what
@@ -24,7 +24,7 @@ pub(in crate::identify) struct Nearest {
 }
 
 /// The nearest point to the goal of all parameters and targets, from `start`.
-pub(in crate::identify) fn nearest(problem: &Problem<'_>, start: &[f64]) -> Result<Nearest, Unsolved> {
+pub(in crate::identify) fn nearest(problem: &Problem<'_>, start: &[f64]) -> Result<Nearest> {
     let all: Vec<usize> = (0..problem.len()).collect();
     nearest_of(problem, &all, &all, start)
 }
@@ -35,7 +35,7 @@ pub(super) fn nearest_of(
     parameters: &[usize],
     targets: &[usize],
     start: &[f64],
-) -> Result<Nearest, Unsolved> {
+) -> Result<Nearest> {
     let rows = |excess: DVector<f64>| excess.select_rows(targets);
     let ranges = DVector::from_iterator(parameters.len(), parameters.iter().map(|k| problem.range(*k)));
     let within = |(k, x): (usize, &f64)| x.clamp(problem.bounds(k)[0], problem.bounds(k)[1]);

@@ -1,0 +1,78 @@
+//! A plan that is another one but for what it says.
+
+use super::plan::Plan;
+use super::ring_brush;
+use crate::model::did_you_mean;
+use crate::{Error, Result};
+use serde::Deserialize;
+use toml::{Table, Value};
+
+/// Plans that are shipped, by the names of the models that they are for.
+pub const SHIPPED: [(&str, &str); 1] = [("ring-brush-flat-track", ring_brush::PLAN)];
+
+/// The text of a plan that is shipped, if there is one of this name.
+pub fn shipped(name: &str) -> Option<&'static str> {
+    SHIPPED.iter().find(|(own, _)| *own == name).map(|(_, text)| *text)
+}
+
+/// A plan from its text, of which `like` may name a shipped one.
+pub(super) fn parse(text: &str) -> Result<Plan> {
+    let wrong = |e: toml::de::Error| Error::file(e.to_string());
+    let mut own = match text.parse::<Table>() {
+        Ok(own) if own.contains_key("like") => own,
+        // with its line
+        _ => return toml::from_str(text).map_err(wrong),
+    };
+    let names = || SHIPPED.iter().map(|(name, _)| *name);
+    let like = match own.remove("like") {
+        Some(Value::String(name)) => name,
+        _ => return Err(Error::file("like: the name of a shipped plan in quotes is needed")),
+    };
+    let base = shipped(&like).ok_or_else(|| {
+        let names = names().collect::<Vec<_>>().join(", ");
+        Error::file(format!("like: there is no shipped plan \"{like}\"; there is {names}"))
+    })?;
+    let mut whole: Table = base.parse().map_err(wrong)?;
+    put(&mut whole, own);
+    let before: Plan = toml::from_str(base).map_err(wrong)?;
+    let plan = Plan::deserialize(whole).map_err(wrong)?;
+    let is_new = |name: &str| before.conditions.iter().all(|c| c.name != name);
+    let is_used = |name: &str| plan.groups.iter().flat_map(|g| &g.targets).any(|t| t.condition == name);
+    // a name with a slip of the pen would change nothing, and nobody would see
+    match plan.conditions.iter().find(|c| is_new(&c.name) && !is_used(&c.name)) {
+        Some(condition) => {
+            let hint = did_you_mean(&condition.name, before.conditions.iter().map(|c| c.name.as_str()));
+            Err(Error::file(format!(
+                "condition \"{}\" is none of the plan \"{like}\", and no target is read in it{hint}",
+                condition.name
+            )))
+        }
+        None => Ok(plan),
+    }
+}
+
+/// Puts entries in the place of those of the same name: of tables one by one, of lists of tables by their `name`.
+fn put(whole: &mut Table, own: Table) {
+    for (key, value) in own {
+        match (whole.get_mut(&key), value) {
+            (Some(Value::Table(into)), Value::Table(own)) => put(into, own),
+            (Some(Value::Array(into)), Value::Array(own))
+                if own.iter().chain(into.iter()).all(|v| name(v).is_some()) =>
+            {
+                for entry in own {
+                    match into.iter_mut().find(|other| name(other) == name(&entry)) {
+                        Some(place) => *place = entry,
+                        None => into.push(entry),
+                    }
+                }
+            }
+            (_, value) => {
+                whole.insert(key, value);
+            }
+        }
+    }
+}
+
+fn name(value: &Value) -> Option<&str> {
+    value.get("name")?.as_str()
+}
