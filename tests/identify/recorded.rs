@@ -115,6 +115,20 @@ fn the_tire_is_found_from_its_recordings() {
     }
 }
 
+/// A guess is where the search begins, also beyond the bounds of what is looked for.
+#[test]
+fn a_guess_beyond_the_bounds_is_only_a_guess() {
+    let values = [("patch_compliance_x", 6e-6), ("sidewall_lateral_stiffness", 4e5)];
+    let values = values.map(|(name, value)| (name.to_owned(), value)).into();
+    let answer =
+        asked(&recordings(), &Beforehand { values, ..Beforehand::default() }, Unmet::Refused).unwrap();
+    for (name, value) in TRUTH {
+        let most = if name == "patch_compliance_y" { 0.02 } else { 0.004 };
+        assert!((answer.values[name] / value - 1.0).abs() < most, "{name}: {}", answer.values[name]);
+        assert!(found(&answer, name).half_width.unwrap() > 0.0);
+    }
+}
+
 /// A tire whose sliding friction falls faster with the load than the model can: refused, or the nearest friction, and nothing else.
 #[test]
 fn what_no_parameters_meet_is_refused_or_told_and_met_as_nearly_as_can_be() {

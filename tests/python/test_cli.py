@@ -368,7 +368,7 @@ def test_demo_makes_pages_that_need_nothing_else(demo):
         text = (demo / page).read_text().replace('xmlns="http://www.w3.org/2000/svg"', "")
         for outside in ("src=", "@import", "url(", "http://", "https://", 'href="h'):
             assert outside not in text, f"{page}: {outside}"
-    assert (demo / "index.html").stat().st_size < 3e6
+    assert (demo / "index.html").stat().st_size < 3.5e6
     results = read_results(demo / "flat-track" / "results.csv")
     # a triangle of the slip angle at each of three loads, then slip: the tire answers with its limits
     assert 4500 < max(results["force_y"]) < 6000
@@ -410,12 +410,12 @@ def test_demo_shows_the_numbers_of_its_results(demo, road):
         assert cells[5] == pytest.approx(patch / 1e3, abs=0.051)
         assert cells[6] == pytest.approx(brake / 1e3, abs=0.051)
         # what moved and spun at the start is made heat; a little of that by rolling and damping
-        energy = 0.5 * (420 + 8.8) * speed**2 + 0.5 * (0.7 + 0.928) * (speed / 0.328) ** 2
+        energy = 0.5 * (420 + 7.4) * speed**2 + 0.5 * (0.7 + 0.67) * (speed / 0.304) ** 2
         assert 0.93 * energy < patch + brake < energy
     with_abs, without = numbers["abs"], numbers["no-abs"]
-    # the wheel keeps turning, and the brake makes the heat
+    # the wheel keeps turning, and the brake makes the heat: of a slip s the contact has s/(1 - s) of it, and s is a third at most
     assert with_abs[2] < 0.3 < 2 < without[2]
-    assert with_abs[3] < 0.35 * with_abs[4] and without[3] > 5 * without[4]
+    assert with_abs[3] < 0.5 * with_abs[4] and without[3] > 5 * without[4]
     # sliding friction falls with the sliding speed here, so that a locked wheel loses
     assert 0.85 < with_abs[0] / without[0] < 1
 

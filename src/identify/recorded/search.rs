@@ -458,7 +458,16 @@ impl Search<'_> {
         for k in 0..at.len() {
             let [(below, less), (above, more)] =
                 beside(model, at, k, |numbers| Ok(DVector::from_vec(self.modelled(model, reads, numbers)?)))?;
-            jacobian.set_column(k, &((more - less) / (above - below)));
+            let column = (more - less) / (above - below);
+            if let Some(row) = column.iter().position(|d| !d.is_finite()) {
+                let mut sought = model.plan().groups.iter().flat_map(|group| &group.parameters);
+                let name = sought.nth(k).map_or("", |parameter| &parameter.name);
+                return Err(Error::numeric(format!(
+                    "\"{}\" has no derivative by {name} at {:.4e}: the model does not answer near there",
+                    reads[row].name, at[k]
+                )));
+            }
+            jacobian.set_column(k, &column);
         }
         Ok(jacobian)
     }
@@ -548,7 +557,8 @@ impl Search<'_> {
     }
 }
 
-/// What depends on the parameters, a step to both sides of one of those that are looked for, and where that is.
+/// What depends on the parameters, a step to both sides of one of those that are looked for, and where that is: within its bounds,
+/// also where it begins beyond them.
 pub(super) fn beside<T>(
     whole: &Readings<'_>,
     sought: &[f64],
@@ -556,9 +566,10 @@ pub(super) fn beside<T>(
     mut of: impl FnMut(&Numbers) -> Result<T>,
 ) -> Result<[(f64, T); 2]> {
     let [low, high] = whole.bounds()[k];
+    let middle = sought[k].clamp(low, high);
     let mut at = |step: f64| {
         let mut moved = sought.to_vec();
-        moved[k] = (moved[k] + step * (high - low)).clamp(low, high);
+        moved[k] = (middle + step * (high - low)).clamp(low, high);
         Ok::<_, Error>((moved[k], of(&whole.model_values(&moved)?)?))
     };
     Ok([at(-STEP)?, at(STEP)?])

@@ -52,9 +52,13 @@ impl Search<'_> {
             let largest =
                 (0..shares.len()).filter(|k| is_held[*k]).max_by(|a, b| shares[*a].total_cmp(&shares[*b]));
             let up_to_held: f64 = (0..shares.len()).filter(|k| is_held[*k]).map(|k| shares[k]).sum();
+            let variance = (&covariance * &by).dot(&by);
+            if !variance.is_finite() {
+                return Err(Error::numeric(format!("how well {name} is known is no number")));
+            }
             all.push(Given {
                 value: values.get(&name).copied().unwrap_or(f64::NAN),
-                deviation: (&covariance * &by).dot(&by).max(0.0).sqrt(),
+                deviation: variance.max(0.0).sqrt(),
                 by_held: largest
                     .filter(|_| held_names.contains(&name) || up_to_held > HELD * shares.iter().sum::<f64>()),
                 name,
