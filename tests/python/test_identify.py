@@ -275,3 +275,37 @@ def test_tydex_files_are_recordings(tmp_path):
     done = latsch("identify", "ring-brush-flat-track", "--recordings", recordings, "--output", tmp_path / "tire.toml")
     assert done.returncode == 2, done.stdout
     assert 'c.tdx: there is no channel "force_z"' in done.stderr and "fzw" in done.stderr, done.stderr
+
+
+def test_the_passenger_cars_tire_is_what_the_published_curves_give(tmp_path):
+    """As docs/identify.md tells: the curves on the rig, the nearest ring-and-brush tire, its own curves against them."""
+    tires, plan = ROOT / "examples" / "tires", ROOT / "examples" / "plans" / "ring-brush-passenger-car.toml"
+    programme, recordings, known, found = (tmp_path / name for name in ("programme", "recordings", "known.toml", "tire.toml"))
+    shipped = tomllib.loads((tires / "ring-brush-205-60-r15.toml").read_text())["parameters"]
+    before = [
+        "tire_radius", "tire_width", "rolling_radius", "belt_mass", "belt_inertia_polar", "belt_inertia_diametral",
+        "rolling_resistance_lever", "sidewall_tilt_stiffness",
+    ]
+    known.write_text("[parameters]\n" + "".join(f"{name} = {shipped[name]}\n" for name in before))
+    assert latsch("rig-program", plan, "--output", programme).returncode == 0
+    even = "LMUX=0.82 LHX=0 LHY=0 LVX=0 LVY=0 LRES=0 PEY3=0 QHZ1=0 QHZ2=0 QEZ4=0".split()
+    curves = ["--parameters", tires / "205-60-r15.toml", *(part for value in even for part in ("--set", value))]
+    call = ["magic-formula-flat-track", "--inputs", programme, "--output", recordings, "--noise", "0.003", *curves]
+    assert latsch("simulate", *call).returncode == 0
+    call = [plan, "--recordings", recordings, "--parameters", known, "--output", found, "--format", "json"]
+    done = latsch("identify", *call, "--nearest")
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)
+    for row in answer["parameters"]:
+        if row["half_width"] is not None and row["name"] != "vertical_stiffness_quadratic":
+            assert row["value"] == pytest.approx(shipped[row["name"]], rel=1e-3), row
+    # no physical parameter is said to be below what it can be
+    for name, value in tomllib.loads(found.read_text())["parameters"].items():
+        assert not isinstance(value, dict) or 0 <= value["low"] <= value["value"] <= value["high"], name
+    done = latsch("characterize", f"ring-brush@{found}", f"magic-formula@{tires / '205-60-r15.toml'}", "--output", tmp_path / "curves")
+    assert done.returncode == 0, done.stderr
+    with open(tmp_path / "curves" / "readings.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["load [N]"] == "4000"]
+    read = {(row["tire"], row["reading"]): float(row["value"]) for row in rows if row["value"]}
+    for reading, apart in (("cornering_stiffness", 0.1), ("lateral_peak", 0.08), ("pneumatic_trail", 0.1), ("slip_stiffness", 0.06), ("relaxation_length", 0.1)):
+        assert read["tire", reading] == pytest.approx(read["205-60-r15", reading], rel=apart), reading
