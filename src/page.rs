@@ -217,12 +217,28 @@ impl Page {
             }
             html.push_str("</section>\n");
         }
-        html.push_str(&format!(
-            "</main>\n<footer>Made by latsch {}</footer>\n</body>\n</html>\n",
-            crate::VERSION
-        ));
+        let has_figures = html.contains(" data-x=\"");
+        let hint = if has_figures { FIGURES_HINT } else { "" };
+        html.push_str(&format!("</main>\n<footer>Made by latsch {}{hint}</footer>\n", crate::VERSION));
+        if has_figures {
+            html.push_str(&format!("<script>\n{FIGURES}</script>\n"));
+        }
+        html.push_str("</body>\n</html>\n");
         html
     }
+}
+
+/// What makes figures something to work with; without, they are pictures.
+const FIGURES: &str = include_str!("page/figures.js");
+
+/// How it is worked with.
+const FIGURES_HINT: &str = ". Figures: point to read values, drag over a part to see it alone, double-click for the whole, click an entry of the \
+    legend to hide it; saved as SVG or PNG by the buttons at their top right.";
+
+/// A page without that script.
+#[cfg(test)]
+pub(crate) fn still(html: &str) -> String {
+    html.replace(&format!("<script>\n{FIGURES}</script>\n"), "")
 }
 
 const STYLE: &str = "\
@@ -247,6 +263,16 @@ figcaption b { font-weight: 600; margin-right: .9rem; }
 .key { display: inline-block; margin-right: 1rem; color: #37434c; }
 .key i { display: inline-block; width: 1.5rem; margin-right: .35rem; border-top: 3px solid; vertical-align: middle; }
 .key i.measured { border-top-width: 2px; border-top-style: dashed; }
+.key[role] { cursor: pointer; }
+.key.off { opacity: .4; text-decoration: line-through; }
+figure:has(.tools) { position: relative; }
+.tools { position: absolute; right: 0; top: 0; opacity: 0; white-space: nowrap; background: #fff; }
+figure:hover .tools, .tools:focus-within { opacity: 1; }
+.tools button { font: inherit; font-size: .75rem; padding: 0 .4rem; margin-right: .25rem; color: #37434c; background: #f6f8fa; border: 1px solid #c8ced3; border-radius: 4px; cursor: pointer; }
+figure svg[data-x] { touch-action: pan-y; }
+.tip { position: absolute; z-index: 2; padding: .25rem .5rem; font-size: .8rem; line-height: 1.4; background: #fffffff0; border: 1px solid #c8ced3; border-radius: 4px; pointer-events: none; font-variant-numeric: tabular-nums; }
+.tip[hidden] { display: none; }
+@media print { .tools, .tip { display: none; } }
 .key i.dot { width: .6rem; height: .6rem; border: 3px solid; border-radius: 50%; }
 .grid { display: grid; grid-template-columns: 1fr 1fr; gap: 0 1.6rem; align-items: end; }
 .scroll { overflow-x: auto; }

@@ -367,7 +367,7 @@ impl Subject {
             ("Time".into(), format!("{} s to {} s", schedule.start, schedule.stop)),
             ("Communication step".into(), format!("{} ms", schedule.step * 1e3)),
         ];
-        facts.extend(self.texts.iter().cloned());
+        facts.extend(self.texts.iter().filter(|(_, text)| !text.is_empty()).cloned());
         if let Some(inputs) = experiment.inputs {
             facts.push(("Inputs".into(), inputs.source.clone()));
         }

@@ -118,6 +118,8 @@ pub struct Plot {
     bands: Vec<(Vec<(f64, f64)>, RGBColor)>,
     /// Columns for long series, and paths in short form.
     columns: Option<usize>,
+    /// What the axis of y spans at least.
+    least: f64,
 }
 
 impl Plot {
@@ -131,7 +133,15 @@ impl Plot {
             series: Vec::new(),
             bands: Vec::new(),
             columns: None,
+            least: 0.0,
         }
+    }
+
+    /// The same with an axis of y that spans this at least: what changes by much less looks level. The largest of several counts.
+    #[must_use]
+    pub fn at_least(mut self, span: f64) -> Self {
+        self.least = self.least.max(span);
+        self
     }
 
     /// The same in another size.
@@ -220,14 +230,14 @@ impl Plot {
             html.push_str(&format!("<b>{}</b>", escape(&self.title)));
         }
         for series in &self.series {
-            let RGBColor(r, g, b) = series.color;
             let class = match series.look {
                 Look::Line => "",
                 Look::Measured => " class=\"measured\"",
                 Look::Dots | Look::Rings => " class=\"dot\"",
             };
             html.push_str(&format!(
-                "<span class=\"key\"><i{class} style=\"border-color:#{r:02x}{g:02x}{b:02x}\"></i>{}</span>",
+                "<span class=\"key\"><i{class} style=\"border-color:{}\"></i>{}</span>",
+                hex(series.color),
                 escape(&series.name)
             ));
         }
@@ -259,10 +269,14 @@ impl Plot {
         // the labels of the other axis are to the left of it
         let room = f64::from(width) / f64::from(letters) - 7.0;
         let x = Scale::beside(self.with_margin(finite().map(|p| p.0)), room);
-        let y = Scale::new(self.with_margin(finite().map(|p| p.1)), (height as usize) / 120, true);
+        let (low, high) = extent(finite().map(|p| p.1));
+        let room = (0.5 * (self.least - (high - low))).max(0.0);
+        let heights = self.with_margin(finite().map(|p| p.1)).chain([low - room, high + room]);
+        let y = Scale::new(heights, (height as usize) / 120, true);
 
         let mut svg = String::new();
-        let area;
+        let mut data = String::new();
+        let ends;
         {
             let root = SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area();
             let font = ("sans-serif", letters).into_font().color(&TEXT);
@@ -284,48 +298,91 @@ impl Plot {
                 .x_desc(x.title(&self.x))
                 .y_desc(y.title(&self.y))
                 .draw()?;
+            let place = |point: &(f64, f64)| chart.backend_coord(point);
+            ends = [place(&(x.low, y.low)), place(&(x.high, y.high))];
             for (outline, color) in &self.bands {
-                let style = color.mix(0.16).filled();
-                chart.draw_series(std::iter::once(Polygon::new(outline.clone(), style)))?;
+                let points: Vec<_> = outline.iter().map(place).collect();
+                let color = hex(*color);
+                data +=
+                    &format!("<polygon opacity=\"0.16\" fill=\"{color}\" points=\"{}\"/>\n", pairs(&points));
             }
             // measured lines come last: they are thin and would vanish below the others
             for look in [Look::Line, Look::Dots, Look::Rings, Look::Measured] {
-                for series in self.series.iter().filter(|s| s.look == look) {
-                    let size = letters / 3;
-                    let finite = series.points.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
-                    let style = match look {
-                        Look::Line => series.color.stroke_width(4),
-                        Look::Measured => series.color.stroke_width(3),
-                        Look::Dots => {
-                            let style = series.color.mix(0.6).filled();
-                            chart.draw_series(finite.map(|point| Circle::new(*point, size, style)))?;
-                            continue;
-                        }
-                        Look::Rings => {
-                            let style = series.color.stroke_width(4);
-                            chart.draw_series(finite.map(|point| Circle::new(*point, size * 2, style)))?;
-                            continue;
-                        }
-                    };
-                    for run in series.points.split(|(x, y)| !x.is_finite() || !y.is_finite()) {
-                        let points = thin_out(run, x.low, x.high, self.columns.unwrap_or(COLUMNS));
-                        chart.draw_series(LineSeries::new(points, style))?;
-                    }
+                for (number, series) in self.series.iter().enumerate().filter(|(_, s)| s.look == look) {
+                    // a script can find what belongs to an entry of the legend
+                    data += &format!("<g data-key=\"{number}\">\n");
+                    series.draw(
+                        place,
+                        letters / 3,
+                        |run| thin_out(run, x.low, x.high, self.columns.unwrap_or(COLUMNS)),
+                        &mut data,
+                    );
+                    data += "</g>\n";
                 }
             }
-            area = chart.plotting_area().get_pixel_range().0;
             root.present()?;
         }
         // the page decides on the size
         let start = svg.find("viewBox").ok_or("the drawing has no viewBox")?;
-        let drawing =
-            svg[start..].replace("stroke-width=\"3\"", "stroke-width=\"3\" stroke-dasharray=\"12 7\"");
-        let drawing = if self.columns.is_some() { shorten(&drawing) } else { drawing };
+        let drawing = svg[start..].trim_end().strip_suffix("</svg>").ok_or("the drawing does not end")?;
+        let data = if self.columns.is_some() { shorten(&data) } else { data };
         let label = format!("{}: {} over {}", self.title, self.y.quantity, self.x.quantity);
-        // where the axis is: a script can place a cursor
-        let axis = format!("{} {} {} {}", area.start, area.end, x.low, x.high);
-        Ok(format!("<svg role=\"img\" aria-label=\"{}\" data-x=\"{axis}\" {drawing}\n", escape(&label)))
+        // where the axes are: a script can place a cursor, and draw a part of the figure
+        let [from, to] = ends;
+        let axes = format!(
+            "data-x=\"{} {} {} {} {}\" data-y=\"{} {} {} {} {}\"",
+            from.0, to.0, x.low, x.high, x.exponent, from.1, to.1, y.low, y.high, y.exponent
+        );
+        Ok(format!(
+            "<svg role=\"img\" aria-label=\"{}\" {axes} {drawing}<g class=\"data\">\n{data}</g>\n</svg>\n",
+            escape(&label)
+        ))
     }
+}
+
+impl Series {
+    /// Its lines, or its dots of this radius, at the places of its points.
+    fn draw(
+        &self,
+        place: impl Fn(&(f64, f64)) -> (i32, i32),
+        radius: u32,
+        thinned: impl Fn(&[(f64, f64)]) -> Vec<(f64, f64)>,
+        svg: &mut String,
+    ) {
+        let color = hex(self.color);
+        let style = match self.look {
+            Look::Line => format!("fill=\"none\" stroke=\"{color}\" stroke-width=\"4\""),
+            Look::Measured => {
+                format!("fill=\"none\" stroke=\"{color}\" stroke-width=\"3\" stroke-dasharray=\"12 7\"")
+            }
+            Look::Dots => format!("r=\"{radius}\" opacity=\"0.6\" fill=\"{color}\""),
+            Look::Rings => {
+                format!("r=\"{}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"4\"", 2 * radius)
+            }
+        };
+        let runs = self.points.split(|(x, y)| !x.is_finite() || !y.is_finite()).filter(|run| !run.is_empty());
+        match self.look {
+            Look::Line | Look::Measured => {
+                for run in runs {
+                    let points: Vec<_> = thinned(run).iter().map(&place).collect();
+                    *svg += &format!("<polyline {style} points=\"{}\"/>\n", pairs(&points));
+                }
+            }
+            Look::Dots | Look::Rings => {
+                for (x, y) in runs.flatten().map(place) {
+                    *svg += &format!("<circle cx=\"{x}\" cy=\"{y}\" {style}/>\n");
+                }
+            }
+        }
+    }
+}
+
+fn hex(RGBColor(r, g, b): RGBColor) -> String {
+    format!("#{r:02X}{g:02X}{b:02X}")
+}
+
+fn pairs(points: &[(i32, i32)]) -> String {
+    points.iter().map(|(x, y)| format!("{x},{y}")).collect::<Vec<_>>().join(" ")
 }
 
 /// Fewer points that look the same: of neighbours that fall into one column of the plot only those
@@ -458,6 +515,19 @@ mod tests {
         let plot = Plot::new("", Axis::time(), Axis::new("force", "kN")).line("a", &[0.0, 1.0], &[0.0, 2.0]);
         let html = plot.html();
         assert!(html.as_str().contains("time [s]") && html.as_str().contains("force [kN]"));
+    }
+
+    #[test]
+    fn what_hardly_changes_looks_level() {
+        let y = [60.1, 60.0, 60.1];
+        let plot = Plot::new("", Axis::time(), Axis::new("speed", "km/h")).line("a", &[0.0, 1.0, 2.0], &y);
+        let heights = |plot: &Plot| {
+            let line = polylines(plot.html().as_str()).remove(0);
+            f64::from(line[1].1 - line[0].1) / f64::from(Size::Full.drawing().1)
+        };
+        assert!(heights(&plot) > 0.5 && heights(&plot.clone().at_least(6.0)) < 0.05);
+        // a larger change is not touched
+        assert_eq!(plot.clone().at_least(0.05).html(), plot.html());
     }
 
     #[test]

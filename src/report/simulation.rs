@@ -44,6 +44,26 @@ const OVER_SLIP: [(&str, &str, &str, &str); 4] = [
     ("force_y", "N", "force_x", "N"),
 ];
 
+/// What a plot over time spans at least, as a share of its largest value,
+const LEAST_SHARE: f64 = 0.1;
+/// and by unit, so that noise and rounding about 0 do not look like a signal: what sensors of vehicles and rigs can just resolve, or ten times
+/// the noise that they have.
+const LEAST: [(&str, f64); 13] = [
+    ("N", 20.0),
+    ("kN", 0.02),
+    ("N.m", 2.0),
+    ("deg", 0.5),
+    ("rad", 0.01),
+    ("%", 1.0),
+    ("mm", 1.0),
+    ("m", 1e-3),
+    ("km/h", 1.0),
+    ("m/s", 0.2),
+    ("m/s2", 0.5),
+    ("bar", 0.1),
+    ("Pa", 1e4),
+];
+
 /// More lines than this in one plot cannot be told apart.
 const MAX_LINES: usize = 6;
 /// Channels share a plot if the largest values of any two differ by less than this factor.
@@ -121,7 +141,9 @@ impl<'a> Run<'a> {
         if let Some((measured, values)) = self.measured(name, unit) {
             grown = grown.measured(&format!("{label}, measured"), &measured.time, &values);
         }
-        *plot = grown;
+        let least = LEAST.iter().find(|(of, _)| *of == unit).map_or(0.0, |(_, least)| *least);
+        let largest = values.iter().filter(|v| v.is_finite()).fold(0.0, |most: f64, v| most.max(v.abs()));
+        *plot = grown.at_least(least.max(LEAST_SHARE * largest));
         self.shown.insert(channel.name.as_str());
         true
     }
@@ -448,6 +470,7 @@ fn side_by_side(heading: &str, plots: Vec<Html>) -> Section {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::page::still;
 
     /// Name, unit, course.
     type Course<'a> = (&'a str, &'a str, &'a dyn Fn(f64) -> f64);
@@ -516,7 +539,7 @@ mod tests {
     fn nothing_is_loaded_from_elsewhere() {
         let frame = PatchFrame { cells: vec![crate::tire::Cell::default(); 2], ..PatchFrame::default() };
         let html = simulation_report("t", "d", &tire(), Some(beside(&tire())), &[frame.clone(), frame], &[]);
-        let rest = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+        let rest = still(&html).replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
         for outside in ["http:", "https:", "url(", "@import", "src=", "href=\"h"] {
             assert!(!rest.contains(outside), "{outside}");
         }
@@ -603,7 +626,7 @@ mod tests {
         };
         let html =
             simulation_report(bad, bad, &run, Some(beside(&run)), &[frame], &[(bad.into(), bad.into())]);
-        assert!(!html.contains("<script>"));
+        assert!(!still(&html).contains("<script>"));
         assert!(html.contains("&lt;script&gt;alert(1)"));
     }
 
