@@ -195,6 +195,17 @@ def _options(**options: object) -> list[object]:
     return arguments
 
 
+def _recordings(folder: pathlib.Path, recordings: Mapping[str, Recording] | PathLike) -> PathLike:
+    """A folder of recordings: the given one, or one that is made of recordings by name."""
+    if not isinstance(recordings, Mapping):
+        return recordings
+    made = folder / "recordings"
+    made.mkdir()
+    for name, recording in recordings.items():
+        recording.write(made / f"{name}.csv")
+    return made
+
+
 def _temporary() -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix="latsch-")
 
@@ -292,20 +303,20 @@ def rig_program(plan: PathLike, output: PathLike) -> pathlib.Path:
 
 def identify(
     plan: PathLike,
-    recordings: PathLike,
+    recordings: Mapping[str, Recording] | PathLike,
     *,
     model: PathLike | None = None,
     parameters: Mapping[str, Value] | PathLike | None = None,
     within: Mapping[str, float] | None = None,
     nearest: bool = False,
 ) -> Identification:
-    """Identifies parameters group after group from a folder of recordings.
+    """Identifies parameters group after group from recordings by name, or from a folder of them.
 
     `within` says of parameters that recordings do not tell within which share of their value they are known. With `nearest` the
     parameters that come nearest to what was read are the answer where none meet it, in place of an error."""
     with _temporary() as name:
         folder = pathlib.Path(name)
-        options = _options(recordings=recordings, model=model)
+        options = _options(recordings=_recordings(folder, recordings), model=model)
         for parameter, share in (within or {}).items():
             options += ["--within", f"{parameter}={share!r}"]
         if nearest:
@@ -321,17 +332,17 @@ def identify(
 
 def diagnose(
     model: PathLike,
-    recordings: PathLike,
+    recordings: Mapping[str, Recording] | PathLike,
     *,
     output: PathLike | None = None,
     parameters: PathLike | None = None,
     map: PathLike | None = None,
     jobs: int | None = None,
 ) -> Diagnosis:
-    """Finds where recordings of a folder and a model, FMU or wired system differ. `output` keeps all files, the corrected model among them."""
+    """Finds where recordings, by name or of a folder, and a model, FMU or wired system differ. `output` keeps all files, the corrected model among them."""
     with _temporary() as name:
-        folder = pathlib.Path(output if output is not None else name)
-        options = _options(recordings=recordings, parameters=parameters, map=map, jobs=jobs)
+        folder = pathlib.Path(output if output is not None else pathlib.Path(name) / "found")
+        options = _options(recordings=_recordings(pathlib.Path(name), recordings), parameters=parameters, map=map, jobs=jobs)
         printed, notes = _run("diagnose", model, *options, "--output", folder, "--format", "json")
         page = Page((folder / "report.html").read_text(encoding="utf-8"))
     return Diagnosis(json.loads(printed), page, notes)

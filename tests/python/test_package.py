@@ -74,16 +74,21 @@ def test_recordings_are_diagnosed_and_what_they_lack_is_said(installed, tmp_path
 import pathlib
 import latsch
 import numpy as np
+import scipy.io
 
 rng, t = np.random.default_rng(1), np.linspace(0, 2, 401)
-pathlib.Path("runs").mkdir()
+runs = {}
 for k in range(4):
     pressure = np.interp(t, np.linspace(0, 2, 9), 20 + 30 * rng.random(9))
     driver = latsch.Recording(t, {"driver_pressure": pressure}, {"driver_pressure": "bar"})
     run = latsch.simulate("brake-hydraulics", driver, values={"friction": 0.36}, step=0.005, channels=["driver_pressure", "brake_torque"])
     run.channels["brake_torque"] = run["brake_torque"] + rng.normal(0, 2, len(run.time))
-    run.write(f"runs/{k}.csv")
-found = latsch.diagnose("brake-hydraulics", "runs", output="found", jobs=1)
+    # by way of a file of another program
+    scipy.io.savemat(f"{k}.mat", {"t": run.time, "p": 1e-5 * run["driver_pressure"], "M": run["brake_torque"]})
+    file = scipy.io.loadmat(f"{k}.mat", squeeze_me=True)
+    units = {"driver_pressure": "bar", "brake_torque": "N.m"}
+    runs[f"stop-{k}"] = latsch.Recording(file["t"], {"driver_pressure": file["p"], "brake_torque": file["M"]}, units)
+found = latsch.diagnose("brake-hydraulics", runs, output="found", jobs=1)
 # friction, radius and piston make one factor of the torque
 values = {p["name"]: p["value"] for p in found.result["parameters"]}
 factor = values["friction"] * values["friction_radius"] * values["piston_area"]
