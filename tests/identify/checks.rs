@@ -499,7 +499,7 @@ fn plans_that_cannot_be_followed_are_refused_with_what_is_needed() {
 fn a_plan_says_how_a_group_is_solved() {
     let stiffness = "{ name = \"PKX1\", bounds = [15.0, 50.0] }]";
     let peak = "nesting = { rises = [1, -1], falls = [[0, -1], [0, 0]] }";
-    for (of_stiffness, of_peak) in [("gradient", "newton"), ("nested-bisection", "nested-bisection")] {
+    for (of_stiffness, of_peak) in [("newton", "gradient"), ("nested-bisection", "nested-bisection")] {
         let text = MAGIC_FORMULA
             .replace(stiffness, &format!("{stiffness}\nsolver = \"{of_stiffness}\""))
             .replace(peak, &format!("{peak}\nsolver = \"{of_peak}\""));
