@@ -1,13 +1,14 @@
 //! The search for a plan's parameters that explain what was read from recordings, and what is known of them then.
 
 use super::answer::Answer;
-use super::estimate::{Estimate, Point};
+use super::estimate::Point;
 use super::evidence::{Evidence, Read};
 use super::matching::Moved;
 use super::reduced::{Known, Reduced};
 use super::scatter::side;
 use super::suspicion;
 use super::tangent::Tangent;
+use super::unmet::Unmet;
 use crate::identify::plan::Plan;
 use crate::identify::readings::Readings;
 use crate::identify::registry::{Numbers, Registry};
@@ -26,19 +27,13 @@ const AT_REST: f64 = 1e-7;
 const NEAR: f64 = 0.02;
 /// Derivatives are taken anew where a step with them leaves more than this share of the one before.
 const SERVES: f64 = 0.3;
-/// A target that is missed by more than so many half intervals contradicts the others.
-const CONTRADICTS: f64 = 2.0;
 /// What rounding and a search that has come to rest leave of a target, as a share: it counts as met, and as no surer than that.
 pub(super) const MISSED: f64 = 1e-4;
-/// Where a parameter is on a bound up to this share of its range, targets that are missed within their intervals are told.
-const ON_BOUND: f64 = 1e-6;
 /// A target is met to rounding at this share of how sure it is.
 const MET: f64 = 1e-9;
 /// Steps of differences, as a share of a parameter's range: far above what rounding leaves of a stationary state, far below what
 /// curves.
 const STEP: f64 = 1e-4;
-/// Steps of differences over an offset, in standard deviations of what it may be.
-const OFFSET_STEP: f64 = 0.1;
 
 /// What it may be when nothing fits.
 const LIKELY: &str = "Recordings of another tire, a wrong unit or sign, or physics that the model does not have: run `latsch diagnose` on them";
@@ -51,17 +46,6 @@ pub struct Beforehand {
     /// Of what is looked for, by name: the share of its value within which it is known, should recordings not tell it. Without,
     /// it may be anywhere in its range.
     pub within: Numbers,
-}
-
-/// What becomes of targets that no parameters within their bounds meet.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Unmet {
-    /// They are an error.
-    #[default]
-    Refused,
-    /// The parameters that come nearest to them, by how sure each of a group's targets is, are the answer; what is left is told,
-    /// and counted as how far the model can be from the tire.
-    Nearest,
 }
 
 /// Identifies what recordings tell of a plan's parameters.
@@ -164,25 +148,11 @@ pub(super) struct Search<'a> {
     pub contradicted: Vec<(String, String)>,
 }
 
-/// A target that no parameters within their bounds meet.
-struct Miss {
-    /// Its number,
-    target: usize,
-    /// its group,
-    group: String,
-    /// and by how much it is missed.
-    by: f64,
-    /// That is more than how sure the target is allows.
-    contradicts: bool,
-    /// The same as a sentence.
-    told: String,
-}
-
 /// How sure things are, as standard deviations. What is nearest depends on it, and would not come to rest while it follows a model
 /// that is not there yet.
-struct Sure {
+pub(super) struct Sure {
     /// Each output, as a mean over a stretch.
-    outputs: Vec<f64>,
+    pub outputs: Vec<f64>,
     /// Each target.
     targets: Vec<f64>,
 }
@@ -268,7 +238,7 @@ impl Search<'_> {
 
     /// The points of a target as the model has them, asked once for all readings at one place, at the mean of their inputs: estimates
     /// are means and straight lines through readings, so that what each of them is off by counts to second order only.
-    fn visited(
+    pub fn visited(
         &self,
         model: &Readings<'_>,
         read: &Read,
@@ -400,58 +370,6 @@ impl Search<'_> {
         Ok(None)
     }
 
-    /// Targets for which the model does not have what was measured, and why, if that is known.
-    fn missed(&self, plan: &Plan, known: &Known, refused: Option<String>) -> Result<Vec<Miss>> {
-        let model = self.model(plan)?;
-        let at = model.sought_values(&self.numbers)?;
-        let numbers = model.model_values(&at)?;
-        let reads = self.reads(plan)?;
-        let modelled = self.modelled(&model, &reads, &numbers)?;
-        let mut missed = Vec::new();
-        let mut from = 0;
-        for group in &plan.groups {
-            let own = from..from + group.parameters.len();
-            from = own.end;
-            let is_on_bound = |k: &usize| {
-                let [low, high] = model.bounds()[*k];
-                (at[*k] - low).min(high - at[*k]) <= ON_BOUND * (high - low)
-            };
-            let on_bound: Vec<String> = own
-                .clone()
-                .filter(is_on_bound)
-                .map(|k| format!("{} = {:.4e}", group.parameters[k - own.start].name, at[k]))
-                .collect();
-            for k in own {
-                let (measured, half) =
-                    (self.measured(&reads[k])?, known.side * known.covariance[(k, k)].sqrt());
-                let by = (measured - modelled[k]).abs();
-                if by <= MISSED * measured.abs() {
-                    continue;
-                }
-                let why = match (&refused, &on_bound[..]) {
-                    (Some(why), _) => why.clone(),
-                    (None, []) => "no parameter of the group is on a bound".to_owned(),
-                    (None, some) => format!("{} is as far as it goes", some.join(", ")),
-                };
-                missed.push(Miss {
-                    target: k,
-                    group: group.name.clone(),
-                    by,
-                    contradicts: by > CONTRADICTS * half,
-                    told: format!(
-                        "group \"{}\": \"{}\" was measured to be {measured:.5e} +- {half:.1e} (in {}), and no parameters within \
-                         their bounds come nearer to it, together with the group's other targets, than {:.5e} ({why})",
-                        group.name,
-                        reads[k].name,
-                        self.evidence.files(&reads[k]),
-                        modelled[k]
-                    ),
-                });
-            }
-        }
-        Ok(missed)
-    }
-
     /// Derivatives of the model's readings (rows) by what is looked for (columns).
     fn jacobian(&self, model: &Readings<'_>, reads: &[Read], at: &[f64]) -> Result<DMatrix<f64>> {
         let mut jacobian = DMatrix::zeros(reads.len(), at.len());
@@ -470,76 +388,6 @@ impl Search<'_> {
             jacobian.set_column(k, &column);
         }
         Ok(jacobian)
-    }
-
-    /// Offsets of inputs: those with which the model has the values that were measured where its inputs are 0, which no target
-    /// reads, and touches the road where it was measured to.
-    fn find_offsets(&self, plan: &Plan, reads: &[Read], sure: Option<&Sure>) -> Result<Vec<f64>> {
-        let Some(how) = &plan.recordings else { return Ok(self.offsets.clone()) };
-        let signals = &self.evidence.signals;
-        let looked: Vec<(usize, f64)> =
-            how.offsets.iter().filter_map(|(name, size)| Some((signals.input(name)?, *size))).collect();
-        let model = self.model(plan)?;
-        let numbers = model.model_values(&model.sought_values(&self.numbers)?)?;
-        let mut asked = BTreeMap::new();
-        let sizes = match sure {
-            Some(sure) => sure.outputs.clone(),
-            None => self.scatter(&model, reads, &numbers, &mut asked)?.sizes(false).to_vec(),
-        };
-        let (mut rows, mut rest): (Vec<Vec<f64>>, Vec<f64>) = (Vec::new(), Vec::new());
-        let mut offsets = self.offsets.clone();
-        let mut seen = BTreeSet::new();
-        for read in reads {
-            if !seen.insert(read.members.clone()) {
-                continue;
-            }
-            let measured = self.evidence.points(read);
-            let simulated = self.simulated_once(&model, read, &numbers, &mut asked)?;
-            match &read.estimate {
-                Estimate::FromTouch { over, .. } if looked.iter().any(|(input, _)| input == over) => {
-                    offsets[*over] += read.estimate.touch(&measured) - read.estimate.touch(&simulated);
-                }
-                Estimate::Slope { .. } => {
-                    let own = read.estimate.at_zero(&simulated);
-                    let measured = read.estimate.at_zero(&measured);
-                    let of_visits = |search: &Self| {
-                        let points = search.visited(&model, read, &numbers, &mut BTreeMap::new())?;
-                        Ok::<_, Error>(read.estimate.at_zero(&points))
-                    };
-                    let here = of_visits(self)?;
-                    let mut slopes = Vec::new();
-                    for (input, step) in &looked {
-                        let mut other = Search { offsets: self.offsets.clone(), ..self.clone() };
-                        other.offsets[*input] += OFFSET_STEP * step;
-                        let moved = of_visits(&other)?;
-                        slopes.push(
-                            moved.iter().zip(&here).map(|(b, a)| (b - a) / OFFSET_STEP).collect::<Vec<f64>>(),
-                        );
-                    }
-                    for (output, size) in sizes.iter().enumerate() {
-                        let size = size / (read.members.len() as f64).sqrt();
-                        rows.push(slopes.iter().map(|s| s[output] / size).collect());
-                        rest.push((measured[output] - own[output]) / size);
-                    }
-                }
-                _ => {}
-            }
-        }
-        // what is known of offsets beforehand
-        for (k, (input, size)) in looked.iter().enumerate() {
-            rows.push((0..looked.len()).map(|other| f64::from(u8::from(other == k))).collect());
-            rest.push(-self.offsets[*input] / size);
-        }
-        let design = DMatrix::from_fn(rows.len(), looked.len(), |i, k| rows[i][k]);
-        let found = design.svd(true, true).solve(&DVector::from_vec(rest), 1e-9);
-        let found = found.map_err(|e| Error::numeric(e.to_owned()))?;
-        for (k, (input, size)) in looked.iter().enumerate() {
-            // that of what touches the road is found by where it does
-            if offsets[*input] == self.offsets[*input] {
-                offsets[*input] += found[k] * size;
-            }
-        }
-        Ok(offsets)
     }
 
     /// What the readings fix, with the parameters as they are.
