@@ -3,13 +3,13 @@
 use super::planned::{numbers, plan, slave};
 use super::{Format, check_outputs, print, print_json};
 use latsch::identify::check::{Sampling, check};
-use latsch::identify::{Readings, Stand, ring_brush};
+use latsch::identify::{Readings, SHIPPED, Stand, ring_brush, shipped};
 use latsch::report::{plan_report, write_html};
 use latsch::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Check a plan of a sequential identification
+/// Check a plan of a sequential identification, or show one that is shipped
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -19,6 +19,15 @@ pub struct Args {
 #[derive(clap::Subcommand)]
 enum Command {
     Check(Check),
+    Show(Show),
+}
+
+/// Print a shipped plan as TOML, to be changed, or to take from it what a plan that is like it says otherwise
+#[derive(clap::Args)]
+struct Show {
+    /// Its name: ring-brush-flat-track
+    #[arg(value_name = "PLAN")]
+    plan: String,
 }
 
 /// Test a plan: does each group depend on its own and earlier parameters only, and have one answer?
@@ -56,7 +65,22 @@ struct Check {
 }
 
 pub fn run(args: &Args) -> Result<ExitCode> {
-    let Command::Check(args) = &args.command;
+    let args = match &args.command {
+        Command::Check(args) => args,
+        Command::Show(args) => {
+            let names = SHIPPED.map(|(name, _)| name);
+            let text = shipped(&args.plan).ok_or_else(|| {
+                let hint = did_you_mean(&args.plan, names);
+                Error::call(format!(
+                    "there is no shipped plan {}{hint}; there is {}",
+                    args.plan,
+                    names.join(", ")
+                ))
+            })?;
+            print(text.trim_end())?;
+            return Ok(ExitCode::SUCCESS);
+        }
+    };
     let read: Vec<&Path> =
         [&args.model, &args.parameters].into_iter().flatten().map(PathBuf::as_path).collect();
     let read = [read, vec![Path::new(&args.plan)]].concat();

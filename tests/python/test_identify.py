@@ -277,6 +277,18 @@ def test_tydex_files_are_recordings(tmp_path):
     assert 'c.tdx: there is no channel "force_z"' in done.stderr and "fzw" in done.stderr, done.stderr
 
 
+def test_a_shipped_plan_is_shown_as_it_is_read(tmp_path):
+    shown = latsch("plan", "show", "ring-brush-flat-track")
+    assert shown.returncode == 0 and tomllib.loads(shown.stdout)["model"] == "ring-brush-flat-track"
+    (tmp_path / "own.toml").write_text(shown.stdout)
+    for plan, folder in (("ring-brush-flat-track", "shipped"), (tmp_path / "own.toml", "own")):
+        assert latsch("rig-program", plan, "--output", tmp_path / folder).returncode == 0
+    runs = sorted(file.name for file in (tmp_path / "shipped").glob("*.csv"))
+    assert len(runs) == 9 and all((tmp_path / "own" / run).read_bytes() == (tmp_path / "shipped" / run).read_bytes() for run in runs)
+    unknown = latsch("plan", "show", "ring-brush-flat-trak")
+    assert unknown.returncode == 2 and "there is ring-brush-flat-track" in unknown.stderr
+
+
 def test_the_passenger_cars_tire_is_what_the_published_curves_give(tmp_path):
     """As docs/identify.md tells: the curves on the rig, the nearest ring-and-brush tire, its own curves against them."""
     tires, plan = ROOT / "examples" / "tires", ROOT / "examples" / "plans" / "ring-brush-passenger-car.toml"
