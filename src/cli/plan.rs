@@ -68,14 +68,9 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let args = match &args.command {
         Command::Check(args) => args,
         Command::Show(args) => {
-            let names = SHIPPED.map(|(name, _)| name);
             let text = shipped(&args.plan).ok_or_else(|| {
-                let hint = did_you_mean(&args.plan, names);
-                Error::call(format!(
-                    "there is no shipped plan {}{hint}; there is {}",
-                    args.plan,
-                    names.join(", ")
-                ))
+                let names = SHIPPED.map(|(name, _)| name).join(", ");
+                Error::call(format!("there is no shipped plan {}; there is {names}", args.plan))
             })?;
             print(text.trim_end())?;
             return Ok(ExitCode::SUCCESS);
