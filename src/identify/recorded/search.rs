@@ -118,7 +118,7 @@ pub fn identify(
                 }
                 // as if it had been measured as badly as the model has it
                 known.covariance[(miss.target, miss.target)] += (miss.by / known.side).powi(2);
-                search.contradicted.push((miss.group, miss.told.clone()));
+                search.contradicted.push((miss.group, miss.brief));
             }
             search.notes.push(miss.told);
         }

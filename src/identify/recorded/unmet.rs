@@ -32,8 +32,10 @@ pub(super) struct Miss {
     pub by: f64,
     /// That is more than how sure the target is allows.
     pub contradicts: bool,
-    /// The same as a sentence.
+    /// The same as a sentence,
     pub told: String,
+    /// and in a few words.
+    pub brief: String,
 }
 
 impl Search<'_> {
@@ -70,19 +72,19 @@ impl Search<'_> {
                     (None, []) => "no parameter of the group is on a bound".to_owned(),
                     (None, some) => format!("{} is as far as it goes", some.join(", ")),
                 };
+                let (name, nearest) = (&reads[k].name, modelled[k]);
                 missed.push(Miss {
                     target: k,
                     group: group.name.clone(),
                     by,
                     contradicts: by > CONTRADICTS * half,
                     told: format!(
-                        "group \"{}\": \"{}\" was measured to be {measured:.5e} +- {half:.1e} (in {}), and no parameters within \
-                         their bounds come nearer to it, together with the group's other targets, than {:.5e} ({why})",
+                        "group \"{}\": \"{name}\" was measured to be {measured:.5e} +- {half:.1e} (in {}), and no parameters within \
+                         their bounds come nearer to it, together with the group's other targets, than {nearest:.5e} ({why})",
                         group.name,
-                        reads[k].name,
                         self.evidence.files(&reads[k]),
-                        modelled[k]
                     ),
+                    brief: format!("\"{name}\" is not met: measured {measured:.4e}, at the nearest {nearest:.4e} ({why})"),
                 });
             }
         }
