@@ -303,8 +303,8 @@ mod tests {
             runs: [run(figures, &recording), run(figures, &recording)],
         };
         let html = stop_page(ATTACK, ATTACK, std::slice::from_ref(&scene), Section::new("about")).unwrap();
-        // the data of the scene and the film, and the script
-        assert_eq!(html.matches("<script").count(), 3);
+        // the data of the scene and the film, the script, and that of figures
+        assert_eq!(html.matches("<script").count(), 4);
         let rest = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
         for outside in ["http:", "https:", "url(", "@import", "src=", "href=\"h"] {
             assert!(!rest.contains(outside), "{outside}");
