@@ -3,7 +3,7 @@
 use super::planned::{numbers, plan, slave};
 use super::{Format, check_outputs, print, print_json};
 use latsch::identify::check::{Sampling, check};
-use latsch::identify::{Readings, SHIPPED, Stand, ring_brush, shipped};
+use latsch::identify::{Readings, Stand, ring_brush, shipped_plan};
 use latsch::report::{plan_report, write_html};
 use latsch::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -68,11 +68,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let args = match &args.command {
         Command::Check(args) => args,
         Command::Show(args) => {
-            let text = shipped(&args.plan).ok_or_else(|| {
-                let names = SHIPPED.map(|(name, _)| name).join(", ");
-                Error::call(format!("there is no shipped plan {}; there is {names}", args.plan))
-            })?;
-            print(text.trim_end())?;
+            print(shipped_plan(&args.plan)?.trim_end())?;
             return Ok(ExitCode::SUCCESS);
         }
     };

@@ -8,11 +8,22 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 /// Plans that are shipped, by the names of the models that they are for.
-pub const SHIPPED: [(&str, &str); 1] = [("ring-brush-flat-track", ring_brush::PLAN)];
+const SHIPPED: [(&str, &str); 1] = [("ring-brush-flat-track", ring_brush::PLAN)];
 
 /// The text of a plan that is shipped, if there is one of this name.
 pub fn shipped(name: &str) -> Option<&'static str> {
     SHIPPED.iter().find(|(own, _)| *own == name).map(|(_, text)| *text)
+}
+
+/// The same, of a plan that has to be there.
+///
+/// # Errors
+/// There is none: those that there are.
+pub fn shipped_plan(name: &str) -> Result<&'static str> {
+    shipped(name).ok_or_else(|| {
+        let names = SHIPPED.map(|(name, _)| name).join(", ");
+        Error::call(format!("there is no shipped plan \"{name}\"; there is {names}"))
+    })
 }
 
 /// A plan from its text, of which `like` may name a shipped one.
@@ -23,15 +34,11 @@ pub(super) fn parse(text: &str) -> Result<Plan> {
         // with its line
         _ => return toml::from_str(text).map_err(wrong),
     };
-    let names = || SHIPPED.iter().map(|(name, _)| *name);
     let like = match own.remove("like") {
         Some(Value::String(name)) => name,
         _ => return Err(Error::file("like: the name of a shipped plan in quotes is needed")),
     };
-    let base = shipped(&like).ok_or_else(|| {
-        let names = names().collect::<Vec<_>>().join(", ");
-        Error::file(format!("like: there is no shipped plan \"{like}\"; there is {names}"))
-    })?;
+    let base = shipped_plan(&like).map_err(|e| e.at("like"))?;
     let mut whole: Table = base.parse().map_err(wrong)?;
     put(&mut whole, own);
     let before: Plan = toml::from_str(base).map_err(wrong)?;

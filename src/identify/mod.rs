@@ -24,7 +24,7 @@ pub mod solve;
 mod sought;
 mod stand;
 
-pub use like::{SHIPPED, shipped};
+pub use like::{shipped, shipped_plan};
 pub use plan::{
     Condition, GroupPlan, Limit, NestingPlan, Plan, Ramp, Reach, Recordings, Require, Sought, Target, Touch,
 };

@@ -46,8 +46,8 @@ const OVER_SLIP: [(&str, &str, &str, &str); 4] = [
 
 /// What a plot over time spans at least, as a share of its largest value,
 const LEAST_SHARE: f64 = 0.1;
-/// and by unit, so that noise and rounding about 0 do not look like a signal: what sensors of vehicles and rigs can just resolve, or ten times
-/// the noise that they have.
+/// and by unit, so that noise and rounding about 0 do not look like a signal: some ten times the noise of sensors on rigs. It decides no
+/// more than how a plot looks, and zooming shows the rest.
 const LEAST: [(&str, f64); 13] = [
     ("N", 20.0),
     ("kN", 0.02),

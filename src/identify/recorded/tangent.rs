@@ -35,9 +35,15 @@ impl Targets for Tangent<'_> {
 
 impl Tangent<'_> {
     /// The parameters of which those of each group, of these sizes, are the nearest within their bounds to its own targets, with
-    /// all others as they are: Newton's step, where all targets can be met. What a group cannot explain it leaves to no other.
+    /// all others as they are: Newton's step, with which it begins, where all targets can be met. What a group cannot explain it leaves
+    /// to no other.
     pub fn nearest(&self, goal: &Goal, groups: impl Iterator<Item = usize> + Clone) -> Result<Vec<f64>> {
-        let mut found = self.at.to_vec();
+        let missing = DVector::from_fn(self.at.len(), |k, _| goal.values[k] - self.values[k]);
+        let step = self.jacobian.clone().lu().solve(&missing);
+        let step = step.filter(|step| step.iter().all(|d| d.is_finite()));
+        let whole = |k: usize| self.at[k] + step.as_ref().map_or(0.0, |step| step[k]);
+        let within = |(k, [low, high]): (usize, &[f64; 2])| whole(k).clamp(*low, *high);
+        let mut found: Vec<f64> = self.bounds.iter().enumerate().map(within).collect();
         for _ in 0..SWEEPS {
             let before = found.clone();
             let mut from = 0;
@@ -88,6 +94,13 @@ mod tests {
         for sizes in [[1.0, 1.0, 1.0], [0.1, 30.0, 2.0]] {
             assert_near(&nearest(COUPLED, [goal[0], goal[1], goal[2]], sizes), [0.2, 0.9, 0.6]);
         }
+    }
+
+    /// One group after the other would go away from the answer here: each corrects by three times what the other does.
+    #[test]
+    fn groups_that_depend_on_each_other_are_solved_at_once() {
+        let jacobian = [[1.0, 0.0, 3.0], [0.0, 1.0, 0.0], [3.0, 0.0, 1.0]];
+        assert_near(&nearest(jacobian, [0.2 + 3.0 * 0.6, 0.9, 0.6 + 0.6], [1.0; 3]), [0.2, 0.9, 0.6]);
     }
 
     #[test]
