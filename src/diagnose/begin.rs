@@ -52,16 +52,15 @@ pub(super) fn begin(
     let mut begun = in_order(study, &chosen, |s| Begun::from_current(study, current, s));
     let promised = chosen.iter().map(|s| s.gain).fold(0.0, f64::max);
     let reached = begun.iter().map(Begun::cost).fold(f64::INFINITY, f64::min);
-    if reached > (1.0 - KEPT_PROMISE * promised) * current.fit.cost {
-        let more = nominal.map_or(Vec::new(), |n| {
-            from_nominal(study, subject, roles, current, n, (&chosen, recalled), round)
-        });
-        for other in more {
-            match begun.iter_mut().find(|b| b.screened.placement.is_same(&other.screened.placement)) {
-                Some(same) if same.cost() <= other.cost() => {}
-                Some(same) => same.fitted = other.fitted,
-                None => begun.push(other),
-            }
+    let is_kept = reached <= (1.0 - KEPT_PROMISE * promised) * current.fit.cost;
+    let more = nominal.map_or(Vec::new(), |n| {
+        from_nominal(study, subject, roles, current, n, (&chosen, recalled), (round, is_kept))
+    });
+    for other in more {
+        match begun.iter_mut().find(|b| b.screened.placement.is_same(&other.screened.placement)) {
+            Some(same) if same.cost() <= other.cost() => {}
+            Some(same) => *same = other,
+            None => begun.push(other),
         }
     }
     for named in [true, false] {
@@ -73,7 +72,8 @@ pub(super) fn begin(
     begun
 }
 
-/// Begins at nominal parameters, with what is screened there too if the refit has bent any.
+/// Begins at nominal parameters: with what is screened there if the refit has bent any, because what such a refit leaves says
+/// little of what bent it; else with the same effects, if fits from where it ended have not kept what was promised.
 fn from_nominal(
     study: &Study<'_>,
     subject: &Subject,
@@ -81,11 +81,15 @@ fn from_nominal(
     current: &Fitted,
     nominal: &Model,
     (chosen, recalled): (&[Screened], &mut Recalled),
-    round: usize,
+    (round, is_kept): (usize, bool),
 ) -> Vec<Begun> {
     let model = Model { parameters: nominal.parameters.clone(), ..current.model.clone() };
+    let is_bent = bent(study, &current.model, &model);
+    if is_kept && !is_bent {
+        return Vec::new();
+    }
     let Ok(there) = study.fit(&model, 1) else { return Vec::new() };
-    if !bent(study, &current.model, &there.model) {
+    if !is_bent {
         let begin = |s: &Screened| {
             let fitted = study.fit_near(&with(&there, s, small(s)), TRY_OUT, &there).ok()?;
             Some(Begun { screened: s.clone(), fitted })
@@ -158,11 +162,12 @@ impl Begun {
             };
             begin(screened.values.iter().zip(parameters).map(of).collect())
         });
-        let size = screened.whole.as_ref().and_then(|whole| {
-            // far from where the effect is off its derivatives are others
+        // what sticks or touches comes to rest elsewhere from another size; far from where an effect is off its derivatives
+        // are others
+        let sizes = (screened.wholes.iter()).filter_map(|whole| {
             study.fit_roughly(&with(current, screened, whole.clone()), TRY_OUT, None).ok()
         });
-        let fits = near.into_iter().chain(there.flatten()).chain(size);
+        let fits = near.into_iter().chain(there.flatten()).chain(sizes);
         let fitted = fits.min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))?;
         // what screening promised tells whether derivatives of the model without the effect have led to the end; what is no
         // effect even if it keeps all of it has no others

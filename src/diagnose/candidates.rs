@@ -278,6 +278,10 @@ pub(super) fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
             if count == limit || s.gain < 0.1 * best || s.gain < least {
                 break;
             }
+            let is_new = |o: &Screened| !chosen.iter().any(|c| c.placement.is_same(&o.placement));
+            if !is_new(s) {
+                continue;
+            }
             // other places of the same effect only if they are about as good
             let mut same = chosen.iter().filter(|c| c.placement.effect.id == s.placement.effect.id);
             if same.clone().count() > 1 || same.next().is_some_and(|first| s.gain < 0.6 * first.gain) {
@@ -285,9 +289,9 @@ pub(super) fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
             }
             // what it may be no more than is tried beside it
             let place = &s.placement;
-            for nested in simpler(place.effect.id) {
+            for nested in simpler(place.effect) {
                 let same = |o: &&Screened| {
-                    o.placement.effect.id == nested.simpler && o.placement.targets == place.targets
+                    nested.is_simpler(o.placement.effect) && o.placement.targets == place.targets
                 };
                 let is_new = |o: &&Screened| !chosen.iter().any(|c| c.placement.is_same(&o.placement));
                 let found = screened.iter().find(same).filter(is_new).cloned();

@@ -84,8 +84,8 @@ impl Round<'_> {
     fn says_no_more(&self, t: &Tried, simple: &Tried) -> bool {
         let (own, other) = (t.placement(), simple.placement());
         own.targets == other.targets
-            && nested::simpler(own.effect.id)
-                .any(|n| n.simpler == other.effect.id && !sets_apart(self.study, &t.fitted, n))
+            && nested::simpler(own.effect)
+                .any(|n| n.is_simpler(other.effect) && !sets_apart(self.study, &t.fitted, n))
     }
 
     fn finding(&self, subject: &Subject, chosen: &Chosen) -> Finding {

@@ -62,8 +62,8 @@ pub struct Screened {
     pub placement: Placement,
     /// Parameters, as multiples of their scales.
     pub values: Vec<f64>,
-    /// Parameters of a size with which it explains something as a whole, if any was tried that does.
-    pub whole: Option<Vec<f64>>,
+    /// Parameters of the sizes and shapes with which it explains something as a whole, the best first.
+    pub wholes: Vec<Vec<f64>>,
     /// Share of the squared residual that it explains.
     pub gain: f64,
     /// Number of places at which the effect was looked for, and at which all effects were.
@@ -536,7 +536,7 @@ fn wholes(placement: &Placement, shape: &[f64]) -> Vec<Vec<f64>> {
 /// The best form of each placement, the best placement first.
 fn best_of_each(placements: &[Placement], probes: &[Probe], explained: &[Explained]) -> Vec<Screened> {
     let mut best: Vec<Option<Screened>> = vec![None; placements.len()];
-    let mut whole_gains = vec![0.0; placements.len()];
+    let mut wholes: Vec<Vec<(f64, &[f64])>> = vec![Vec::new(); placements.len()];
     for (probe, explained) in probes.iter().zip(explained) {
         let Some((gain, amounts)) = explained else { continue };
         let placement = &placements[probe.placement];
@@ -545,19 +545,19 @@ fn best_of_each(placements: &[Placement], probes: &[Probe], explained: &[Explain
             let (low, high) = placement.effect.parameters[*i].search;
             values[*i] = (placement.effect.parameters[*i].off.unwrap_or(0.0) + amount).clamp(low, high);
         }
+        if probe.is_whole() {
+            wholes[probe.placement].push((*gain, &probe.shape));
+        }
         let best = &mut best[probe.placement];
         if best.as_ref().is_none_or(|b| b.gain < *gain) {
-            // what was found for it as a whole stays, whatever amplitudes promise
-            let whole = best.take().and_then(|b| b.whole);
-            let placement = placement.clone();
-            *best = Some(Screened { placement, values, whole, gain: *gain, places: 1, all_places: 1 });
+            let (placement, wholes) = (placement.clone(), Vec::new());
+            *best = Some(Screened { placement, values, wholes, gain: *gain, places: 1, all_places: 1 });
         }
-        if probe.is_whole() && whole_gains[probe.placement] < *gain {
-            whole_gains[probe.placement] = *gain;
-            if let Some(best) = best {
-                best.whole = Some(probe.shape.clone());
-            }
-        }
+    }
+    for (best, wholes) in best.iter_mut().zip(&mut wholes) {
+        let Some(best) = best else { continue };
+        wholes.sort_by(|a, b| b.0.total_cmp(&a.0));
+        best.wholes = wholes.iter().map(|(_, shape)| shape.to_vec()).collect();
     }
     let mut found: Vec<Screened> = best.into_iter().flatten().collect();
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));

@@ -43,6 +43,31 @@ pub const EFFECT: Effect = Effect {
     apply,
 };
 
+/// Of another size forwards than backwards, as gears, screws and brushes have it, or beside a constant force that no channel
+/// shows. Where runs go one way only, one of both amplitudes has nothing to say.
+pub const BY_DIRECTION: Effect = Effect {
+    equation: "F = F_0 - F_c tanh(v / v_0), F_c = F_f for v > 0, F_b for v < 0",
+    parameters: &[
+        Parameter {
+            name: "forwards",
+            description: "Friction force at positive velocity",
+            ..EFFECT.parameters[0]
+        },
+        Parameter {
+            name: "backwards",
+            description: "Friction force at negative velocity",
+            ..EFFECT.parameters[0]
+        },
+        EFFECT.parameters[1],
+    ],
+    apply: |p, _: &mut Memory, call| {
+        let velocity = call.drivers[0];
+        let force = if velocity > 0.0 { p[0] } else { p[1] };
+        if force == 0.0 { call.target } else { call.target - force * libm::tanh(velocity / p[2]) }
+    },
+    ..EFFECT
+};
+
 fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
     if p[0] == 0.0 { call.target } else { call.target - p[0] * libm::tanh(call.drivers[0] / p[1]) }
 }

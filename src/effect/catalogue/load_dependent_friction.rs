@@ -40,6 +40,28 @@ pub const EFFECT: Effect = Effect {
     apply,
 };
 
+/// Beside a part that is there without a load, as gears and screws under preload have it.
+pub const WITH_BASE: Effect = Effect {
+    equation: "F = F_0 - (F_c + K |N|) tanh(v / v_0)",
+    parameters: &[
+        Parameter { name: "per_load", ..EFFECT.parameters[0] },
+        Parameter::amplitude(
+            "force",
+            "Friction force without a load",
+            Scale::of("1", 1, [0; 3]),
+            (0.0, 2.0),
+            (-2.0, 2.0),
+            &[0.02, 0.06, 0.2],
+        ),
+        EFFECT.parameters[1],
+    ],
+    apply: |p, _: &mut Memory, call| {
+        let force = p[1] + p[0] * call.drivers[1].abs();
+        if force == 0.0 { call.target } else { call.target - force * soft_sign(call.drivers[0], p[2]) }
+    },
+    ..EFFECT
+};
+
 fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
     if p[0] == 0.0 {
         return call.target;

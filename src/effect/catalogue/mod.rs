@@ -163,6 +163,7 @@ pub const EFFECTS: &[Effect] = &[
     clock_drift::EFFECT,
     mains_hum::EFFECT,
     coulomb_friction::EFFECT,
+    coulomb_friction::BY_DIRECTION,
     progressive_spring::EFFECT,
     asymmetric_spring::EFFECT,
     viscous_drag::EFFECT,
@@ -172,6 +173,7 @@ pub const EFFECTS: &[Effect] = &[
     clearance::EFFECT,
     stribeck_friction::EFFECT,
     load_dependent_friction::EFFECT,
+    load_dependent_friction::WITH_BASE,
     frictional_heating::EFFECT,
     aero_drag::EFFECT,
 ];
