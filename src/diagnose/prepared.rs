@@ -60,7 +60,7 @@ pub(super) fn leave_out_rails(
         std::mem::take(faults).into_iter().partition(is_left_out);
     *faults = others;
     for fault in &mut aside {
-        fault.advice = "Repeat with a larger range; until then these samples are not compared.".into();
+        fault.advice = format!("{}. Until then these samples are not compared.", hygiene::RAIL_ADVICE);
     }
     aside
 }

@@ -29,7 +29,7 @@ mod values;
 pub use against::faults_against;
 pub use raw::{RawRecording, faults_of_runs};
 pub(crate) use raw::{leave_out_rows, read_raw};
-pub(crate) use values::at_rail;
+pub(crate) use values::{RAIL_ADVICE, at_rail};
 
 use serde::Serialize;
 

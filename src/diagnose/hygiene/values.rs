@@ -15,6 +15,10 @@ const AROUND: usize = 2;
 const FLAT: usize = 6;
 /// Samples at a rail, in all, that make saturation.
 const AT_RAIL: usize = 8;
+/// What a rail is, which recordings alone do not tell, and what to do.
+const RAIL: &str = "the sensor or amplifier is at its rail, or what it measures cannot go farther (an end stop, a tank that runs over)";
+pub(crate) const RAIL_ADVICE: &str =
+    "If it is the sensor's, repeat with a larger range; if the machine's, put it into the model";
 /// How often a value has to be there over the values just inside of it, and how many of those are looked at.
 const PILED: usize = 4;
 const INSIDE: usize = 6;
@@ -202,7 +206,7 @@ fn saturated(channel: &Channel, look: &Look) -> Vec<Fault> {
             span: Some((look.time[first.0], look.time[last.1 - 1])),
             evidence: format!(
                 "{} is exactly {} {} in {} stretch(es) of together {samples} samples and never beyond, though \
-                 it comes and goes by {} {} and has noise of {} {} elsewhere: the sensor or amplifier is at its rail.",
+                 it comes and goes by {} {} and has noise of {} {} elsewhere: {RAIL}.",
                 channel.name,
                 short(rail),
                 channel.unit,
@@ -212,7 +216,7 @@ fn saturated(channel: &Channel, look: &Look) -> Vec<Fault> {
                 short(look.noise),
                 channel.unit
             ),
-            advice: "Repeat with a larger range; until then leave these stretches out.".into(),
+            advice: format!("{RAIL_ADVICE}. Until then leave these stretches out."),
             ..fault(FaultKind::Saturated, Severity::Fatal, channel, rail, &channel.unit)
         })
     };
@@ -255,7 +259,7 @@ fn piled(channel: &Channel, look: &Look, rail: f64) -> Option<Fault> {
         span: Some((look.time[*rows.first()?], look.time[*rows.last()?])),
         evidence: format!(
             "{} is exactly {} {} in {} samples and never beyond, though values just inside of that are there in at \
-             most {most} each and its noise is {} {}: the sensor or amplifier is at its rail.",
+             most {most} each and its noise is {} {}: {RAIL}.",
             channel.name,
             short(rail),
             channel.unit,
@@ -263,7 +267,7 @@ fn piled(channel: &Channel, look: &Look, rail: f64) -> Option<Fault> {
             short(look.noise),
             channel.unit
         ),
-        advice: "Repeat with a larger range; until then leave these stretches out.".into(),
+        advice: format!("{RAIL_ADVICE}. Until then leave these stretches out."),
         ..fault(FaultKind::Saturated, Severity::Fatal, channel, rail, &channel.unit)
     })
 }

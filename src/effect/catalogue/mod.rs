@@ -2,6 +2,7 @@
 
 mod actuator_dead_band;
 mod actuator_lag;
+mod actuator_limit;
 mod actuator_rate_limit;
 mod actuator_resonance;
 mod added_inertia;
@@ -20,6 +21,7 @@ mod carcass_compliance;
 mod clearance;
 mod clock_drift;
 mod conicity;
+mod constant_force;
 mod coulomb_friction;
 mod cross_talk;
 mod damper_asymmetry;
@@ -36,6 +38,7 @@ mod hydraulic_hold_off;
 mod hydraulic_lag;
 mod imbalance;
 mod inflation_warm_up;
+mod input_offset;
 mod lift_off;
 #[cfg(test)]
 mod literature;
@@ -148,11 +151,13 @@ pub const EFFECTS: &[Effect] = &[
     guide_drag::EFFECT,
     actuator_lag::EFFECT,
     actuator_rate_limit::EFFECT,
+    actuator_limit::EFFECT,
     actuator_dead_band::EFFECT,
     actuator_resonance::EFFECT,
     sensor_delay::EFFECT,
     sensor_lag::EFFECT,
     sensor_bias::EFFECT,
+    input_offset::EFFECT,
     sensor_drift::EFFECT,
     sensor_gain::EFFECT,
     sensor_nonlinearity::EFFECT,
@@ -162,6 +167,7 @@ pub const EFFECTS: &[Effect] = &[
     supply_sag::EFFECT,
     clock_drift::EFFECT,
     mains_hum::EFFECT,
+    constant_force::EFFECT,
     coulomb_friction::EFFECT,
     coulomb_friction::BY_DIRECTION,
     progressive_spring::EFFECT,

@@ -39,7 +39,7 @@ pub const EFFECT: Effect = Effect {
     apply,
 };
 
-fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
+pub(super) fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
     if p[0] == 0.0 {
         return call.target;
     }

@@ -1,6 +1,7 @@
 //! A sensor that shows a number at zero.
 
-use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Scale};
+use super::constant_force::{OFFSET, apply};
+use crate::effect::{Effect, Family, Port};
 
 /// y_m = y + b.
 pub const EFFECT: Effect = Effect {
@@ -15,17 +16,6 @@ pub const EFFECT: Effect = Effect {
     confused_with: &[("conicity", "vanishes when the wheel stands"), ("sensor-drift", "grows with time")],
     targets: &[],
     drivers: &[],
-    parameters: &[Parameter::amplitude(
-        "offset",
-        "What is shown at zero",
-        Scale::of("1", 1, [0, 0, 0]),
-        (-1.0, 1.0),
-        (-2.0, 2.0),
-        &[0.02],
-    )],
+    parameters: OFFSET,
     apply,
 };
-
-fn apply(p: &[f64], _memory: &mut Memory, call: &Call<'_>) -> f64 {
-    if p[0] == 0.0 { call.target } else { call.target + p[0] }
-}
