@@ -216,6 +216,9 @@ impl Asked<'_> {
         }
         if has_effects {
             current = study.fit_on(&current, FINAL)?;
+        }
+        current = study.settled(current);
+        if has_effects {
             for (finding, estimates) in
                 findings.iter_mut().chain(&mut unknown).zip(all_estimates(&study, &current))
             {

@@ -6,7 +6,7 @@ use super::placement::Placement;
 use super::subject::FreeParameter;
 use crate::effect::Parameter;
 use crate::fit::{
-    Bench, Fit, Kept, Knob, Options, OutputError, Problem, Run, Traces, Unknown, least_squares,
+    Bench, Fit, Kept, Knob, Options, OutputError, Problem, Run, Traces, Unknown, least_squares, settle,
 };
 use crate::stats::{about_line, about_mean, median, redundancy};
 use crate::{Error, Result};
@@ -330,6 +330,20 @@ impl Study<'_> {
         }
         let options = Options { redundancy: self.redundancy, ..options };
         let fit = least_squares(&problem, &unknowns, options)?;
+        Ok(self.fitted(model, &problem, unknowns, fit))
+    }
+
+    /// A fit with derivatives from both sides where it has ended, which intervals need, and with the steps that they foretell.
+    pub fn settled(&self, fitted: Fitted) -> Fitted {
+        let Fitted { model, unknowns, fit, kept } = fitted;
+        let problem = self.problem(&model, self.fit_runs.clone());
+        problem.keep(kept);
+        let fit = settle(&problem, &unknowns, fit, self.redundancy);
+        self.fitted(&model, &problem, unknowns, fit)
+    }
+
+    /// What a fit of a model has come to.
+    fn fitted(&self, model: &Model, problem: &OutputError<'_>, unknowns: Vec<Unknown>, fit: Fit) -> Fitted {
         let own = self.own();
         let parameters = fit.x[..own].to_vec();
         let mut rest = fit.x[own..].iter();
@@ -349,7 +363,7 @@ impl Study<'_> {
         let model = Model { parameters, effects };
         // clamped as it is run from here on
         let kept = problem.kept(&Self::point(&model));
-        Ok(Fitted { model, unknowns, fit, kept })
+        Fitted { model, unknowns, fit, kept }
     }
 
     /// What a model leaves of some runs.

@@ -9,7 +9,7 @@ mod side_by_side;
 
 pub use bench::{Bench, Drive, Factory, Setup, Traces};
 pub use covariance::Covariance;
-pub use least_squares::{End, Fit, Options, Problem, Unknown, least_squares};
+pub use least_squares::{End, Fit, Options, Problem, Unknown, least_squares, settle};
 pub use output_error::{Channel, Kept, Knob, OutputError, Run};
 pub use replay::replay;
 pub use side_by_side::side_by_side;

@@ -170,6 +170,19 @@ fn dry_friction_of_rigs() {
         close(at("guide-drag", &[6.0], 1.0, [v, 0.0, 0.0]), 1.0 + 6.0 * v, 1e-12);
     }
     assert_eq!(at("guide-friction", &[20.0, 1e-3], 100.0, [0.0; 3]), 100.0);
+    // a size for each direction, and a part of it without a load
+    let form = |id: &str, parameter: &str| {
+        forms(id).find(|e| e.parameters.iter().any(|p| p.name == parameter)).unwrap()
+    };
+    let now = |effect: &Effect, p: &[f64], drivers: [f64; 3]| run(effect, p, &[(0.0, 1.0, drivers)])[0] - 1.0;
+    let by_direction = |v: f64| now(form("coulomb-friction", "forwards"), &[3.0, 5.0, 1e-3], [v, 0.0, 0.0]);
+    assert_eq!((by_direction(0.4), by_direction(-0.4), by_direction(0.0)), (-3.0, 5.0, 0.0));
+    let loaded = |v: f64, load: f64| {
+        now(form("load-dependent-friction", "per_load"), &[0.1, 2.0, 1e-4], [v, load, 0.0])
+    };
+    close(loaded(0.4, -30.0), -5.0, 1e-6);
+    close(loaded(-0.4, 30.0), 5.0, 1e-6);
+    close(loaded(0.4, 0.0), -2.0, 1e-6);
     assert_eq!(at("fixture-inertia", &[3.0], 10.0, [2.0, 0.0, 0.0]), 16.0);
     assert_eq!(at("added-inertia", &[3.0], 10.0, [2.0, 0.0, 0.0]), 4.0);
 }
@@ -484,8 +497,10 @@ fn offsets_by_direction() {
 #[test]
 fn clips_and_steps() {
     for (y, shown) in [(3.0, 2.0), (-3.0, -2.0), (1.5, 1.5)] {
-        assert_eq!(at("saturation", &[1.0, 2.0], y, [0.0; 3]), shown);
-        close(at("saturation", &[0.5, 2.0], y, [0.0; 3]), 0.5 * (y + shown), 1e-12);
+        for id in ["saturation", "actuator-limit"] {
+            assert_eq!(at(id, &[1.0, 2.0], y, [0.0; 3]), shown);
+            close(at(id, &[0.5, 2.0], y, [0.0; 3]), 0.5 * (y + shown), 1e-12);
+        }
     }
     assert_eq!(at("loss-of-contact", &[1.0, 0.0], -5.0, [0.0; 3]), 0.0);
     assert_eq!(at("loss-of-contact", &[1.0, 3.0], -5.0, [0.0; 3]), -3.0);
