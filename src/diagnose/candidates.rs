@@ -13,7 +13,7 @@ use crate::effect::catalogue::nested::simpler;
 use crate::effect::{Effect, catalogue, empirical};
 use crate::fit::{Channel, Drive, Run, Traces, side_by_side};
 use crate::model::{Causality, Interface};
-use crate::stats::{root_mean_square, sign_flip};
+use crate::stats::{amplitude, root_mean_square, sign_flip};
 use crate::{Error, Result};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -146,10 +146,18 @@ pub(super) fn screen(
         runs.first().map_or(Vec::new(), |r| r.channels.iter().map(|c| c.variable).collect());
     let driven: Vec<usize> =
         runs.first().map_or(Vec::new(), |r| r.drive.inputs.iter().map(|(v, _)| *v).collect());
+    // what holds one value in each run, such as a state at the start, has no way on which something could happen to it
+    let moves = |v: &usize| {
+        let courses = study.fit_runs.iter().flat_map(|r| &r.drive.inputs).filter(|(w, _)| w == v);
+        courses
+            .into_iter()
+            .any(|(_, course)| amplitude(course) > 1e-9 * root_mean_square(course.iter().copied()))
+    };
+    let moving: Vec<usize> = driven.iter().copied().filter(moves).collect();
     let first_seen = || natural(study, interface, roles, model, &runs, &screen, &watch, (&measured, &driven));
     let Natural { size, rate, time } = recalled.natural.get_or_insert_with(first_seen).clone();
     let tunable = study.free.iter().map(|p| p.variable).filter(|v| is_tunable(interface, *v)).collect();
-    let site = Site { interface, roles, measured: &measured, driven, tunable, size, rate, time };
+    let site = Site { interface, roles, measured: &measured, driven: moving, tunable, size, rate, time };
     let known = |placement: &Placement| {
         current
             .model

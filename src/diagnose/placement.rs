@@ -123,7 +123,7 @@ pub struct Site<'a> {
     pub roles: &'a Roles,
     /// The measured outputs.
     pub measured: &'a [usize],
-    /// The driven inputs.
+    /// The driven inputs that move within a run.
     pub driven: Vec<usize>,
     /// Tunable parameters that matter, the most important first.
     pub tunable: Vec<usize>,

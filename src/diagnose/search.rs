@@ -118,9 +118,10 @@ pub(super) fn search(
             Decision::Unnamed(i, mut finding) => {
                 // the function is of one signal; more may be known of what it should have been of
                 let left = Left::of(study, subject, roles, &found.current, (&fit, &found.check));
-                if let Some(signals) = left.depends_on() {
-                    finding.depends_on = signals;
-                }
+                let more = left.depends_on().unwrap_or_default();
+                let is_new = |signal: &String| !finding.depends_on.contains(signal);
+                let more: Vec<String> = more.into_iter().filter(is_new).collect();
+                finding.depends_on.extend(more);
                 found.unknown = Some(finding);
                 let t = tried.swap_remove(i);
                 found.check = t.check_rest;
@@ -134,7 +135,10 @@ pub(super) fn search(
     let explained = found.base_check.total - found.check.total;
     // what leaves much is less sure to be what it is called
     let doubt = left.doubt(explained);
-    found.findings.iter_mut().for_each(|f| f.confidence *= doubt);
+    for finding in &mut found.findings {
+        finding.confidence *= doubt;
+        finding.alternatives.iter_mut().for_each(|a| a.confidence *= doubt);
+    }
     if left.counts(explained) {
         found.unknown = Some(left.finding(subject, study));
     }

@@ -163,9 +163,7 @@ impl Study<'_> {
             .iter()
             .map(|p| {
                 let nominal = p.nominal / p.scale;
-                // of a parameter that is zero nothing is known but its range
-                let prior = if p.nominal == 0.0 { 1.0 } else { PRIOR };
-                let (low, high) = (p.low / p.scale, p.high / p.scale);
+                let (low, high, prior) = (p.low / p.scale, p.high / p.scale, p.prior);
                 Unknown { start: nominal, mean: nominal, low, high, step: STEP, prior, reach: REACH * prior }
             })
             .collect();

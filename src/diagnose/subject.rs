@@ -2,6 +2,7 @@
 //! its parameters a fit may change.
 
 use super::given::why_given;
+use super::numbers::PRIOR;
 use crate::cosimulate::{Source, System, SystemSlave, read_system};
 use crate::fit::Factory;
 use crate::fmi::Entry;
@@ -47,6 +48,8 @@ pub struct FreeParameter {
     pub low: f64,
     /// Bounds.
     pub high: f64,
+    /// What is known of it beforehand: its standard deviation, in multiples of its size.
+    pub prior: f64,
     /// The user asked for it.
     pub asked: bool,
 }
@@ -234,7 +237,10 @@ fn free_parameters(
         let high = high.min(info.max.unwrap_or(f64::INFINITY));
         let asked = !settings.fit.is_empty();
         let scale = if nominal == 0.0 { 0.5 * (high - low) } else { nominal.abs() };
-        Some(FreeParameter { variable, nominal: nominal.clamp(low, high.max(low)), scale, low, high, asked })
+        // whoever gives a range says that it may be anywhere in it: the deviation of a uniform distribution
+        let prior = if range.is_some() { (high - low).abs() / 12.0_f64.sqrt() / scale } else { PRIOR };
+        let nominal = nominal.clamp(low, high.max(low));
+        Some(FreeParameter { variable, nominal, scale, low, high, prior, asked })
     };
     if settings.fit.is_empty() {
         let (mut free, mut left_out) = (Vec::new(), Vec::new());

@@ -173,21 +173,29 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
     let scatter = |gains: &[f64]| spread(&gains.iter().map(|g| g.ln()).collect::<Vec<_>>());
     let steady = scatter(&gains) < NEAR_SCATTER;
     let others_are_right = 2 * right.len() > gains.len() && scatter(&right) < NEAR_SCATTER;
-    let left_in_right: Vec<f64> = fits
-        .iter()
-        .filter(|(_, fit, _)| (0.6..1.67).contains(&fit.gain))
-        .map(|(_, fit, size)| fit.error / size)
-        .collect();
-    // and leaves no more of it than of the others
-    let as_others = if left_in_right.is_empty() { f64::INFINITY } else { AS_OTHERS * median(&left_in_right) };
+    let not_far: Vec<f64> = gains.iter().copied().filter(|g| !is_far(g / usual)).collect();
+    let is_right = |(_, fit, _): &&(usize, Fit, f64)| (0.6..1.67).contains(&fit.gain);
+    let left_in_right = |of: fn(&(usize, Fit, f64)) -> f64| {
+        median(&fits.iter().filter(is_right).map(of).collect::<Vec<f64>>())
+    };
+    // and leaves no more of it than of the others, of what it measures or in the unit of the model
+    let as_others = |fit: &Fit, size: f64| {
+        right.is_empty()
+            || fit.error / size < AS_OTHERS * left_in_right(|(_, fit, size)| fit.error / size)
+            || fit.error / fit.gain.abs() < AS_OTHERS * left_in_right(|(_, fit, _)| fit.error / fit.gain)
+    };
     let mut by_factor: Vec<(f64, &str, Runs)> = Vec::new();
     for (run, fit, size) in &fits {
         let Some((factor, what)) = factor(fit.gain / usual, &unit) else { continue };
         let far = is_far(factor);
-        // one run alone has nothing to be steady with, nor has it others that are mostly right
-        let trusted = far
-            || (fit.error < NEAR_LEFT * size
-                && ((others_are_right && fit.error < as_others * size) || (steady && fits.len() > 1)));
+        // one run alone has nothing to be steady with, nor has it others that are mostly right. What is far from anything that a
+        // model errs by is no more than another error of a model whose other gains scatter as much
+        let trusted = if far {
+            scatter(&not_far) < FAR_TOLERANCE && as_others(fit, *size)
+        } else {
+            fit.error < NEAR_LEFT * size
+                && ((others_are_right && as_others(fit, *size)) || (steady && fits.len() > 1))
+        };
         let pair = table.pairs[channel].iter().flatten().find(|pair| pair.run == *run);
         if !trusted || !pair.is_some_and(|pair| mean_agrees(&pair.measured, pair.simulated, factor)) {
             continue;

@@ -191,14 +191,14 @@ fn saturated(channel: &Channel, look: &Look) -> Vec<Fault> {
                 (None, None) => false,
             })
             .collect();
-        let samples: usize = flats.iter().map(|(a, b)| b - a).sum();
-        if let Some(fault) = piled(channel, look, rail) {
-            return Some(fault);
-        }
-        let (first, last) = (flats.first()?, flats.last()?);
-        // a channel that is flat elsewhere, too, is a command or a coarse one
+        // a channel that is flat elsewhere, too, is a command or a coarse one, or rests there
         let elsewhere: usize =
             look.flats.iter().filter(|f| look.values[f.0] != rail).map(|(a, b)| b - a).sum();
+        if let Some((samples, fault)) = piled(channel, look, rail) {
+            return (elsewhere * 4 <= samples).then_some(fault);
+        }
+        let (first, last) = (flats.first()?, flats.last()?);
+        let samples: usize = flats.iter().map(|(a, b)| b - a).sum();
         if samples < AT_RAIL || elsewhere * 4 > samples {
             return None;
         }
@@ -236,8 +236,8 @@ pub fn at_rail(time: &[f64], values: &[f64], rail: f64) -> Vec<bool> {
 }
 
 /// Much more often at one extreme value than at the ones just inside of it, though the noise is as large as
-/// the distance between them.
-fn piled(channel: &Channel, look: &Look, rail: f64) -> Option<Fault> {
+/// the distance between them; and in how many samples.
+fn piled(channel: &Channel, look: &Look, rail: f64) -> Option<(usize, Fault)> {
     if look.noise < 0.5 * look.step || look.amplitude < look.clear() {
         return None;
     }
@@ -255,7 +255,7 @@ fn piled(channel: &Channel, look: &Look, rail: f64) -> Option<Fault> {
     if rows.len() < AT_RAIL || rows.len() < PILED * most {
         return None;
     }
-    Some(Fault {
+    let fault = Fault {
         span: Some((look.time[*rows.first()?], look.time[*rows.last()?])),
         evidence: format!(
             "{} is exactly {} {} in {} samples and never beyond, though values just inside of that are there in at \
@@ -269,7 +269,8 @@ fn piled(channel: &Channel, look: &Look, rail: f64) -> Option<Fault> {
         ),
         advice: format!("{RAIL_ADVICE}. Until then leave these stretches out."),
         ..fault(FaultKind::Saturated, Severity::Fatal, channel, rail, &channel.unit)
-    })
+    };
+    Some((rows.len(), fault))
 }
 
 /// Constant to the last digit for long, though it has noise elsewhere and other channels go on moving.
