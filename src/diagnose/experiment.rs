@@ -52,7 +52,7 @@ impl Rival {
         let own = placement.effect.parameters.len().min(point.len());
         let first = point.len() - own;
         let step = |(u, x): (&crate::fit::Unknown, &f64)| u.step_at(*x);
-        let covariance = fitted.fit.covariance(&fitted.unknowns, study.redundancy);
+        let covariance = study.covariance(fitted);
         let block = covariance.matrix().view((first, first), (own, own)).into_owned();
         // rounding may leave it a hair from positive; then each parameter by itself
         let alone = DMatrix::from_diagonal(&block.diagonal().map(|v| v.max(0.0).sqrt()));

@@ -6,7 +6,8 @@ use super::placement::Placement;
 use super::subject::FreeParameter;
 use crate::effect::Parameter;
 use crate::fit::{
-    Bench, Fit, Kept, Knob, Options, OutputError, Problem, Run, Traces, Unknown, least_squares, settle,
+    Bench, Covariance, Fit, Kept, Knob, Options, OutputError, Problem, Run, Traces, Unknown, least_squares,
+    settle,
 };
 use crate::stats::{about_line, about_mean, median, redundancy};
 use crate::{Error, Result};
@@ -389,8 +390,7 @@ impl Study<'_> {
         let mut blocks = Vec::new();
         for (run, traces) in runs.iter().zip(&simulated) {
             let n = run.time.len();
-            // what is missing makes a residual's memory long; the noise of sensors forgets sooner
-            let count = ((n as f64 / (4.0 * self.redundancy)) as usize).clamp(FEW_BLOCKS.min(n), BLOCKS);
+            let count = self.blocks(n);
             let mut sums = vec![vec![0.0; run.channels.len()]; count];
             for (c, ((channel, trace), weight)) in
                 run.channels.iter().zip(traces).zip(&self.weights).enumerate()
@@ -403,6 +403,27 @@ impl Study<'_> {
         }
         let total = blocks.iter().flatten().sum();
         Ok(Rest { simulated, blocks, total })
+    }
+
+    /// How many blocks a run of so many samples is compared over: what is missing makes a residual's memory long; the noise of
+    /// sensors forgets sooner.
+    fn blocks(&self, samples: usize) -> usize {
+        ((samples as f64 / (4.0 * self.redundancy)) as usize).clamp(FEW_BLOCKS.min(samples), BLOCKS)
+    }
+
+    /// How sure a fit to the fit runs is of its unknowns, as the blocks of these runs show it.
+    pub fn covariance(&self, fitted: &Fitted) -> Covariance {
+        let mut block = Vec::new();
+        let mut first = 0;
+        for run in &self.fit_runs {
+            let n = run.time.len();
+            let count = self.blocks(n);
+            // all channels of a piece of time are one block: what is missing shows in several of them
+            let channels = run.channels.len();
+            block.extend((0..channels).flat_map(|_| (0..n).map(|k| first + k * count / n)));
+            first += count;
+        }
+        fitted.fit.covariance_in_blocks(&fitted.unknowns, self.redundancy, &block)
     }
 
     /// Root mean square of what is left of a channel of the check runs, in the unit of the model's output.

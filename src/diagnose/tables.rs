@@ -20,7 +20,7 @@ pub(super) fn estimates(study: &Study<'_>, fitted: &Fitted) -> Vec<Estimate> {
 
 /// Parameters of all effects with 95 % intervals.
 pub(super) fn all_estimates(study: &Study<'_>, fitted: &Fitted) -> Vec<Vec<Estimate>> {
-    let covariance = fitted.fit.covariance(&fitted.unknowns, study.redundancy);
+    let covariance = study.covariance(fitted);
     let mut first = study.own();
     let mut all = Vec::new();
     for (placement, values) in &fitted.model.effects {
@@ -66,7 +66,7 @@ pub(super) fn fitted_parameters(
     subject: &Subject,
     fitted: &Fitted,
 ) -> Vec<FittedParameter> {
-    let covariance = fitted.fit.covariance(&fitted.unknowns, study.redundancy);
+    let covariance = study.covariance(fitted);
     let held = fitted.fit.held_by_bounds(&fitted.unknowns);
     let of = |(i, p): (usize, &super::subject::FreeParameter)| {
         let x = fitted.model.parameters[i];
@@ -88,7 +88,7 @@ pub(super) fn fitted_parameters(
 
 /// What channels show at zero.
 pub(super) fn zeros(study: &Study<'_>, subject: &Subject, fitted: &Fitted) -> Vec<Estimate> {
-    let covariance = fitted.fit.covariance(&fitted.unknowns, study.redundancy);
+    let covariance = study.covariance(fitted);
     let channels = study.fit_runs.first().map_or(&[][..], |run| &run.channels[..]);
     let of = |(k, (channel, most)): (usize, &(usize, f64))| {
         let info = &subject.interface.variables[channels.get(*channel)?.variable];
