@@ -2,8 +2,8 @@
 
 use super::locate;
 use super::numbers::{
-    FAR, FAR_ALONE, FORETOLD_LEVEL, LEFT_OVER, LEFT_OVER_FAR, LIKELY_LEVEL, MIN_FORETOLD, MUCH, NOISE_MARGIN,
-    OFTEN_RIGHT, TOO_FAR,
+    BESIDE, FAR, FAR_ALONE, FORETOLD_LEVEL, LEFT_OVER, LEFT_OVER_FAR, LIKELY_LEVEL, MIN_FORETOLD, MUCH,
+    NOISE_MARGIN, OFTEN_RIGHT, TOO_FAR,
 };
 use super::result::Finding;
 use super::roles::Roles;
@@ -141,11 +141,11 @@ impl Left {
     }
 
     /// How much less sure effects are that have taken away `explained` and leave this: the share that they are of all
-    /// that there was to explain, and the noise over what they leave where that is too much.
+    /// that there was to explain, and the noise over what they leave where that is too much, down to [`BESIDE`].
     pub(super) fn doubt(&self, explained: f64) -> f64 {
         let all = (explained.max(0.0) + self.error).max(f64::MIN_POSITIVE);
         let share = if self.counts(explained) { explained.max(0.0) / all } else { 1.0 };
-        share.min(self.far.map_or(1.0, |(_, ratio)| 1.0 / ratio))
+        share.min(self.far.map_or(1.0, |(_, ratio)| (1.0 / ratio).max(BESIDE)))
     }
 
     /// The signals that an empirical function should have had, if that is known.

@@ -52,6 +52,14 @@ pub const OFTEN_RIGHT: f64 = 0.94;
 /// The best by all blocks may win in few of the resampled ones; it is not less likely than this.
 pub const LEAST_SHARE: f64 = 0.05;
 
+/// Beside something without a name that is many times the noise of a sensor, however many, names were right in 5 of 13 cases: in five
+/// of six real recordings, whose sensors are precise, and in none of seven cases of seeds 6 and 8 of the random machines in which
+/// what is missing is in no catalogue. They are less sure by at most this.
+pub const BESIDE: f64 = 0.38;
+/// Names beside something without one are what is said first if they take away this share of the squared error of the check runs:
+/// the better half.
+pub const MOSTLY: f64 = 0.5;
+
 // ---- what is noise
 
 /// What is known of the noise is too little by up to this factor, if it is coloured; and what repeats of a run do not share is less

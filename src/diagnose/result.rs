@@ -1,6 +1,8 @@
 //! What a diagnosis says, in the form of `diagnosis.json`; docs/diagnosis-json.md describes it for those
 //! who read the file.
 
+use super::numbers::MOSTLY;
+use crate::stats::mean;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 
@@ -343,6 +345,14 @@ pub struct Fault {
 }
 
 impl Diagnosis {
+    /// Whether names stand beside something that has none and take away most of the error: all that was corrected is theirs.
+    pub(crate) fn is_mostly_named(&self) -> bool {
+        let [unknown, _, ..] = &self.findings[..] else { return false };
+        let left = |c: &ChannelCheck| (c.after / c.before.max(f64::MIN_POSITIVE)).powi(2);
+        let left: Vec<f64> = self.check.iter().map(left).collect();
+        self.verdict == Verdict::Unknown && unknown.parameters.is_empty() && mean(&left) < 1.0 - MOSTLY
+    }
+
     /// The text of `diagnosis.json`.
     ///
     /// # Errors

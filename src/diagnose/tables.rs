@@ -232,7 +232,9 @@ pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, 
                 others.join("; ")
             )
         }
-        (Verdict::Unknown, [first, names @ ..]) => unknown(first, &all(names), gain),
+        (Verdict::Unknown, [first, names @ ..]) => {
+            unknown(first, &all(names), gain, diagnosis.is_mostly_named())
+        }
         _ => "Nothing is missing: the model explains the check runs as well as anything that was tried. Its parameters need no change.".into(),
     }
 }
@@ -244,7 +246,7 @@ fn at_fault(diagnosis: &Diagnosis) -> String {
 }
 
 /// The sentences of what has no name, with the names that stand beside it.
-fn unknown(finding: &Finding, names: &str, gain: f64) -> String {
+fn unknown(finding: &Finding, names: &str, gain: f64, is_mostly_named: bool) -> String {
     let on = |nothing: &str| match &finding.depends_on[..] {
         [] => nothing.to_owned(),
         signals => signals.join(", "),
@@ -261,6 +263,16 @@ fn unknown(finding: &Finding, names: &str, gain: f64) -> String {
         0 | 1 => "has an error that is no noise and depends",
         _ => "have errors in common that depend",
     };
+    let left = |left: &str| {
+        let signals = on("nothing that was recorded");
+        format!("{left}: {} {errs} on {signals}.", finding.channels.join(" and "))
+    };
+    if is_mostly_named {
+        return format!(
+            "The model lacks {names}, or what looks alike: with that the error of the check runs is {gain:.0} % lower than after refitting the parameters alone. {}",
+            left("Something that has no name here is left")
+        );
+    }
     let explained = if names.is_empty() {
         "Nothing that was tried explains that on other runs, so the model is only refitted.".to_owned()
     } else {
@@ -268,11 +280,7 @@ fn unknown(finding: &Finding, names: &str, gain: f64) -> String {
             "With {names} the error of the check runs is {gain:.0} % lower than after refitting the parameters alone; that is not all, and may be something else that looks alike."
         )
     };
-    format!(
-        "Something is missing that has no name here: {} {errs} on {}. {explained}",
-        finding.channels.join(" and "),
-        on("nothing that was recorded")
-    )
+    format!("{} {explained}", left("Something is missing that has no name here"))
 }
 
 pub(super) fn next_experiment(diagnosis: &Diagnosis) -> String {

@@ -19,6 +19,12 @@ pub(super) fn title(diagnosis: &Diagnosis) -> String {
             }
             text
         }
+        (Verdict::Unknown, [_, names @ ..]) if diagnosis.is_mostly_named() => {
+            format!(
+                "Missing: {}, or what looks alike, and something that has no name here",
+                names.join(" and ")
+            )
+        }
         (Verdict::Unknown, _) | (_, []) => "Something is missing that has no name here".into(),
         (Verdict::Effect, names) => format!("Missing: {}", names.join(" and ")),
         (Verdict::Family, names) => format!("Missing: {}, or what looks alike", names.join(" and ")),

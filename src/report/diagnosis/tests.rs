@@ -439,6 +439,17 @@ fn every_verdict_has_its_title() {
         let html = diagnosis_report(&Diagnosis { verdict, ..diagnosis() }, &[]).unwrap();
         assert!(html.contains(&format!("<h1>{title}</h1>")), "{title}");
     }
+    // names that explain most stand first, others behind what has none
+    for (after, title) in [
+        (0.6, "Missing: Relaxation length, or what looks alike, and something that has no name here"),
+        (0.8, "Something is missing that has no name here"),
+    ] {
+        let mut beside = Diagnosis { verdict: Verdict::Unknown, ..diagnosis() };
+        beside.findings.insert(0, Finding { effect: "unknown".into(), ..Finding::default() });
+        beside.check.iter_mut().for_each(|c| c.after = after * c.before);
+        let html = diagnosis_report(&beside, &[]).unwrap();
+        assert!(html.contains(&format!("<h1>{title}</h1>")), "{title}");
+    }
     let html = diagnosis_report(&Diagnosis { verdict: Verdict::Recording, ..diagnosis() }, &[]).unwrap();
     assert!(html.contains("spikes of force_z"));
     // a fault, and what the rest of the recordings says
