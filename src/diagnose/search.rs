@@ -109,7 +109,11 @@ pub(super) fn search(
                 }
                 let t = tried.swap_remove(i);
                 // what is left of a channel is what counts from here on
-                let from = study.weigh_by(&t.fitted, &t.fit_rest);
+                let mut from = study.weigh_by(&t.fitted, &t.fit_rest);
+                // a name stays what it is beside others: none of its parameters goes to where the name does not allow it
+                if let Some((placement, _)) = from.model.effects.last_mut() {
+                    placement.bounded = true;
+                }
                 found.current = study.fit_on(&from, FINAL)?;
                 fit = study.fit_rest(&found.current)?;
                 found.check = study.rest(&found.current.model, &check_runs)?;
