@@ -49,13 +49,18 @@ impl Fit {
     /// The covariance of the unknowns, for residuals of the variance `cost / n` of which `redundancy` tell as much as
     /// one. [`Covariance`] has the formula and what it assumes.
     pub fn covariance(&self, unknowns: &[Unknown], redundancy: f64) -> Covariance {
-        let n = self.residuals.len().max(1) as f64;
-        let variance = (self.cost / n).max(f64::MIN_POSITIVE) * redundancy.max(1.0);
+        let variance = self.variance(redundancy);
         let mut information = self.jacobian.tr_mul(&self.jacobian) / variance;
         for (i, unknown) in unknowns.iter().enumerate() {
             information[(i, i)] += unknown.prior.powi(-2);
         }
         Covariance::of(&information)
+    }
+
+    /// The variance of a residual, times how many of them tell as much as one.
+    fn variance(&self, redundancy: f64) -> f64 {
+        let n = self.residuals.len().max(1) as f64;
+        (self.cost / n).max(f64::MIN_POSITIVE) * redundancy.max(1.0)
     }
 
     /// The covariance where residuals are not noise of one kind: with deviations as large as blocks of residuals show them to be,
@@ -76,8 +81,7 @@ impl Fit {
         if count < 2 || block.len() != self.residuals.len() || self.jacobian.nrows() != block.len() {
             return usual;
         }
-        let n = self.residuals.len() as f64;
-        let variance = (self.cost / n).max(f64::MIN_POSITIVE) * redundancy.max(1.0);
+        let variance = self.variance(redundancy);
         let mut pulls = DMatrix::<f64>::zeros(unknowns.len(), count);
         for (i, column) in self.jacobian.column_iter().enumerate() {
             for ((slope, residual), block) in column.iter().zip(&self.residuals).zip(block) {
@@ -206,8 +210,7 @@ mod tests {
         assert!((value - expected).abs() < 1e-6 * expected.abs(), "{value} {expected}");
     }
 
-    /// Noise of two sizes: samples of the second half of the time are ten times as noisy, and those alone tell the slope. An
-    /// interval that knows one variance only is too narrow; with blocks it holds the truth as often as it says.
+    /// Noise of two sizes: the last tenth of the samples is ten times as noisy, and they alone tell the slope. An interval that knows one variance only is too narrow; with blocks it holds the truth as often as it says.
     #[test]
     fn blocks_know_that_noise_is_of_several_sizes() {
         let mut random = SplitMix64::new(11);

@@ -519,6 +519,72 @@ fn channel_of(runs: &[(Vec<f64>, Vec<f64>)]) -> [Vec<Recording>; 2] {
     [side(0), side(1)]
 }
 
+/// An encoder of a joint that friction holds for a while at each turn, in counts, averaged over twenty samples. Each turn is at
+/// another place, the lowest of them twice.
+#[test]
+fn a_joint_that_rests_where_it_turns_has_no_rail() {
+    let ends = [0.394, 0.397, 0.393, 0.401, 0.393, 0.399];
+    let course = |t: f64| {
+        let (cycle, phase) = ((t / 3.0) as usize, 2.0 * (t / 3.0).fract());
+        // down, held, up again
+        let way = if phase < 0.8 {
+            phase / 0.8
+        } else if phase < 1.2 {
+            1.0
+        } else {
+            (2.0 - phase) / 0.8
+        };
+        let smooth = way * way * (3.0 - 2.0 * way);
+        1.3 - (1.3 - ends[cycle.min(5)]) * smooth
+    };
+    let rails = |least: f64| {
+        let mut random = Random::new(8);
+        let count = std::f64::consts::TAU / 4000.0;
+        let values: Vec<f64> = (0..900)
+            .map(|k| {
+                let sample = |j: usize| {
+                    let exact = course(1e-3 * (20 * k + j) as f64) + 1e-4 * random.normal();
+                    (exact / count).round().max(least) * count
+                };
+                (0..20).map(sample).sum::<f64>() / 20.0
+            })
+            .collect();
+        let time = (0..900).map(|k| 0.02 * k as f64).collect();
+        let channel = Channel { name: "angle".into(), unit: "rad".into(), values };
+        let raw =
+            RawRecording::new(Recording { source: "run".into(), time, channels: vec![channel] }).unwrap();
+        raw.faults.iter().filter(|f| f.kind == FaultKind::Saturated).count()
+    };
+    // one whose sensor ends before it turns has one
+    assert_eq!((rails(0.0), rails(290.0)), (0, 1));
+}
+
+/// What is measured of a machine whose model drifts away: any gain, and a part that no gain explains. Among eight of them are factors of
+/// ten and eighteen, which would be units if all else were right.
+#[test]
+fn of_a_model_that_drifts_away_no_gain_is_a_unit() {
+    let with = |gains: [f64; 8], unlike: f64| {
+        let runs: Vec<(Vec<f64>, Vec<f64>)> = (0..8)
+            .map(|i| {
+                let rate = 0.008 + 0.001 * i as f64;
+                let simulated: Vec<f64> = (0..800).map(|k| (rate * f64::from(k)).sin()).collect();
+                let other = |k: usize| unlike * (2.7 * rate * k as f64).sin();
+                let measured = simulated.iter().enumerate().map(|(k, v)| gains[i] * (v + other(k))).collect();
+                (simulated, measured)
+            })
+            .collect();
+        let [simulated, measured] = channel_of(&runs);
+        faults_against(&measured, &simulated, &["wheel_speed".into()])
+            .into_iter()
+            .filter(|f| f.kind == FaultKind::WrongUnit)
+            .map(|f| f.runs)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(with([1.1, 0.45, 0.7, 2.2, 0.3, 1.5, 0.1, 0.055], 0.6), Vec::<Vec<String>>::new());
+    // the same factor of ten in one run of a model that is right
+    assert_eq!(with([1.02, 0.99, 1.0, 1.01, 0.98, 1.0, 0.1, 1.03], 0.1), [["run-6.csv"]]);
+}
+
 #[test]
 fn noise_about_a_level_has_no_gain() {
     for seed in 0..40 {

@@ -194,12 +194,13 @@ fn saturated(channel: &Channel, look: &Look) -> Vec<Fault> {
         // a channel that is flat elsewhere, too, is a command or a coarse one, or rests there
         let elsewhere: usize =
             look.flats.iter().filter(|f| look.values[f.0] != rail).map(|(a, b)| b - a).sum();
+        let rests = |samples: usize| elsewhere * 4 > samples;
         if let Some((samples, fault)) = piled(channel, look, rail) {
-            return (elsewhere * 4 <= samples).then_some(fault);
+            return (!rests(samples)).then_some(fault);
         }
         let (first, last) = (flats.first()?, flats.last()?);
         let samples: usize = flats.iter().map(|(a, b)| b - a).sum();
-        if samples < AT_RAIL || elsewhere * 4 > samples {
+        if samples < AT_RAIL || rests(samples) {
             return None;
         }
         Some(Fault {
