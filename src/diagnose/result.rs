@@ -350,7 +350,8 @@ impl Diagnosis {
         let [unknown, _, ..] = &self.findings[..] else { return false };
         let left = |c: &ChannelCheck| (c.after / c.before.max(f64::MIN_POSITIVE)).powi(2);
         let left: Vec<f64> = self.check.iter().map(left).collect();
-        self.verdict == Verdict::Unknown && unknown.parameters.is_empty() && mean(&left) < 1.0 - MOSTLY
+        let verdict = self.without_faults.as_ref().map_or(self.verdict, |without| without.verdict);
+        verdict == Verdict::Unknown && unknown.parameters.is_empty() && mean(&left) < 1.0 - MOSTLY
     }
 
     /// The text of `diagnosis.json`.

@@ -51,8 +51,16 @@ fn kind(verdict: Verdict) -> (&'static str, &'static str) {
 /// The verdict and its findings beside the errors of the check runs.
 pub(super) fn section(diagnosis: &Diagnosis) -> Section {
     let mut html = String::from("<div class=\"answer\">\n<div>\n");
-    let (class, text) = kind(diagnosis.verdict);
-    let _ = writeln!(html, "<span class=\"kind {class}\">{text}</span>");
+    let badge = |verdict: Verdict| {
+        let (class, text) = kind(verdict);
+        let text = if verdict == Verdict::Unknown && diagnosis.is_mostly_named() {
+            "not all explained"
+        } else {
+            text
+        };
+        format!("<span class=\"kind {class}\">{text}</span>\n")
+    };
+    html.push_str(&badge(diagnosis.verdict));
     if diagnosis.verdict == Verdict::Recording {
         for fault in &diagnosis.faults {
             let place = match &fault.channel {
@@ -70,10 +78,12 @@ pub(super) fn section(diagnosis: &Diagnosis) -> Section {
     }
     if let Some(without) = &diagnosis.without_faults {
         let _ = writeln!(html, "<h2>Without {}</h2>", escape(&without.words()));
-        let (class, text) = kind(without.verdict);
-        let _ = writeln!(html, "<span class=\"kind {class}\">{text}</span>");
+        html.push_str(&badge(without.verdict));
     }
-    for finding in &diagnosis.findings {
+    // in the order of the title: what has no name is the first finding
+    let names_first = usize::from(diagnosis.is_mostly_named());
+    let (later, first) = diagnosis.findings.split_at(names_first);
+    for finding in first.iter().chain(later) {
         html.push_str(&found(finding));
     }
     if diagnosis.verdict == Verdict::Parameters {

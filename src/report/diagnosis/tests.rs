@@ -449,6 +449,8 @@ fn every_verdict_has_its_title() {
         beside.check.iter_mut().for_each(|c| c.after = after * c.before);
         let html = diagnosis_report(&beside, &[]).unwrap();
         assert!(html.contains(&format!("<h1>{title}</h1>")), "{title}");
+        let place = |card: &str| html.find(&format!("<p class=\"big\">{card}</p>")).unwrap();
+        assert_eq!(place("Relaxation length") < place("unknown"), after < 0.7, "{title}");
     }
     let html = diagnosis_report(&Diagnosis { verdict: Verdict::Recording, ..diagnosis() }, &[]).unwrap();
     assert!(html.contains("spikes of force_z"));
