@@ -1,6 +1,7 @@
 //! Candidates: effects screened at all their places, and the best of them fitted inside the simulation.
 
 use super::excerpt::coarser;
+use super::forces::Forces;
 use super::numbers::SPOILT;
 use super::placement::{Placement, Site, is_tunable, own_time, sizes};
 use super::plausible::{implausible, plausible};
@@ -28,12 +29,6 @@ const SCREENED: usize = 4;
 const BETTER_PART: f64 = 0.5;
 /// An effect that promises less of the squared error of the fit runs is not fitted.
 const MIN_PROMISE: [f64; 2] = [0.005, 0.015];
-
-/// How often a force comes and goes in a run that tells how large forces are, how many sizes are tried for it, and how many
-/// times larger or smaller the next one is at most.
-const WAVES: usize = 4;
-const FORCES: usize = 10;
-const FAR: f64 = 1e3;
 
 /// Iterations of a fit to the end.
 const POLISH: usize = 10;
@@ -155,9 +150,10 @@ pub(super) fn screen(
     };
     let moving: Vec<usize> = driven.iter().copied().filter(moves).collect();
     let first_seen = || natural(study, interface, roles, model, &runs, &screen, &watch, (&measured, &driven));
-    let Natural { size, rate, time } = recalled.natural.get_or_insert_with(first_seen).clone();
+    let Natural { size, rate, time, against } = recalled.natural.get_or_insert_with(first_seen).clone();
     let tunable = study.free.iter().map(|p| p.variable).filter(|v| is_tunable(interface, *v)).collect();
-    let site = Site { interface, roles, measured: &measured, driven: moving, tunable, size, rate, time };
+    let site =
+        Site { interface, roles, measured: &measured, driven: moving, tunable, size, rate, time, against };
     let known = |placement: &Placement| {
         current
             .model
@@ -202,76 +198,22 @@ fn natural(
         let own = root_mean_square(channel.values.iter().copied());
         size[channel.variable] = size[channel.variable].max(own);
     }
-    for variable in 0..size.len() {
-        if size[variable] == 0.0
-            && roles.is(variable, crate::effect::Role::Force)
-            && interface.variables[variable].causality == Causality::Input
-        {
-            size[variable] = force_size(study, model, runs, variable, measured, &size);
+    let setup = Arc::new(study.problem(model, runs.to_vec()).setup(&Study::point(model)));
+    let forces = Forces { bench: study.bench, setup, drives: &drives };
+    let inputs = Forces::inputs(interface, roles);
+    for force in &inputs {
+        if size[*force] == 0.0 {
+            size[*force] = forces.size(*force, measured, &size);
         }
     }
     let moving: Vec<usize> = measured.iter().chain(driven).copied().collect();
     let time = own_time(&moving, watch, &drives, &screen.traces);
-    Natural { size, rate, time }
-}
-
-/// The size of a force at an input that nothing drives: what moves an output as much as it moves anyway. It is looked for,
-/// because a unit of force may be nothing for a machine, or break it.
-fn force_size(
-    study: &Study<'_>,
-    model: &Model,
-    runs: &[&Run],
-    variable: usize,
-    measured: &[usize],
-    size: &[f64],
-) -> f64 {
-    let setup = Arc::new(study.problem(model, runs.to_vec()).setup(&Study::point(model)));
-    let watch: Arc<[usize]> = measured.into();
-    let respond = |force: f64| {
-        let drives: Vec<Arc<Drive>> = (runs.iter())
-            .map(|run| {
-                let mut drive = Drive::clone(&run.drive);
-                drive.inputs.retain(|(v, _)| *v != variable);
-                // on and off, so that also what only shows in motion answers
-                let half = (drive.points / (2 * WAVES)).max(1);
-                let wave = (0..drive.points)
-                    .map(|k| if (k / half).is_multiple_of(2) { force } else { 0.0 })
-                    .collect();
-                drive.inputs.push((variable, wave));
-                Arc::new(drive)
-            })
-            .collect();
-        let answers = study.bench.run(std::slice::from_ref(&setup), &drives, &watch);
-        answers.into_iter().map(Result::ok).collect::<Option<Vec<Traces>>>()
-    };
-    let Some(still) = respond(0.0) else { return 0.0 };
-    // how many times its size the output moves that moves most
-    let moves = |force: f64| -> Option<f64> {
-        let moved = respond(force)?;
-        let change = |c: usize| {
-            let pairs = still.iter().zip(&moved).flat_map(|(a, b)| a[c].iter().zip(&b[c]));
-            root_mean_square(pairs.map(|(a, b)| a - b)) / size[measured[c]]
-        };
-        let moving = (0..measured.len()).filter(|c| size[measured[*c]] > 0.0);
-        Some(moving.map(change).filter(|change| change.is_finite()).fold(0.0, f64::max))
-    };
-    let (mut force, mut known) = (1.0, 0.0);
-    for _ in 0..FORCES {
-        match moves(force) {
-            // it breaks the model
-            None => force /= FAR,
-            Some(times) => {
-                if times > 0.0 {
-                    known = force / times;
-                }
-                if (0.5..2.0).contains(&times) {
-                    break;
-                }
-                force /= times.clamp(1.0 / FAR, FAR);
-            }
-        }
-    }
-    if f64::is_finite(known) { known } else { 0.0 }
+    let against = (inputs.into_iter())
+        .flat_map(|force| {
+            forces.against(force, size[force], roles).into_iter().map(move |motion| (force, motion))
+        })
+        .collect();
+    Natural { size, rate, time, against }
 }
 
 /// The best placement of the best effects: named ones and empirical functions; fewer after the first round.

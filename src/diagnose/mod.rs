@@ -6,6 +6,7 @@ mod candidates;
 mod decision;
 mod excerpt;
 mod experiment;
+mod forces;
 mod given;
 pub mod hygiene;
 mod in_turn;

@@ -7,6 +7,7 @@ use crate::fit::{Drive, Traces};
 use crate::model::unit::Unit;
 use crate::model::{Causality, Interface, Kind, Variability};
 use crate::stats::{about_mean, median};
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -98,11 +99,12 @@ impl Placement {
             .iter()
             .map(|signal| {
                 let name = &interface.variables[signal.variable].name;
-                match signal.source {
+                let text = match signal.source {
                     Source::Value => name.clone(),
                     Source::Rate => format!("rate of {name}"),
                     Source::Integral => format!("integral of {name}"),
-                }
+                };
+                if signal.is_turned { format!("−{text}") } else { text }
             })
             .collect()
     }
@@ -133,6 +135,8 @@ pub struct Site<'a> {
     pub rate: Vec<(f64, f64)>,
     /// The machine's own time \[s\].
     pub time: f64,
+    /// Forces, and the motions that count against the way in which these push.
+    pub against: BTreeSet<(usize, usize)>,
 }
 
 impl Site<'_> {
@@ -219,7 +223,7 @@ impl Site<'_> {
             // anything that moves
             let moves = |v: &usize| self.size[*v] > 0.0 && !targets.contains(v);
             let variables = self.driven.iter().chain(self.measured).filter(|v| moves(v));
-            variables.map(|v| Signal { variable: *v, source: Source::Value }).collect()
+            variables.copied().map(Signal::value).collect()
         } else {
             self.roles.signals(self.interface, role)
         };
@@ -228,6 +232,11 @@ impl Site<'_> {
             signals.retain(|s| !targets.contains(&s.variable) || s.source != Source::Value);
         }
         signals.retain(|s| self.size_of(s) > 0.0);
+        if port == Port::Force && matches!(role, Role::Position | Role::Velocity) {
+            let is_turned =
+                |s: &Signal| targets.iter().all(|force| self.against.contains(&(*force, s.variable)));
+            signals.iter_mut().for_each(|s| s.is_turned = is_turned(s));
+        }
         signals
     }
 

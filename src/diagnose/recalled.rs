@@ -4,7 +4,7 @@
 use super::placement::Placement;
 use crate::effect::{Port, Signal};
 use nalgebra::DVector;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::ptr;
 
 /// Typical sizes of a machine's signals, and its own time.
@@ -16,6 +16,8 @@ pub(super) struct Natural {
     pub rate: Vec<(f64, f64)>,
     /// The machine's own time \[s\].
     pub time: f64,
+    /// Forces, and the motions that count against the way in which these push.
+    pub against: BTreeSet<(usize, usize)>,
 }
 
 /// One change: an effect of this form and size at this place.

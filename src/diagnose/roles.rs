@@ -71,7 +71,7 @@ impl Roles {
                     matches!(causality, Causality::Input | Causality::Output)
                         && self.of[*v].iter().any(|own| own.serves(role))
                 })
-                .map(|variable| Signal { variable, source })
+                .map(|variable| Signal { source, ..Signal::value(variable) })
                 .collect()
         };
         let sources: &[(Role, Source)] = match role {
@@ -221,6 +221,7 @@ mod tests {
     use crate::model::{Access, Model, Native, Settings, Slave, Table, input, output};
     use crate::real;
     use serde::{Deserialize, Serialize};
+    use std::collections::BTreeSet;
 
     /// A contact that creeps without sliding: bristles that leave it bent lose all of the power.
     #[derive(Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -297,6 +298,7 @@ mod tests {
             size: vec![1.0; count],
             rate: vec![(1.0, 1.0); count],
             time: 1.0,
+            against: BTreeSet::new(),
         };
         let name = |v: &usize| interface.variables[*v].name.clone();
         let place = |p: &super::super::placement::Placement| {

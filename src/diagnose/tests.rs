@@ -3,7 +3,7 @@
 use super::study::Study;
 use super::*;
 use crate::effect::find as find_effect;
-use crate::effect::{Attachment, Chosen, Signal, Source};
+use crate::effect::{Attachment, Chosen, Signal};
 use crate::fit::{Bench, Channel, Drive, Knob, OutputError, Run, Setup, replay};
 use crate::model::Settings;
 use crate::recording::{Channel as Recorded, Recording, write_csv};
@@ -202,7 +202,7 @@ fn what_only_changes_outputs_or_the_lag_is_not_simulated_again() {
             .map(|value| Chosen { value: *value, range: FREE, unit: None })
             .collect(),
     };
-    let driven = Signal { variable: pressure, source: Source::Value };
+    let driven = Signal::value(pressure);
     let attachments =
         vec![attachment("cross-talk", vec![driven], &[1e-5]), attachment("sensor-lag", vec![], &[0.02])];
     let problem = OutputError {
@@ -249,7 +249,7 @@ fn what_is_locked_to_a_wheel_has_its_phase_from_the_recorded_angle() {
         let setup = Setup { values: Vec::new(), attachments };
         bench.run(&[Arc::new(setup)], &[Arc::clone(&drive)], &watch).pop().unwrap().unwrap()
     };
-    let signal = |variable: usize| Signal { variable, source: Source::Value };
+    let signal = Signal::value;
     let (a, b) = (0.03, -0.02);
     let imbalance = Attachment {
         effect: find_effect("imbalance").unwrap(),

@@ -26,6 +26,21 @@ pub struct Signal {
     pub variable: usize,
     /// What of it.
     pub source: Source,
+    /// It drives with its negative: effects of a force count motions the way in which the force pushes, and a sensor may count
+    /// them the other way.
+    pub is_turned: bool,
+}
+
+impl Signal {
+    /// A variable's own value.
+    pub const fn value(variable: usize) -> Self {
+        Self { variable, source: Source::Value, is_turned: false }
+    }
+
+    /// What drives, where this is what the signal is.
+    pub const fn directed(self, now: f64) -> f64 {
+        if self.is_turned { -now } else { now }
+    }
 }
 
 /// A value of an effect's parameter, in the unit of the machine.
@@ -283,11 +298,12 @@ impl<S: Slave + ?Sized> Attached<S> {
                 let (value, more, slope) = self.state.signals[*place];
                 // before a step the end of the step is not known: signals run on as they did
                 let ahead = if after { 0.0 } else { dt };
-                *driver = match self.signals[*place].source {
+                let signal = self.signals[*place];
+                *driver = signal.directed(match signal.source {
                     Source::Value => value + self.state.ahead[*place] + slope * ahead,
                     Source::Rate => more,
                     Source::Integral => more + (value + 0.5 * slope * ahead) * ahead,
-                };
+                });
             }
             let call = Call { time, dt, target, drivers: &drivers[..places.len().min(MAX_DRIVERS)] };
             target = (self.attachments[*k].effect.apply)(

@@ -191,25 +191,30 @@ impl Named {
 fn signal(interface: &Interface, text: &str) -> Result<Signal> {
     // a variable may be called like that
     if let Some(variable) = interface.index(text) {
-        return Ok(Signal { variable, source: Source::Value });
+        return Ok(Signal::value(variable));
+    }
+    if let Some(rest) = text.strip_prefix('-') {
+        let signal = signal(interface, rest.trim_start())?;
+        return Ok(Signal { is_turned: !signal.is_turned, ..signal });
     }
     for (word, source) in [("rate", Source::Rate), ("integral", Source::Integral)] {
         let inner = text.strip_prefix(word).and_then(|t| t.strip_prefix('(')?.strip_suffix(')'));
         if let Some(name) = inner {
-            return Ok(Signal { variable: interface.find(name.trim())?, source });
+            return Ok(Signal { source, ..Signal::value(interface.find(name.trim())?) });
         }
     }
-    Ok(Signal { variable: interface.find(text)?, source: Source::Value })
+    interface.find(text).map(Signal::value)
 }
 
 /// The text that names a signal.
 fn signal_text(interface: &Interface, signal: Signal) -> String {
     let name = interface.variables.get(signal.variable).map_or("?", |v| v.name.as_str());
-    match signal.source {
+    let text = match signal.source {
         Source::Value => name.into(),
         Source::Rate => format!("rate({name})"),
         Source::Integral => format!("integral({name})"),
-    }
+    };
+    if signal.is_turned { format!("-{text}") } else { text }
 }
 
 /// The unit of an effect's parameter, where it is that of one of the numbers involved.

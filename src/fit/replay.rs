@@ -28,7 +28,7 @@ pub fn replay(
         for (i, (signal, values)) in attachment.drivers.iter().zip(&signals).enumerate().take(MAX_DRIVERS) {
             let (now, last) = (values[k], values[k.saturating_sub(1)]);
             let begin = drive.begins.iter().find(|(v, _)| *v == signal.variable);
-            drivers[i] = match signal.source {
+            drivers[i] = signal.directed(match signal.source {
                 Source::Value => now + begin.map_or(0.0, |(_, begin)| begin - values[0]),
                 Source::Rate if k > 0 => (now - last) / dt,
                 Source::Rate => 0.0,
@@ -36,7 +36,7 @@ pub fn replay(
                     integrals[i] += 0.5 * dt * (now + last);
                     integrals[i]
                 }
-            };
+            });
         }
         let used = &drivers[..signals.len().min(MAX_DRIVERS)];
         let call = Call { time: drive.time(k), dt, target: *target, drivers: used };

@@ -7,7 +7,7 @@ mod files;
 mod models;
 
 use latsch::cosimulate::{BondKind, Experiment, SystemSlave, Turn, Until, cosimulate_until};
-use latsch::effect::{Attached, Attachment, Chosen, Signal, Source};
+use latsch::effect::{Attached, Attachment, Chosen, Signal};
 use latsch::model::Slave;
 use models::{channel, run, run_with, wire};
 use nalgebra::{Matrix4, Vector4};
@@ -516,7 +516,7 @@ fn a_system_is_a_slave() {
 fn friction(target: usize, driver: usize) -> Vec<Attachment> {
     let effect = latsch::effect::find("guide-friction").unwrap();
     let chosen = |value| Chosen { value, range: (-1e9, 1e9), unit: None };
-    let drivers = vec![Signal { variable: driver, source: Source::Value }];
+    let drivers = vec![Signal::value(driver)];
     vec![Attachment { effect, target, drivers, parameters: vec![chosen(2.0), chosen(0.1)] }]
 }
 

@@ -162,7 +162,7 @@ fn a_lag_and_a_delay_differ_where_it_is_fast() {
 fn what_a_refit_absorbs_does_not_count() {
     let (bench, runs) = (bench(10.0), [run(2e-3, 20.0)]);
     let study = study(&bench, &runs);
-    let rate = vec![Signal { variable: TRAVEL, source: Source::Rate }];
+    let rate = vec![Signal { source: Source::Rate, ..Signal::value(TRAVEL) }];
     let (friction, curve, noise) = (0.5, 0.1, 0.01);
     // a square wave in phase with the velocity, and y |y| in phase with the travel: they have nothing in common
     let rivals = |known_to: f64| {
@@ -221,7 +221,7 @@ fn a_drift_shows_when_it_is_waited_for() {
 fn a_lag_in_metres_and_one_in_seconds_differ_at_another_speed() {
     let (bench, runs) = (bench(1.2), [run(2e-3, 10.0), run(2e-3, 20.0), run(2e-3, 25.0)]);
     let study = study(&bench, &runs);
-    let speed = vec![Signal { variable: SPEED, source: Source::Value }];
+    let speed = vec![Signal::value(SPEED)];
     let rivals =
         [rival("relaxation-length", speed, &[0.4], &[0.0]), rival("sensor-lag", vec![], &[0.02], &[0.0])];
     let words = "sine of travel, amplitude 1 m, 1 Hz, speed held at";

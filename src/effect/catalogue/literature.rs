@@ -3,7 +3,7 @@
 
 use super::tests::run;
 use crate::effect::file::Corrections;
-use crate::effect::{Attached, Attachment, Chosen, Effect, Signal, Source, find, forms};
+use crate::effect::{Attached, Attachment, Chosen, Effect, Signal, find, forms};
 use crate::model::{Access, Model, Native, Settings, Slave, Table, input, output, parameter};
 use crate::rig::RingBrushFlatTrack;
 use crate::{Result, real};
@@ -95,7 +95,7 @@ fn attached<M: Model>(
     let at = |name: &str| slave.find(name).unwrap();
     let chosen =
         |value: &f64| Chosen { value: *value, range: (f64::NEG_INFINITY, f64::INFINITY), unit: None };
-    let signal = |name: &&str| Signal { variable: at(name), source: Source::Value };
+    let signal = |name: &&str| Signal::value(at(name));
     let attachment = Attachment {
         effect,
         target: at(target),
