@@ -1,6 +1,9 @@
 //! The sealed answers.
 
+use crate::fault::Struck;
+use crate::recording::file_name;
 use serde::{Deserialize, Serialize};
+use std::fmt::{self, Display, Formatter};
 
 /// What is true of a case.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -17,7 +20,7 @@ pub struct Answer {
     /// What is concealed.
     pub effects: Vec<Effect>,
     /// The fault of the recording, if any.
-    pub fault: Option<String>,
+    pub fault: Option<Fault>,
     /// A wrong name that fits the fitting runs.
     pub decoys: Vec<String>,
     /// The true parameters.
@@ -44,6 +47,40 @@ pub struct Effect {
     pub size: f64,
     /// Largest rms over channels of what remains of it after a refit of the parameters, over the noise.
     pub over_noise: f64,
+    /// Its parameters as its name has them, in SI units, where its law is the same as that of the name.
+    pub amounts: Vec<(String, f64)>,
+}
+
+/// A fault of the recording.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Fault {
+    /// Its name.
+    pub name: String,
+    /// The channels that it struck; none where it struck all that was recorded.
+    pub channels: Vec<String>,
+    /// The files in which it is; none where it is in all.
+    pub runs: Vec<String>,
+}
+
+impl Fault {
+    /// What was struck, with the names of the channels.
+    #[must_use]
+    pub fn of(name: &str, struck: Struck, channel: impl Fn(usize) -> String) -> Self {
+        Self {
+            name: name.to_owned(),
+            channels: struck.channels.into_iter().map(channel).collect(),
+            runs: struck.runs.into_iter().map(file_name).collect(),
+        }
+    }
+}
+
+impl Display for Fault {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.name)?;
+        let list = self.channels.iter().chain(&self.runs).map(String::as_str).collect::<Vec<_>>().join(" ");
+        if list.is_empty() { Ok(()) } else { write!(f, " in {list}") }
+    }
 }
 
 /// A parameter.

@@ -13,6 +13,16 @@ pub struct Tables {
     pub inputs: usize,
 }
 
+/// What a fault struck: measured channels and runs, counted from 0. No channels where it struck all that was recorded, no runs
+/// where it is in all of them.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Struck {
+    /// Measured channels.
+    pub channels: Vec<usize>,
+    /// Runs.
+    pub runs: Vec<usize>,
+}
+
 /// The names of the faults.
 pub const FAULTS: [&str; 12] = [
     "time-gap",
@@ -59,19 +69,20 @@ impl Tables {
         runs
     }
 
-    /// Puts the fault `name` in; `offered` are the measured columns that it may strike, the channel in which it is comes
-    /// back.
+    /// Puts the fault `name` in; `offered` are the measured columns that it may strike.
     #[allow(
         clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         clippy::too_many_lines
     )]
-    pub fn spoil(&mut self, name: &str, offered: &[usize], random: &mut Random) -> usize {
+    pub fn spoil(&mut self, name: &str, offered: &[usize], random: &mut Random) -> Struck {
         let column = self.inputs + random.pick(offered);
         let run = self.busy_run(random, column);
         let length = self.stamps[run].len();
         let place = random.below(length / 2) + length / 4;
+        let measured = column - self.inputs;
+        let mut struck = Struck { channels: vec![measured], runs: vec![run] };
         let all = |tables: &Self| tables.columns.iter().map(|c| range(&c[column])).fold(0.0, f64::max);
         match name {
             "time-gap" => {
@@ -80,12 +91,14 @@ impl Tables {
                 for values in &mut self.columns[run] {
                     values.drain(place..place + count);
                 }
+                struck.channels.clear();
             }
             "time-jump" => {
                 let back = random.within(0.1, 0.5);
                 for stamp in &mut self.stamps[run][place..] {
                     *stamp -= back;
                 }
+                struck.channels.clear();
             }
             "unit" => {
                 let factor = random.pick(&[
@@ -98,8 +111,12 @@ impl Tables {
                     0.453_592_37,
                 ]);
                 self.each(column, |v| v * factor);
+                struck.runs.clear();
             }
-            "sign" => self.each(column, |v| -v),
+            "sign" => {
+                self.each(column, |v| -v);
+                struck.runs.clear();
+            }
             "swapped" => {
                 let others: Vec<usize> =
                     offered.iter().map(|c| self.inputs + c).filter(|c| *c != column).collect();
@@ -107,6 +124,7 @@ impl Tables {
                 for columns in &mut self.columns {
                     columns.swap(column, other);
                 }
+                struck = Struck { channels: vec![measured, other - self.inputs], runs: Vec::new() };
             }
             "stuck" => {
                 let end = (place + length / 4 + random.below(length / 3)).min(length);
@@ -117,10 +135,12 @@ impl Tables {
                 let middle = self.columns[run][column].iter().sum::<f64>() / length as f64;
                 let limit = all(self) * random.within(0.18, 0.28);
                 self.each(column, |v| v.clamp(middle - limit, middle + limit));
+                struck.runs.clear();
             }
             "offset" => {
                 let by = random.sign() * random.within(0.1, 0.25) * all(self);
-                for r in self.some_runs(random) {
+                struck.runs = self.some_runs(random);
+                for r in struck.runs.iter().copied() {
                     for value in &mut self.columns[r][column] {
                         *value += by;
                     }
@@ -128,7 +148,8 @@ impl Tables {
             }
             "delay" => {
                 let by = random.within(0.025, 0.07);
-                for r in self.some_runs(random) {
+                struck.runs = self.some_runs(random);
+                for r in struck.runs.iter().copied() {
                     let samples = by * self.stamps[r].len() as f64 / range(&self.stamps[r]);
                     self.warp(r, column..column + 1, |k| k - samples);
                 }
@@ -139,6 +160,7 @@ impl Tables {
                     let columns = self.inputs..self.columns[r].len();
                     self.warp(r, columns, |k| k * (1.0 - share));
                 }
+                struck = Struck::default();
             }
             "spikes" => {
                 let size = all(self);
@@ -153,9 +175,11 @@ impl Tables {
                 let from = (run + 1) % self.stamps.len();
                 self.stamps[from] = self.stamps[run].clone();
                 self.columns[from] = self.columns[run].clone();
+                struck = Struck { channels: Vec::new(), runs: vec![run, from] };
             }
         }
-        column - self.inputs
+        struck.runs.sort_unstable();
+        struck
     }
 
     fn each(&mut self, column: usize, change: impl Fn(f64) -> f64) {

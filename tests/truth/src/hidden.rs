@@ -5,6 +5,7 @@
 //! ([`Hidden::leave`]). `size` scales all of them; at 0 nothing changes.
 
 use crate::base::{Base, Ports};
+use crate::follow::Follower;
 use crate::random::Random;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -148,6 +149,7 @@ pub struct Memory {
     value: f64,
     rate: f64,
     started: bool,
+    follower: Follower,
     past: VecDeque<(f64, f64)>,
     waves: Vec<[f64; 3]>,
 }
@@ -350,7 +352,7 @@ impl Hidden {
                     memory.started = true;
                 }
             }
-            Law::InputLag => lag(memory, &mut u[self.channel], dt / (k * 0.03)),
+            Law::InputLag => u[self.channel] = memory.follower.follow(u[self.channel], dt / (k * 0.03)),
             Law::HoldOff => u[self.channel] = (u[self.channel] - k * dead_band(u)).max(0.0),
             Law::RateLimit => {
                 let limit = RATE_LIMIT / k * dt;
@@ -361,13 +363,15 @@ impl Hidden {
                 u[self.channel] = memory.value;
             }
             // sigma alpha'' + V alpha' = V alpha
-            Law::Relaxation => lag(memory, &mut u[self.channel], at.speed * dt / (k * 0.4)),
+            Law::Relaxation => {
+                u[self.channel] = memory.follower.follow(u[self.channel], at.speed * dt / (k * 0.4))
+            }
             // C(alpha') alpha'' = k V (alpha - alpha'): the carcass gives way to the tire's own side force
             Law::Carcass => {
                 let tangent = libm::tan(memory.value) * 15.0;
                 let softer = 1.0 / (1.0 + tangent * tangent);
                 let length = k * 0.4 * (at.load / 4000.0).max(0.05) * softer.max(0.05);
-                lag(memory, &mut u[self.channel], at.speed * dt / length);
+                u[self.channel] = memory.follower.follow(u[self.channel], at.speed * dt / length);
             }
             _ => {}
         }
@@ -392,7 +396,7 @@ impl Hidden {
                     _ => y0,
                 };
             }
-            Law::Lag => lag(memory, &mut y[c], dt / (k * 6e-3)),
+            Law::Lag => y[c] = memory.follower.follow(y[c], dt / (k * 6e-3)),
             Law::Bias => y[c] += k * 0.2 * own,
             Law::Drift => y[c] += k * 0.3 * own * at.time / 6.0,
             Law::Gain => y[c] *= 1.0 + k * 0.15,
@@ -448,13 +452,4 @@ impl Hidden {
 /// Pressure \[Pa\] that a brake needs before it acts; at a wheel, whose input is a torque, in N m.
 fn dead_band(u: &[f64]) -> f64 {
     if u.len() == 5 { 60.0 } else { 2.5e5 }
-}
-
-/// A first-order lag over `steps` of its time constants, exact for a held input.
-fn lag(memory: &mut Memory, value: &mut f64, steps: f64) {
-    if !memory.started {
-        (memory.value, memory.started) = (*value, true);
-    }
-    memory.value += (*value - memory.value) * -libm::expm1(-steps);
-    *value = memory.value;
 }

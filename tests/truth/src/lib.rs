@@ -18,6 +18,7 @@ pub mod draw;
 pub mod fault;
 pub mod files;
 pub mod flat_track;
+mod follow;
 pub mod hidden;
 pub mod machines;
 pub mod programme;

@@ -1,6 +1,6 @@
 //! The recordings and the answer of a case.
 
-use crate::answer::{Answer, Effect, Parameter, Reference, ReferenceRun};
+use crate::answer::{Answer, Effect, Fault, Parameter, Reference, ReferenceRun};
 use crate::catalogue::{alike_on, family};
 use crate::draw::Case;
 use crate::fault::Tables;
@@ -83,8 +83,8 @@ pub fn record(case: &Case) -> Recorded {
         let offered: Vec<usize> = (0..outputs.len())
             .filter(|c| outputs[*c].0 != "wheel_angle" && (inputs.len() != 5 || *c < 3))
             .collect();
-        let channel = tables.spoil(name, &offered, &mut random);
-        fault = Some((name.to_owned(), outputs[channel].0.to_owned()));
+        let struck = tables.spoil(name, &offered, &mut random);
+        fault = Some(Fault::of(name, struck, |c| outputs[c].0.to_owned()));
     }
     let quanta: Vec<Quantum> = input_quanta.into_iter().chain(quanta).collect();
     let mut files = vec![("model".to_owned(), format!("{}\n", world.base.name()))];
@@ -175,7 +175,7 @@ fn runs_toml(check: &[bool]) -> String {
     format!("[runs]\n{}", check.iter().enumerate().map(line).collect::<String>())
 }
 
-fn answer(case: &Case, fault: Option<(String, String)>) -> Answer {
+fn answer(case: &Case, fault: Option<Fault>) -> Answer {
     let base = case.world.base;
     let outputs = base.outputs();
     let effects = case.world.hidden.iter().zip(&case.marks).map(|(hidden, (depends_on, left))| {
@@ -188,6 +188,7 @@ fn answer(case: &Case, fault: Option<(String, String)>) -> Answer {
             accept: if family(hidden.id).is_some() { alike_on(base.name(), hidden.id) } else { Vec::new() },
             size: hidden.size,
             over_noise,
+            amounts: Vec::new(),
         }
     });
     let detail = match case.kind.plain() {
@@ -201,7 +202,7 @@ fn answer(case: &Case, fault: Option<(String, String)>) -> Answer {
         detail,
         model: base.name().to_owned(),
         effects: effects.collect(),
-        fault: fault.map(|(name, channel)| format!("{name} in {channel}")),
+        fault,
         decoys: case.decoys.clone(),
         parameters: base
             .parameters()

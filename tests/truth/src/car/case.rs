@@ -217,6 +217,7 @@ fn answer(drawn: &Drawn, number: usize, (session, sensors): (&[Ideal], &[Sensor]
                 size,
                 accept,
                 over_noise,
+                amounts: Vec::new(),
             }
         })
         .collect();

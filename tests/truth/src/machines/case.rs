@@ -459,6 +459,7 @@ fn record(
             accept: if inside { offer.accept.iter().map(|s| (*s).to_owned()).collect() } else { Vec::new() },
             size: one.size,
             over_noise,
+            amounts: one.amounts().into_iter().map(|(name, value)| (name.to_owned(), value)).collect(),
         }
     });
     let effects: Vec<Effect> = effects.collect();

@@ -2,6 +2,7 @@
 //! an output on its way to the recorder. Sizes are those of the machine itself: what its own forces, ways and speeds are
 //! like in the programme, with shapes drawn around them. `size` scales each; at zero nothing changes.
 
+use crate::follow::Follower;
 use crate::random::Random;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -100,6 +101,7 @@ pub struct Memory {
     started: bool,
     value: f64,
     rate: f64,
+    follower: Follower,
     past: VecDeque<(f64, f64)>,
     waves: Vec<[f64; 3]>,
 }
@@ -128,6 +130,40 @@ impl Concealed {
     #[must_use]
     pub fn offset(&self, size: f64) -> f64 {
         0.5 * size * self.natural.way
+    }
+
+    /// Its parameters by the names and equations of latsch's catalogue, in SI units: of those laws that are the same there.
+    #[must_use]
+    pub fn amounts(&self) -> Vec<(&'static str, f64)> {
+        let Natural { way, speed, force } = self.natural;
+        let [a, b] = self.form;
+        let (size, k) = (self.size, self.size * force);
+        let side = if a < 0.5 { 1.0 } else { -1.0 };
+        match self.law {
+            Law::Coulomb => vec![("force", k), ("velocity", speed * between(a, 0.02, 0.08))],
+            Law::Cubic => vec![("cubic", k / (way * way * way))],
+            Law::SquareSpring => vec![("quadratic", side * k / (way * way))],
+            Law::QuadraticDamper => vec![("quadratic", k / (speed * speed))],
+            Law::DamperAsymmetry => vec![("difference", side * k / speed)],
+            Law::Stop => {
+                let stop = if b < 0.5 { "upper" } else { "lower" };
+                vec![(stop, 6.0 * k / way), ("gap", way * between(a, 0.8, 1.8))]
+            }
+            Law::Maxwell => vec![("stiffness", k / way), ("time", self.time * between(a, 0.4, 2.0))],
+            Law::Clearance => vec![("stiffness", k / way), ("gap", way * between(a, 0.2, 0.8))],
+            Law::InputLag => vec![("time", size * 0.3 * self.time)],
+            Law::InputDeadBand => vec![("band", size * 0.3 * way)],
+            Law::InputPlay => vec![("gap", size * 0.2 * way)],
+            Law::Delay => vec![("delay", size.abs() * 0.2 * self.time)],
+            Law::Lag => vec![("time", size.abs() * 0.2 * self.time)],
+            Law::Bias => vec![("offset", self.offset(size))],
+            Law::Drift => vec![("rate", size * 0.5 * way / self.duration)],
+            Law::Gain => vec![("error", size * 0.2)],
+            Law::Curved => vec![("odd", size * 0.1 / way), ("even", 0.0)],
+            Law::CrossTalk => vec![("share", size * 0.2 * way / self.other.1)],
+            Law::Saturation => vec![("limit", way * 1.8 / size.abs().max(0.3))],
+            _ => Vec::new(),
+        }
     }
 
     /// Number of states: of hysteresis and of a Maxwell element.
@@ -218,8 +254,7 @@ impl Concealed {
         }
         match self.law {
             Law::InputLag => {
-                memory.value += (*u - memory.value) * -libm::expm1(-dt / (k * 0.3 * self.time));
-                *u = memory.value;
+                *u = memory.follower.follow(*u, dt / (k * 0.3 * self.time));
             }
             Law::InputRate => {
                 let most = spread / (k * between(a, 0.7, 1.4) * self.time) * dt;
@@ -258,11 +293,7 @@ impl Concealed {
                 };
             }
             Law::Lag => {
-                if !memory.started {
-                    (memory.value, memory.started) = (*y, true);
-                }
-                memory.value += (*y - memory.value) * -libm::expm1(-dt / (k.abs() * 0.2 * self.time));
-                *y = memory.value;
+                *y = memory.follower.follow(*y, dt / (k.abs() * 0.2 * self.time));
             }
             Law::Bias => *y += self.offset(k),
             Law::Drift => *y += k * 0.5 * own * time / self.duration,

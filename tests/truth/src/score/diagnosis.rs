@@ -16,6 +16,18 @@ pub struct Diagnosis {
     pub parameters: Vec<Parameter>,
     /// What the runs were used for.
     pub runs: Vec<RunUse>,
+    /// What is wrong with the recordings.
+    pub faults: Vec<Fault>,
+}
+
+/// A fault of recordings.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
+#[serde(default)]
+pub struct Fault {
+    /// Files that have it.
+    pub runs: Vec<String>,
+    /// The channel, if it is in one.
+    pub channel: Option<String>,
 }
 
 /// One finding.
@@ -32,6 +44,8 @@ pub struct Finding {
     pub depends_on: Vec<String>,
     /// From 0 to 1.
     pub confidence: Option<f64>,
+    /// Its parameters.
+    pub parameters: Vec<Parameter>,
     /// Other names that the data allow.
     pub alternatives: Vec<Finding>,
 }

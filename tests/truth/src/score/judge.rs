@@ -1,9 +1,10 @@
 //! One case: what was said against what is true.
 
 use super::diagnosis::{Diagnosis, Finding};
-use crate::answer::{Answer, Effect, Reference};
+use crate::answer::{Answer, Effect, Fault, Reference};
 use crate::catalogue::{families, family};
 use serde::Deserialize;
+use std::collections::BTreeSet;
 
 /// What `scripts/prove` notes of a run.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
@@ -50,6 +51,10 @@ pub struct Judgement {
     pub parameters_found: Option<bool>,
     /// Per parameter with an interval, whether it holds what is true.
     pub held: Vec<bool>,
+    /// Per parameter of an effect that is named as it is called, whether its interval, as one of 90 %, holds what is true.
+    pub amounts_held: Vec<bool>,
+    /// What is said to be wrong with the recordings is in the runs and channels that have a fault, and in no others.
+    pub fault_placed: bool,
     /// Wall-clock time \[s\].
     pub seconds: Option<f64>,
 }
@@ -98,6 +103,8 @@ pub fn judge(
     judgement.error_ratio = error_ratio(reference, diagnosis);
     judgement.parameters_found = parameters_found(&judgement.answer, diagnosis);
     judgement.held = held(&judgement.answer, diagnosis);
+    judgement.amounts_held = amounts_held(effects, diagnosis);
+    judgement.fault_placed = judgement.answer.fault.as_ref().is_some_and(|f| placed(f, &diagnosis.faults));
     judgement.said = said(diagnosis);
     judgement
 }
@@ -162,6 +169,41 @@ fn held(answer: &Answer, diagnosis: &Diagnosis) -> Vec<bool> {
         Some(low <= truth && truth <= high)
     };
     diagnosis.parameters.iter().filter_map(of).collect()
+}
+
+/// Ends of a 90 % interval of a normal deviation over those of a 95 % one.
+const NARROWER: f64 = 1.644_85 / 1.959_96;
+
+fn amounts_held(effects: &[Effect], diagnosis: &Diagnosis) -> Vec<bool> {
+    let of = |effect: &Effect| -> Vec<bool> {
+        let found = diagnosis.findings.iter().filter(|f| f.id() == effect.id);
+        // which of two of one name is meant, is not known
+        let [finding] = found.collect::<Vec<_>>()[..] else { return Vec::new() };
+        let held = |p: &super::Parameter| {
+            let truth = effect.amounts.iter().find(|(name, _)| *name == p.name)?.1;
+            let (value, low, high) = (p.value?, p.low?, p.high?);
+            Some(value + NARROWER * (low - value) <= truth && truth <= value + NARROWER * (high - value))
+        };
+        finding.parameters.iter().filter_map(held).collect()
+    };
+    effects.iter().flat_map(of).collect()
+}
+
+/// Whether what was said of the recordings is about what the fault struck: of the channels that it is in one at least and no
+/// others, and of the runs all and no others. Of copies, the one or the other will do.
+fn placed(truth: &Fault, said: &[super::Fault]) -> bool {
+    let stem = |name: &String| name.trim_end_matches(".csv").to_owned();
+    let wanted: BTreeSet<String> = truth.runs.iter().map(stem).collect();
+    let runs: BTreeSet<String> = said.iter().flat_map(|f| &f.runs).map(stem).collect();
+    let right_runs = if truth.name == "duplicated" {
+        !runs.is_empty() && runs.is_subset(&wanted)
+    } else {
+        wanted.is_empty() || runs == wanted
+    };
+    let channels: Vec<&String> = said.iter().filter_map(|f| f.channel.as_ref()).collect();
+    let right_channels = truth.channels.is_empty()
+        || !channels.is_empty() && channels.iter().all(|c| truth.channels.contains(c));
+    !said.is_empty() && right_runs && right_channels
 }
 
 fn said(diagnosis: &Diagnosis) -> String {

@@ -5,7 +5,7 @@ mod judge;
 mod table;
 mod wilson;
 
-pub use diagnosis::{Check, Diagnosis, Finding, Parameter, RunUse};
+pub use diagnosis::{Check, Diagnosis, Fault, Finding, Parameter, RunUse};
 pub use judge::{Judgement, Timing, judge};
 pub use table::report;
 pub use wilson::Share;

@@ -108,6 +108,12 @@ fn bars(all: &[Judgement]) -> String {
         95.0,
         Share::of(faults().map(|j| j.verdict == "recording")),
     );
+    at_least(
+        t,
+        "recording faults: reported as such, with the runs and channels that have it and no others",
+        90.0,
+        Share::of(faults().map(|j| j.verdict == "recording" && j.fault_placed)),
+    );
     at_least(t, "mixes: both found", 85.0, Share::of(of(all, &["mix"]).map(|j| j.all_found)));
     plain(
         t,
@@ -121,6 +127,16 @@ fn bars(all: &[Judgement]) -> String {
         t,
         "95 % intervals of the model's parameters that hold the truth, where all is understood",
         Share::of(intervals),
+    );
+    let amounts = all.iter().filter(|j| understood(j)).flat_map(|j| j.amounts_held.iter().copied());
+    let share = Share::of(amounts);
+    let met = share.percent().is_some_and(|p| (85.0..=95.0).contains(&p));
+    row(
+        t,
+        "90 % intervals of the named effect's parameters that hold the truth, where its law is the name's",
+        "85 to 95 %",
+        share,
+        Some(met),
     );
     let close = correctable(all).filter_map(|j| j.error_ratio).map(|r| r <= RATIO);
     at_least(
@@ -248,7 +264,7 @@ fn list(all: &[Judgement]) -> String {
         let a = &j.answer;
         let size = a.effects.iter().map(|e| format!("{:.1}", e.over_noise)).collect::<Vec<_>>().join(", ");
         let size = if size.is_empty() { size } else { format!(" ({size} x noise)") };
-        let truth = a.fault.clone().unwrap_or_else(|| a.detail.clone());
+        let truth = a.fault.as_ref().map_or_else(|| a.detail.clone(), ToString::to_string);
         let number =
             |value: Option<f64>, digits: usize| value.map_or("-".into(), |v| format!("{v:.digits$}"));
         let (ratio, seconds) = (number(j.error_ratio, 2), number(j.seconds, 1));

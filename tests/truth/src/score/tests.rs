@@ -1,5 +1,5 @@
 use super::*;
-use crate::answer::{Effect, ReferenceRun};
+use crate::answer::{Effect, Fault, ReferenceRun};
 use crate::catalogue::alike;
 
 fn answer(kind: &str, ids: &[&str]) -> Answer {
@@ -139,4 +139,63 @@ fn folders_are_read_and_what_is_missing_counts_as_failed() {
     crate::files::write(&results.join("case-001/timing.json"), r#"{"seconds":3.5,"version":"x"}"#).unwrap();
     let all = judge_all(&answers, &results).unwrap();
     assert_eq!((all[0].failed, all[0].seconds, all[0].verdict.as_str()), (false, Some(3.5), "unknown"));
+}
+
+#[test]
+fn a_fault_is_placed_where_it_is_and_nowhere_else() {
+    let fault = |name: &str, channels: &[&str], runs: &[&str]| Fault {
+        name: name.into(),
+        channels: channels.iter().map(|s| (*s).to_owned()).collect(),
+        runs: runs.iter().map(|s| (*s).to_owned()).collect(),
+    };
+    let placed = |fault: &Fault, said: &str| {
+        let truth = Answer { fault: Some(fault.clone()), ..answer("fault", &[]) };
+        judged(truth, &format!(r#"{{"verdict":"recording","faults":[{said}]}}"#)).fault_placed
+    };
+    let said = |channel: &str, runs: &str| {
+        let channel = if channel.is_empty() { "null".into() } else { format!("\"{channel}\"") };
+        format!(r#"{{"kind":"offset","channel":{channel},"runs":{runs}}}"#)
+    };
+    let offset = fault("offset", &["force"], &["run-02.csv", "run-05.csv"]);
+    assert!(placed(&offset, &said("force", r#"["run-05.csv","run-02.csv"]"#)));
+    // split in two, and by stem
+    let split = said("force", r#"["run-02"]"#) + "," + &said("force", r#"["run-05"]"#);
+    assert!(placed(&offset, &split));
+    assert!(!placed(&offset, &said("force", r#"["run-05.csv"]"#)));
+    assert!(!placed(&offset, &said("force", r#"["run-02.csv","run-05.csv","run-06.csv"]"#)));
+    assert!(!placed(&offset, &said("moment", r#"["run-05.csv","run-02.csv"]"#)));
+    assert!(!placed(&offset, &(split + "," + &said("moment", r#"["run-02"]"#))));
+    assert!(!placed(&offset, ""));
+    // in all runs, of two channels, of all channels, copies
+    assert!(placed(&fault("sign", &["force"], &[]), &said("force", r#"["run-01"]"#)));
+    assert!(placed(&fault("swapped", &["force", "moment"], &[]), &said("moment", "[]")));
+    let jump = fault("time-jump", &[], &["run-03.csv"]);
+    assert!(placed(&jump, &said("", r#"["run-03.csv"]"#)) && !placed(&jump, &said("", r#"["run-04.csv"]"#)));
+    let copies = fault("duplicated", &[], &["run-03.csv", "run-04.csv"]);
+    assert!(
+        placed(&copies, &said("", r#"["run-04.csv"]"#)) && !placed(&copies, &said("", r#"["run-05.csv"]"#))
+    );
+}
+
+#[test]
+fn intervals_of_an_effect_are_held_against_its_own_parameters() {
+    let truth = || {
+        let mut answer = answer("clear", &["coulomb-friction"]);
+        answer.effects[0].amounts = vec![("force".into(), 2.0), ("velocity".into(), 0.1)];
+        answer
+    };
+    // a 95 % interval of 1 +- 1.1 holds 2, one of 90 % does not; of a parameter without an end nothing is known
+    let found = |name: &str| {
+        format!(
+            r#"{{"verdict":"effect","findings":[{{"effect":"{name}","parameters":[
+            {{"name":"force","value":1.0,"low":-0.1,"high":2.1}},{{"name":"velocity","value":0.1,"low":0.05}}]}}]}}"#
+        )
+    };
+    assert_eq!(judged(truth(), &found("coulomb-friction")).amounts_held, [false]);
+    let wider = found("coulomb-friction").replace("2.1", "2.5");
+    assert_eq!(judged(truth(), &wider).amounts_held, [true]);
+    let whole = wider.replace("\"low\":0.05", "\"low\":0.11,\"high\":0.12");
+    assert_eq!(judged(truth(), &whole).amounts_held, [true, false]);
+    // a name that is accepted, but another one, has other parameters
+    assert!(judged(truth(), &found("stribeck-friction")).amounts_held.is_empty());
 }

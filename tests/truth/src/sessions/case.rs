@@ -6,7 +6,7 @@ use super::offers::{NAMED, OUTSIDE, Offer};
 use super::parameters::{FREE, Parameters};
 use super::programme::{self, CHECKS, RUNS, Run};
 use super::session::{CHANNELS, COARSE, FINE, FORCES, World};
-use crate::answer::{Answer, Effect, Parameter, Reference, ReferenceRun};
+use crate::answer::{Answer, Effect, Fault, Parameter, Reference, ReferenceRun};
 use crate::catalogue::{alike_on, family};
 use crate::fault::Tables;
 use crate::flat_track::NAME;
@@ -275,11 +275,8 @@ fn record(drawn: &Drawn, number: usize, fault: &str, random: &mut Random) -> Opt
         tables.stamps.push(run.stamps.clone());
         floor.push(ReferenceRun { name: file_name(k), samples: run.stamps.len(), channels: squares });
     }
-    let fault = (drawn.kind == Kind::Fault).then(|| {
-        let (channel, runs) = spoil(&mut tables, fault, random);
-        let runs: Vec<String> = runs.into_iter().map(file_name).collect();
-        format!("{fault} in {} {}", OUTPUTS[channel].0, runs.join(" ")).trim_end().to_owned()
-    });
+    let fault = (drawn.kind == Kind::Fault)
+        .then(|| Fault::of(fault, spoil(&mut tables, fault, random), |c| OUTPUTS[c].0.to_owned()));
     let mut files = vec![("model".to_owned(), format!("{NAME}\n"))];
     files.extend((0..RUNS).map(|run| (format!("recordings/{}", file_name(run)), csv(&tables, run, &quanta))));
     let uses = (0..RUNS).map(|run| {
@@ -316,7 +313,7 @@ fn csv(tables: &Tables, run: usize, quanta: &[Quantum]) -> String {
     text + "\n"
 }
 
-fn answer(drawn: &Drawn, number: usize, fault: Option<String>) -> Answer {
+fn answer(drawn: &Drawn, number: usize, fault: Option<Fault>) -> Answer {
     let inside = drawn.kind != Kind::Outside;
     let names = OUTPUTS.map(|row| row.0);
     let effects =
@@ -330,11 +327,12 @@ fn answer(drawn: &Drawn, number: usize, fault: Option<String>) -> Answer {
                 accept: if inside { alike_on(NAME, offer.id()) } else { Vec::new() },
                 size: one.size,
                 over_noise,
+                amounts: Vec::new(),
             }
         });
     let effects: Vec<Effect> = effects.collect();
     let names = effects.iter().map(|e| e.id.as_str()).collect::<Vec<_>>().join(" + ");
-    let detail = fault.as_deref().and_then(|f| f.split(' ').next()).unwrap_or(&names);
+    let detail = fault.as_ref().map_or(&names, |f| &f.name);
     Answer {
         case: crate::study::name(number),
         kind: drawn.kind.name().to_owned(),

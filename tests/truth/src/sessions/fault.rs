@@ -1,17 +1,17 @@
 //! Faults of a session's recordings: what happens between sensor and file, in some runs.
 
 use super::session::FORCES;
-use crate::fault::Tables;
+use crate::fault::{Struck, Tables};
 use crate::random::Random;
 
 /// The faults, one case each.
 pub(crate) const FAULTS: [&str; 4] = ["swapped", "sign", "unit", "time-gap"];
 
-/// Puts a fault in; tells which channel and which runs, counted from 0, it struck, the runs empty where it is not known.
-pub(crate) fn spoil(tables: &mut Tables, name: &str, random: &mut Random) -> (usize, Vec<usize>) {
+/// Puts a fault in.
+pub(crate) fn spoil(tables: &mut Tables, name: &str, random: &mut Random) -> Struck {
     if name == "time-gap" {
         let offered: Vec<usize> = (0..FORCES).collect();
-        return (tables.spoil(name, &offered, random), Vec::new());
+        return tables.spoil(name, &offered, random);
     }
     let channel = random.below(FORCES);
     let other = (channel + 1 + random.below(FORCES - 1)) % FORCES;
@@ -35,7 +35,8 @@ pub(crate) fn spoil(tables: &mut Tables, name: &str, random: &mut Random) -> (us
         }
     }
     runs.sort_unstable();
-    (channel, runs)
+    let channels = if name == "swapped" { vec![channel, other] } else { vec![channel] };
+    Struck { channels, runs }
 }
 
 /// How much a channel moves: the mean of its changes from sample to sample would be noise, its span is not.

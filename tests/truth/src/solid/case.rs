@@ -274,6 +274,7 @@ fn answer(drawn: &Drawn, number: usize) -> Answer {
                 accept,
                 size: drawn.world.concealed.map_or(0.0, |c| c.size),
                 over_noise,
+                amounts: Vec::new(),
             }
         })
         .collect();

@@ -6,6 +6,7 @@ use super::programme::Run;
 use super::rubber::Past;
 use super::tire::{Cleat, Rim, Road, STATES, Surface, Tire, Told};
 use crate::bessel::DELAY;
+use crate::follow::Follower;
 use crate::recorder::Recorder;
 use crate::simulate::Ideal;
 
@@ -68,7 +69,7 @@ struct Memory {
     /// Where the lining of the pivot held the arm last, with which force.
     lining: (f64, f64),
     /// What the load cell's amplifier shows.
-    cell: Option<f64>,
+    cell: Follower,
 }
 
 /// Forces of an instant.
@@ -123,7 +124,7 @@ impl World {
         let (mut y, past) = tire.rest(start);
         y.resize(ALL, 0.0);
         y[HEIGHT] = start;
-        let mut memory = Memory { past, lining: (start, 0.0), cell: None };
+        let mut memory = Memory { past, lining: (start, 0.0), cell: Follower::default() };
         let going = Going { world: self, tire, run, start };
         let mut recorder = Recorder::new(&run.stamps, 1, outputs(self.rig).len());
         recorder.follow(0.0, &[u], &going.measure(0.0, &y, &mut memory, dt), dt);
@@ -260,9 +261,7 @@ impl Going<'_> {
             Rig::Position => {
                 let mut shown = now.path;
                 if let Some(time) = self.world.concealed.and_then(|c| c.cell()) {
-                    let last = memory.cell.unwrap_or(shown);
-                    shown = last + (shown - last) * -libm::expm1(-dt / time);
-                    memory.cell = Some(shown);
+                    shown = memory.cell.follow(shown, dt / time);
                 }
                 vec![shown]
             }
