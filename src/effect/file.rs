@@ -15,7 +15,7 @@
 //! length = { value = 0.45, unit = "m", low = 0.41, high = 0.49, min = 0.0, max = 5.0 }
 //! ```
 //!
-//! A driver is a variable, `rate(variable)` or `integral(variable)`. `low` and `high` are the interval that
+//! A driver is a variable, `rate(variable)` or `integral(variable)`, or the negative of one: `-rate(variable)`. `low` and `high` are the interval that
 //! a fit gave and are for readers; `min` and `max` are what the parameter accepts. A parameter may also be
 //! a plain number, or a text with a unit: `length = "45 cm"`.
 
