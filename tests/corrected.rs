@@ -395,24 +395,30 @@ fn the_check_finds_nothing() {
 
 #[test]
 fn the_file_of_a_fit_gives_the_same_fmu() {
+    let folder = tempfile::tempdir().unwrap();
     let library = ModelLibrary::shipped(MODELS).unwrap();
     let base = shipped("ring-brush-wheel");
     let interface = base.interface(&library).unwrap();
     let effects = attachments(&interface, WHEEL);
     let parameters = [("hub_mass".to_string(), 31.5)];
-    let direct = export_corrected(&base, &parameters, &effects, &library, &[]).unwrap();
+    let direct = export_corrected(&base, &parameters, &effects, Some(2e-4), &library, &[]).unwrap();
     let fitted = [Fitted { name: "hub_mass".into(), value: 31.5, interval: Some((30.0, 33.0)) }];
     let intervals = [vec![Some((0.19, 0.21))], vec![], vec![None, Some((0.09, 0.11))]];
-    let text = corrected_text(&interface, &fitted, &effects, &intervals).unwrap();
+    let text = corrected_text(&interface, &fitted, &effects, &intervals, Some(2e-4)).unwrap();
     assert!(text.contains("hub_mass = { value = 31.5, low = 30.0, high = 33.0 } # "), "{text}");
     assert!(text.contains(
         "length = { value = 0.2, unit = \"m\", low = 0.19, high = 0.21, min = 0.0, max = 5.0 } # "
     ));
     let corrections = Corrections::parse(&text, "corrected.toml").unwrap();
     assert!(export_corrections(&base, &corrections, &library, &[]).unwrap() == direct);
+    // masters are proposed the step that it was fitted with
+    assert!(text.contains("[simulation]\ncommunication_step = 0.0002 # [s]"), "{text}");
+    let path = folder.path().join("direct.fmu");
+    fs::write(&path, direct).unwrap();
+    assert_eq!(ImportedFmu::load(&path).unwrap().interface().communication_step, 2e-4);
 
     // nothing but parameters: the model's ordinary FMU
-    let plain = export_corrected(&base, &parameters, &[], &library, &[]).unwrap();
+    let plain = export_corrected(&base, &parameters, &[], Some(2e-4), &library, &[]).unwrap();
     let settings = Settings::parse("[parameters]\nhub_mass = 31.5", "").unwrap();
     assert!(plain == library.fmu("ring-brush-wheel", &settings, &[]).unwrap());
 }

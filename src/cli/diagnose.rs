@@ -108,7 +108,7 @@ fn write(folder: &Path, outcome: &Outcome, library: &ModelLibrary) -> Result<()>
             Fitted { interval: interval(&name), name, value: *value }
         })
         .collect();
-    let text = corrected_text(interface, &fitted, &outcome.attachments, &outcome.intervals)?;
+    let text = corrected_text(interface, &fitted, &outcome.attachments, &outcome.intervals, outcome.step)?;
     write_file(&folder.join("corrected.toml"), text.as_bytes())?;
     let base = match &outcome.subject.base {
         Base::Shipped(name, settings) => CorrectedBase::Model(name.clone(), settings.clone()),
@@ -116,7 +116,7 @@ fn write(folder: &Path, outcome: &Outcome, library: &ModelLibrary) -> Result<()>
         Base::System(path) => return write_system(folder, path, &fitted, outcome, library),
     };
     let parameters: Vec<(String, f64)> = fitted.into_iter().map(|f| (f.name, f.value)).collect();
-    let fmu = export_corrected(&base, &parameters, &outcome.attachments, library, &[])?;
+    let fmu = export_corrected(&base, &parameters, &outcome.attachments, outcome.step, library, &[])?;
     write_file(&folder.join("corrected.fmu"), &fmu)
 }
 

@@ -88,7 +88,7 @@ fn gather(
         Source::Fmu(path) => CorrectedBase::Fmu(path),
     };
     if !effects.is_empty() {
-        write_file(&folder.join(&fmu), &export_corrected(&base, &[], effects, library, &[])?)?;
+        write_file(&folder.join(&fmu), &export_corrected(&base, &[], effects, None, library, &[])?)?;
         return Ok(PlannedComponent { source: Source::Fmu(fmu.into()), ..component });
     }
     component.source = match base {

@@ -58,6 +58,8 @@ pub struct Outcome {
     pub attachments: Vec<crate::effect::Attachment>,
     /// 95 % intervals of their parameters, where the recordings fix them.
     pub intervals: Vec<Vec<Option<(f64, f64)>>>,
+    /// The corrected model: the communication step with which its effects were fitted \[s\], if not the model's own.
+    pub step: Option<f64>,
     /// The check runs: as measured, with the refitted model, with the corrected model.
     pub check: Vec<CheckTraces>,
 }
@@ -93,9 +95,9 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let bench = Bench::new(&subject.factory, &subject.fixed, threads)?;
     notes.extend(known.recorded.take_shorter_steps(&bench, &subject, &roles)?);
     let asked = Asked { subject: &subject, roles: &roles, bench: &bench, notes };
-    let Explained { diagnosis, parameters, attachments, intervals, check } =
+    let Explained { diagnosis, parameters, attachments, intervals, step, check } =
         asked.explain(&known, progress)?;
-    Ok(Outcome { diagnosis, parameters, attachments, intervals, check, subject })
+    Ok(Outcome { diagnosis, parameters, attachments, intervals, step, check, subject })
 }
 
 /// What is diagnosed.
@@ -113,6 +115,7 @@ struct Explained {
     parameters: Vec<(usize, f64)>,
     attachments: Vec<crate::effect::Attachment>,
     intervals: Vec<Vec<Option<(f64, f64)>>>,
+    step: Option<f64>,
     check: Vec<CheckTraces>,
 }
 
@@ -206,6 +209,7 @@ impl Asked<'_> {
         let (mut findings, mut unknown, candidates) = (found.findings, found.unknown, found.candidates);
         let of_fine = |coarse: &[&Run]| coarse.iter().map(|run| finer(run)).collect::<Vec<Run>>();
         let (fine_fit, fine_check);
+        let mut step = None;
         let has_effects = !current.model.effects.is_empty();
         if has_effects && subject.own_step().is_none() {
             // effects act at communication points: what is handed on is fitted where shorter steps change nothing
@@ -213,6 +217,7 @@ impl Asked<'_> {
             (fine_fit, fine_check) = (of_fine(&study.fit_runs), of_fine(&study.check_runs));
             study.fit_runs = fine_fit.iter().collect();
             study.check_runs = fine_check.iter().collect();
+            step = fine_fit.iter().map(|run| run.drive.step).min_by(f64::total_cmp).map(plain_step);
         }
         if has_effects {
             current = study.fit_on(&current, FINAL)?;
@@ -270,6 +275,9 @@ impl Asked<'_> {
         diagnosis.experiment = experiment;
         diagnosis.notes.extend(tables::cautions(&diagnosis, subject, roles));
         let check = traces(&study, subject, &base_model, &current.model, recorded)?;
+        diagnosis.notes.extend(step.map(|step| {
+            format!("The corrected model proposes a communication step of {step:?} s: with longer ones it leaves more than is said here.")
+        }));
         diagnosis.simulated = bench.simulated();
         diagnosis.notes.push(words_on(diagnosis.simulated, &recorded.all()));
         let parameters = study
@@ -280,7 +288,7 @@ impl Asked<'_> {
             .collect();
         let attachments = current.model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect();
         let intervals = intervals(&study, &current);
-        Ok(Explained { diagnosis, parameters, attachments, intervals, check })
+        Ok(Explained { diagnosis, parameters, attachments, intervals, step, check })
     }
 }
 
@@ -298,6 +306,15 @@ fn refit(study: &mut Study<'_>, known: Option<&DMatrix<f64>>) -> Result<Fitted> 
         base = study.fit_on(&from, iterations)?;
     }
     Ok(base)
+}
+
+/// The largest step of 1, 2 or 5 times a power of ten that is not longer: shorter ones change nothing that recordings can tell.
+fn plain_step(step: f64) -> f64 {
+    let power = step.log10().floor() as i32;
+    let slack = 1.0 + 1e-9;
+    let plain = [5.0, 2.0, 1.0].into_iter().find(|digit| digit * 10f64.powi(power) <= step * slack);
+    // as it is written
+    format!("{}e{power}", plain.unwrap_or(1.0)).parse().unwrap_or(step)
 }
 
 /// How much was simulated.

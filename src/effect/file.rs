@@ -15,9 +15,10 @@
 //! length = { value = 0.45, unit = "m", low = 0.41, high = 0.49, min = 0.0, max = 5.0 }
 //! ```
 //!
-//! A driver is a variable, `rate(variable)` or `integral(variable)`, or the negative of one: `-rate(variable)`. `low` and `high` are the interval that
-//! a fit gave and are for readers; `min` and `max` are what the parameter accepts. A parameter may also be
-//! a plain number, or a text with a unit: `length = "45 cm"`.
+//! A driver is a variable, `rate(variable)` or `integral(variable)`, or the negative of one: `-rate(variable)`. `low` and
+//! `high` are the interval that a fit gave and are for readers; `min` and `max` are what the parameter accepts. A parameter
+//! may also be a plain number, or a text with a unit: `length = "45 cm"`. The communication step that an FMU of this proposes to
+//! masters stands in `[simulation]`, where it is another one than the model's: `communication_step = 5e-5`, in seconds.
 
 use super::{Attachment, Chosen, Effect, Parameter, Signal, Source};
 use crate::model::unit::{Unit, quantity};
@@ -39,6 +40,8 @@ pub struct Corrections {
     /// The model is the FMU that is carried along; inside FMUs only.
     pub original: bool,
     effects: Vec<Named>,
+    /// Communication step that the effects were fitted with \[s\].
+    pub step: Option<f64>,
 }
 
 /// An effect as it stands in a file.
@@ -70,6 +73,13 @@ struct File {
     original: bool,
     #[serde(default)]
     effect: Vec<Spanned<Table>>,
+    simulation: Option<Simulation>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Simulation {
+    communication_step: Spanned<f64>,
 }
 
 #[derive(Deserialize)]
@@ -118,7 +128,15 @@ impl Corrections {
                 place,
             }
         });
-        Ok(Self { settings, original: file.original, effects: effects.collect() })
+        let effects = effects.collect();
+        let step = file.simulation.map(|s| s.communication_step);
+        if let Some(step) = step.as_ref().filter(|s| !(s.get_ref().is_finite() && *s.get_ref() > 0.0)) {
+            return Err(Error::file(format!(
+                "{}: communication_step has to be a positive time [s]",
+                at(step.span().start)
+            )));
+        }
+        Ok(Self { settings, original: file.original, effects, step: step.map(Spanned::into_inner) })
     }
 
     /// True if there are effects.
@@ -310,14 +328,21 @@ fn own_range(parameter: &Parameter, value: f64) -> Interval {
     }
 }
 
-/// The effects as TOML, for a slave with this interface. `intervals` has one list for each attachment with
-/// one interval for each parameter; what is missing is left out.
+/// The effects as TOML, for a slave with this interface, with the communication step \[s\] that suits them. `intervals` has one
+/// list for each attachment with one interval for each parameter; what is missing is left out.
 pub fn effects_text(
     interface: &Interface,
     attachments: &[Attachment],
     intervals: &[Vec<Option<Interval>>],
+    step: Option<f64>,
 ) -> String {
     let mut text = String::new();
+    if let Some(step) = step.filter(|_| !attachments.is_empty()) {
+        let _ = write!(
+            text,
+            "\n[simulation]\ncommunication_step = {step:?} # [s]: longer ones give other results\n"
+        );
+    }
     for (k, attachment) in attachments.iter().enumerate() {
         let Effect { id, name, equation, parameters, .. } = attachment.effect;
         let quoted = |text: &str| toml::Value::String(text.into()).to_string();
@@ -358,6 +383,7 @@ pub fn corrected_text(
     parameters: &[Fitted],
     attachments: &[Attachment],
     intervals: &[Vec<Option<Interval>>],
+    step: Option<f64>,
 ) -> Result<String> {
     let mut text = format!(
         "# Made by latsch {}. `latsch export MODEL --effects THIS_FILE` makes the corrected FMU.\nmodel = {}\n",
@@ -383,7 +409,7 @@ pub fn corrected_text(
             let _ = write!(text, "\n[{section}]\n{lines}");
         }
     }
-    text.push_str(&effects_text(interface, attachments, intervals));
+    text.push_str(&effects_text(interface, attachments, intervals, step));
     Ok(text)
 }
 /// Description and unit of a variable as a comment behind its value; nothing where it has neither.

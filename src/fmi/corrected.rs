@@ -41,7 +41,7 @@ impl CorrectedBase {
 /// arguments give the same bytes.
 ///
 /// Parameters and start values of inputs are in the units of their variables; variables that are not named
-/// keep the base's values. The model's name is the base's with `-corrected`; a model of the library without
+/// keep the base's values. An FMU with effects proposes `step` \[s\] to masters, or what the base proposes. The model's name is the base's with `-corrected`; a model of the library without
 /// effects is an ordinary FMU of that model. Of `library` an FMU needs only the binary. With `binaries`, it
 /// has those instead of the library.
 ///
@@ -52,6 +52,7 @@ pub fn export_corrected(
     base: &CorrectedBase,
     parameters: &[(String, f64)],
     attachments: &[Attachment],
+    step: Option<f64>,
     library: &ModelLibrary,
     binaries: &[Binary],
 ) -> Result<Vec<u8>> {
@@ -68,7 +69,7 @@ pub fn export_corrected(
         Ok(Setting { name, value, causality, place: "the parameters".into() })
     });
     let added = Settings { values: added.collect::<Result<_>>()?, ..Settings::default() };
-    let effects = effects_text(&interface, attachments, &[]);
+    let effects = effects_text(&interface, attachments, &[], step);
     match base {
         CorrectedBase::Model(name, settings) => {
             model(library, name, &merged(settings, &added), &effects, binaries)
@@ -91,7 +92,7 @@ pub fn export_corrections(
 ) -> Result<Vec<u8>> {
     let interface = base.interface(library)?;
     corrections.settings.check(&interface)?;
-    let effects = effects_text(&interface, &corrections.attachments(&interface)?, &[]);
+    let effects = effects_text(&interface, &corrections.attachments(&interface)?, &[], corrections.step);
     match base {
         CorrectedBase::Model(name, settings) => {
             model(library, name, &merged(settings, &corrections.settings), &effects, binaries)

@@ -101,6 +101,9 @@ pub fn corrected_interface(inner: &Interface, corrections: &Corrections) -> Resu
         interface.description = format!("{}; with {}", interface.description, added.join(", "));
     }
     interface.name.push_str("-corrected");
+    if let Some(step) = corrections.step {
+        interface.communication_step = step;
+    }
     Ok(as_own(interface))
 }
 

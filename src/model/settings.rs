@@ -88,6 +88,7 @@ struct File {
     original: bool,
     #[serde(default)]
     effect: Vec<toml::Value>,
+    simulation: Option<toml::Value>,
 }
 
 impl Settings {
@@ -144,7 +145,7 @@ impl Settings {
             };
             fit.push(Free { name, range, place });
         }
-        let corrected = file.original || !file.effect.is_empty();
+        let corrected = file.original || !file.effect.is_empty() || file.simulation.is_some();
         Ok((Self { model: file.model, version: file.version, values, fit }, corrected))
     }
 

@@ -70,6 +70,18 @@ def test_a_force_is_driven_by_the_motion_of_its_own_body(study, case, tmp_path):
     assert [f["effect"] for f in diagnosis["findings"]] == [name], diagnosis["summary"]
     assert all(p["value"] > 0 for p in diagnosis["findings"][0]["parameters"]), diagnosis["findings"]
     assert f'drivers = ["{driver}"]' in (out / "corrected.toml").read_text()
+    # the corrected unit, driven from outside with the step that it proposes, leaves what is stated
+    left = {check["channel"]: [] for check in diagnosis["check"]}
+    for run in (r["name"] for r in diagnosis["runs"] if r["use"] == "check"):
+        recording, results = tmp_path / "recordings" / run, tmp_path / "results.csv"
+        done = latsch("simulate", out / "corrected.fmu", "--inputs", recording, "--output", results)
+        assert done.returncode == 0, done.stderr
+        simulated, recorded = read_results(results), read_results(recording)
+        for channel, errors in left.items():
+            errors.extend(recorded[channel] - np.interp(recorded["time"], simulated["time"], simulated[channel]))
+    for check in diagnosis["check"]:
+        after = np.sqrt(np.mean(np.square(left[check["channel"]])))
+        assert after == pytest.approx(check["after"], rel=0.05), check["channel"]
 
 
 def smooth(time, values):
