@@ -427,7 +427,7 @@ mod tests {
 
     #[test]
     fn a_motion_that_is_shown_twice_is_known_by_its_course() {
-        // two oscillations, 0.1 s apart; the velocity of the first, in another unit and counted the other way
+        // two oscillations every 0.1 s; the velocity of the first, in another unit and counted the other way
         let course = |of: fn(f64) -> f64| (0..400).map(|k| of(0.1 * f64::from(k))).collect::<Vec<f64>>();
         let first = course(|t| t.sin() + 0.2 * (3.1 * t).cos());
         let second = course(|t| (0.7 * t).sin());
