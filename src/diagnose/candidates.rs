@@ -3,7 +3,7 @@
 use super::excerpt::coarser;
 use super::forces::Forces;
 use super::numbers::SPOILT;
-use super::placement::{Placement, Site, is_tunable, own_time, sizes};
+use super::placement::{Placement, Site, is_tunable, own_time, shown_twice, sizes};
 use super::plausible::{implausible, plausible};
 use super::recalled::{Natural, Recalled};
 use super::roles::Roles;
@@ -11,7 +11,7 @@ use super::screen::{FIRST, Screen, Screened};
 use super::study::{Fitted, Model, Rest, Study, differences};
 use super::subject::Subject;
 use crate::effect::catalogue::nested::simpler;
-use crate::effect::{Effect, catalogue, empirical};
+use crate::effect::{Effect, Role, Source, catalogue, empirical};
 use crate::fit::{Channel, Drive, Run, Traces, side_by_side};
 use crate::model::{Causality, Interface};
 use crate::stats::{amplitude, root_mean_square, sign_flip};
@@ -150,10 +150,21 @@ pub(super) fn screen(
     };
     let moving: Vec<usize> = driven.iter().copied().filter(moves).collect();
     let first_seen = || natural(study, interface, roles, model, &runs, &screen, &watch, (&measured, &driven));
-    let Natural { size, rate, time, against } = recalled.natural.get_or_insert_with(first_seen).clone();
+    let Natural { size, rate, time, against, shown } =
+        recalled.natural.get_or_insert_with(first_seen).clone();
     let tunable = study.free.iter().map(|p| p.variable).filter(|v| is_tunable(interface, *v)).collect();
-    let site =
-        Site { interface, roles, measured: &measured, driven: moving, tunable, size, rate, time, against };
+    let site = Site {
+        interface,
+        roles,
+        measured: &measured,
+        driven: moving,
+        tunable,
+        size,
+        rate,
+        time,
+        against,
+        shown,
+    };
     let known = |placement: &Placement| {
         current
             .model
@@ -213,7 +224,12 @@ fn natural(
             forces.against(force, size[force], roles).into_iter().map(move |motion| (force, motion))
         })
         .collect();
-    Natural { size, rate, time, against }
+    let own = |role: Role| -> Vec<usize> {
+        let signals = roles.signals(interface, role).into_iter();
+        signals.filter(|s| s.source == Source::Value).map(|s| s.variable).collect()
+    };
+    let shown = shown_twice(&own(Role::Velocity), &own(Role::Position), watch, &screen.traces);
+    Natural { size, rate, time, against, shown }
 }
 
 /// The best placement of the best effects: named ones and empirical functions; fewer after the first round.

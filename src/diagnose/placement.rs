@@ -16,6 +16,10 @@ const MAX_TUNABLE: usize = 5;
 /// Combinations of drivers that are tried at one target.
 const MAX_COMBINATIONS: usize = 6;
 
+/// Two motions are one if the square of their correlation is larger: rates are differences, which are in phase with the mean
+/// velocity of a step, so that only what is faster than steps makes a difference.
+const SAME: f64 = 0.98;
+
 /// An effect at a place, with the natural sizes of its parameters.
 #[derive(Debug, Clone)]
 pub struct Placement {
@@ -137,6 +141,8 @@ pub struct Site<'a> {
     pub time: f64,
     /// Forces, and the motions that count against the way in which these push.
     pub against: BTreeSet<(usize, usize)>,
+    /// Positions and velocities of which the machine shows both.
+    pub shown: BTreeSet<usize>,
 }
 
 impl Site<'_> {
@@ -232,6 +238,9 @@ impl Site<'_> {
             signals.retain(|s| !targets.contains(&s.variable) || s.source != Source::Value);
         }
         signals.retain(|s| self.size_of(s) > 0.0);
+        if matches!(role, Role::Position | Role::Velocity) {
+            signals.retain(|s| s.source == Source::Value || !self.shown.contains(&s.variable));
+        }
         if port == Port::Force && matches!(role, Role::Position | Role::Velocity) {
             let is_turned =
                 |s: &Signal| targets.iter().all(|force| self.against.contains(&(*force, s.variable)));
@@ -328,6 +337,32 @@ fn combinations(lists: &[Vec<Signal>], interface: &Interface) -> Vec<Vec<Signal>
     all
 }
 
+/// The velocities and positions that are of one motion, either way and in any unit, as traced.
+pub fn shown_twice(
+    velocities: &[usize],
+    positions: &[usize],
+    watch: &[usize],
+    traces: &[Traces],
+) -> BTreeSet<usize> {
+    let course = |variable: usize, of: fn(f64, f64) -> f64| -> Vec<f64> {
+        let Some(column) = watch.iter().position(|v| *v == variable) else { return Vec::new() };
+        traces.iter().flat_map(|run| run[column].windows(2).map(move |w| of(w[0], w[1]))).collect()
+    };
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    // what it moves in a step is what it goes at on average
+    let speeds: Vec<Vec<f64>> = velocities.iter().map(|v| course(*v, |a, b| 0.5 * (a + b))).collect();
+    let mut twice = BTreeSet::new();
+    for position in positions {
+        let ways = course(*position, |a, b| b - a);
+        for (velocity, speeds) in velocities.iter().zip(&speeds) {
+            if product(&ways, speeds).powi(2) > SAME * product(&ways, &ways) * product(speeds, speeds) {
+                twice.extend([*velocity, *position]);
+            }
+        }
+    }
+    twice
+}
+
 /// The machine's own time: the period of a motion with the spread and rate of a traced variable, of the one in the middle of
 /// those `that` are asked for; 1 s where nothing moves.
 pub fn own_time(that: &[usize], watch: &[usize], drives: &[Arc<Drive>], traces: &[Traces]) -> f64 {
@@ -384,4 +419,24 @@ pub fn is_tunable(interface: &Interface, variable: usize) -> bool {
     info.causality == Causality::Parameter
         && info.variability == Variability::Tunable
         && info.kind == Kind::Real
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_motion_that_is_shown_twice_is_known_by_its_course() {
+        // two oscillations every 0.1 s; the velocity of the first, in another unit and counted the other way
+        let course = |of: fn(f64) -> f64| (0..400).map(|k| of(0.1 * f64::from(k))).collect::<Vec<f64>>();
+        let first = course(|t| t.sin() + 0.2 * (3.1 * t).cos());
+        let second = course(|t| (0.7 * t).sin());
+        let velocity = course(|t| -3.6 * (t.cos() - 0.62 * (3.1 * t).sin()));
+        let rest = course(|_| 0.0);
+        let watch = [2, 5, 7, 9];
+        let traces = vec![vec![first, second, velocity, rest]];
+        assert_eq!(shown_twice(&[7], &[2, 5, 9], &watch, &traces), BTreeSet::from([2, 7]));
+        // what rests shows nothing, and what is not traced is not known
+        assert!(shown_twice(&[9, 4], &[2, 5], &watch, &traces).is_empty());
+    }
 }

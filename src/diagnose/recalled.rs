@@ -18,6 +18,8 @@ pub(super) struct Natural {
     pub time: f64,
     /// Forces, and the motions that count against the way in which these push.
     pub against: BTreeSet<(usize, usize)>,
+    /// Positions and velocities of which the machine shows both.
+    pub shown: BTreeSet<usize>,
 }
 
 /// One change: an effect of this form and size at this place.

@@ -62,7 +62,8 @@ impl Roles {
         self.of.get(variable).is_some_and(|r| r.contains(&role))
     }
 
-    /// The signals of a role: inputs and outputs that have it, else rates and integrals of others.
+    /// The signals of a role: inputs and outputs that have it, else rates and integrals of others; velocities and positions, those
+    /// beside them.
     pub fn signals(&self, interface: &Interface, role: Role) -> Vec<Signal> {
         let with = |role: Role, source: Source| -> Vec<Signal> {
             (0..self.of.len())
@@ -89,14 +90,19 @@ impl Roles {
             _ => &[],
         };
         let mut direct = with(role, Source::Value);
-        if role == Role::Velocity {
-            // the speed that a machine has by itself is a velocity of it; the one that a rig gives it is none
-            let own = |s: &Signal| interface.variables[s.variable].causality == Causality::Output;
-            direct.extend(with(Role::TravelSpeed, Source::Value).into_iter().filter(own));
-        }
         let made =
             sources.iter().map(|(role, source)| with(*role, *source)).find(|signals| !signals.is_empty());
-        if direct.is_empty() { made.unwrap_or_default() } else { direct }
+        let made = made.unwrap_or_default();
+        let own = |s: &Signal| interface.variables[s.variable].causality == Causality::Output;
+        if role == Role::Velocity {
+            // the speed that a machine has by itself is a velocity of it; the one that a rig gives it is none
+            direct.extend(with(Role::TravelSpeed, Source::Value).into_iter().filter(own));
+        }
+        // parts of which no sensor shows a velocity have one, too, and so with positions
+        if matches!(role, Role::Velocity | Role::Position) && !direct.is_empty() {
+            direct.extend(made.iter().copied().filter(own));
+        }
+        if direct.is_empty() { made } else { direct }
     }
 }
 
@@ -299,6 +305,7 @@ mod tests {
             rate: vec![(1.0, 1.0); count],
             time: 1.0,
             against: BTreeSet::new(),
+            shown: BTreeSet::new(),
         };
         let name = |v: &usize| interface.variables[*v].name.clone();
         let place = |p: &super::super::placement::Placement| {
