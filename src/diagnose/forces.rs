@@ -96,7 +96,10 @@ impl Forces<'_> {
                 && (is_velocity(*v) || roles.is(*v, Role::Position))
         };
         let motions: Vec<usize> = (0..self.bench.interface().variables.len()).filter(is_motion).collect();
-        let push = |force: f64| self.respond(input, |_, _| force, &motions);
+        // not from the start, where a machine may settle under what acts then
+        let is_on = |drive: &Drive, k: usize| k > drive.points / (2 * WAVES);
+        let push =
+            |force: f64| self.respond(input, |drive, k| if is_on(drive, k) { force } else { 0.0 }, &motions);
         let (Some(still), Some(moved)) = (push(0.0), push(SMALL * size)) else { return Vec::new() };
         let displaced = |c: usize| -> f64 {
             let of = |(drive, (still, moved)): (&Arc<Drive>, (&Traces, &Traces))| -> f64 {
@@ -164,6 +167,9 @@ mod tests {
             1e-3
         }
         fn initialize(&mut self) -> Result<()> {
+            // at rest under what acts
+            let [f, g] = self.forces;
+            self.positions = [(2.0 * f + g) / 300.0, (f + 2.0 * g) / 300.0];
             Ok(())
         }
         fn step(&mut self, h: f64) -> Result<()> {
