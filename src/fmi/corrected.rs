@@ -167,6 +167,8 @@ fn carrier(
     let guid = guid(&outer, &(about.clone() + &resources));
     let can = &description.capabilities;
     let capabilities = Capabilities {
+        // an original that holds its inputs gets their means over each step
+        can_interpolate_inputs: true,
         max_output_derivative_order: can.max_output_derivative_order.min(1),
         can_run_asynchronously: false,
         can_not_use_memory_functions: true,

@@ -70,18 +70,26 @@ def test_a_force_is_driven_by_the_motion_of_its_own_body(study, case, tmp_path):
     assert [f["effect"] for f in diagnosis["findings"]] == [name], diagnosis["summary"]
     assert all(p["value"] > 0 for p in diagnosis["findings"][0]["parameters"]), diagnosis["findings"]
     assert f'drivers = ["{driver}"]' in (out / "corrected.toml").read_text()
-    # the corrected unit, driven from outside with the step that it proposes, leaves what is stated
+    # the corrected unit, driven from outside with the step that it proposes, leaves what is stated, if inputs run as smoothly
+    # between samples as a diagnosis takes them
     left = {check["channel"]: [] for check in diagnosis["check"]}
     for run in (r["name"] for r in diagnosis["runs"] if r["use"] == "check"):
-        recording, results = tmp_path / "recordings" / run, tmp_path / "results.csv"
-        done = latsch("simulate", out / "corrected.fmu", "--inputs", recording, "--output", results)
+        recorded, inputs = read_results(tmp_path / "recordings" / run), tmp_path / "inputs.csv"
+        with open(tmp_path / "recordings" / run, newline="") as file:
+            heads = [h for h in next(csv.reader(file)) if h.split(" [")[0] not in left]
+        fine = np.arange(recorded["time"][0], recorded["time"][-1], np.median(np.diff(recorded["time"])) / 10)
+        courses = [smooth(recorded["time"], recorded[h.split(" [")[0]]) for h in heads[1:]]
+        with open(inputs, "w", newline="") as file:
+            csv.writer(file).writerows([heads, *([repr(float(t)), *(repr(float(at(t))) for at in courses)] for t in fine)])
+        done = latsch("simulate", out / "corrected.fmu", "--inputs", inputs, "--output", tmp_path / "results.csv")
         assert done.returncode == 0, done.stderr
-        simulated, recorded = read_results(results), read_results(recording)
+        simulated = read_results(tmp_path / "results.csv")
+        time = [t for t in recorded["time"] if t <= simulated["time"][-1]]
         for channel, errors in left.items():
-            errors.extend(recorded[channel] - np.interp(recorded["time"], simulated["time"], simulated[channel]))
+            errors.extend(recorded[channel][: len(time)] - np.interp(time, simulated["time"], simulated[channel]))
     for check in diagnosis["check"]:
         after = np.sqrt(np.mean(np.square(left[check["channel"]])))
-        assert after == pytest.approx(check["after"], rel=0.05), check["channel"]
+        assert after == pytest.approx(check["after"], rel=0.02), check["channel"]
 
 
 def smooth(time, values):
