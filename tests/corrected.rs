@@ -443,7 +443,16 @@ fn refuses_with_a_reason() {
     };
     let base = shipped("ring-brush-wheel");
     let effect = |rest: &str| format!("model = \"ring-brush-wheel\"\n\n[[effect]]\n{rest}");
+    refused(
+        &base,
+        "[simulation]\ncommunication_step = 1e-4\n",
+        &["c.toml: [simulation]", "there are none ([[effect]])"],
+    );
     for (rest, words) in [
+        (
+            "id = \"sensor-delay\"\ntarget = \"force_y\"\nparameters.delay = 0.1\n\n[simulation]\ncommunication_step = 0.0",
+            &["c.toml:9: communication_step has to be a positive time"][..],
+        ),
         ("id = 1", &["c.toml:4", "string"][..]),
         ("id = \"magic\"\ntarget = \"force_y\"", &["c.toml:3: effect magic", "sensor-delay"]),
         ("id = \"sensor-delay\"\ntarget = \"force_q\"", &["c.toml:3", "\"force_q\"", "did you mean"]),

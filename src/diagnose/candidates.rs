@@ -150,21 +150,9 @@ pub(super) fn screen(
     };
     let moving: Vec<usize> = driven.iter().copied().filter(moves).collect();
     let first_seen = || natural(study, interface, roles, model, &runs, &screen, &watch, (&measured, &driven));
-    let Natural { size, rate, time, against, shown } =
-        recalled.natural.get_or_insert_with(first_seen).clone();
+    let natural = recalled.natural.get_or_insert_with(first_seen).clone();
     let tunable = study.free.iter().map(|p| p.variable).filter(|v| is_tunable(interface, *v)).collect();
-    let site = Site {
-        interface,
-        roles,
-        measured: &measured,
-        driven: moving,
-        tunable,
-        size,
-        rate,
-        time,
-        against,
-        shown,
-    };
+    let site = Site { interface, roles, measured: &measured, driven: moving, tunable, natural };
     let known = |placement: &Placement| {
         current
             .model

@@ -1,6 +1,7 @@
 //! Where on a model an effect can sit: target, drivers, and natural sizes of its parameters there.
 
 use super::locate::TIME;
+use super::recalled::Natural;
 use super::roles::Roles;
 use crate::effect::{Attachment, Chosen, Effect, Parameter, Port, Role, Signal, Source, empirical};
 use crate::fit::{Drive, Traces};
@@ -133,25 +134,17 @@ pub struct Site<'a> {
     pub driven: Vec<usize>,
     /// Tunable parameters that matter, the most important first.
     pub tunable: Vec<usize>,
-    /// Typical size of every variable.
-    pub size: Vec<f64>,
-    /// Typical size of the rate and integral of every variable.
-    pub rate: Vec<(f64, f64)>,
-    /// The machine's own time \[s\].
-    pub time: f64,
-    /// Forces, and the motions that count against the way in which these push.
-    pub against: BTreeSet<(usize, usize)>,
-    /// Positions and velocities of which the machine shows both.
-    pub shown: BTreeSet<usize>,
+    /// What is natural for the machine.
+    pub natural: Natural,
 }
 
 impl Site<'_> {
     /// Typical size of a signal.
     fn size_of(&self, signal: &Signal) -> f64 {
         match signal.source {
-            Source::Value => self.size[signal.variable],
-            Source::Rate => self.rate[signal.variable].0,
-            Source::Integral => self.rate[signal.variable].1,
+            Source::Value => self.natural.size[signal.variable],
+            Source::Rate => self.natural.rate[signal.variable].0,
+            Source::Integral => self.natural.rate[signal.variable].1,
         }
     }
 
@@ -196,9 +189,9 @@ impl Site<'_> {
                 if sizes.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
                     continue;
                 }
-                let own = self.size[targets[0]];
+                let own = self.natural.size[targets[0]];
                 let scale = |parameter: &Parameter| {
-                    let time = self.time.powi(i32::from(parameter.scale.time));
+                    let time = self.natural.time.powi(i32::from(parameter.scale.time));
                     let factor = time * own.powi(i32::from(parameter.scale.target));
                     sizes
                         .iter()
@@ -227,7 +220,7 @@ impl Site<'_> {
     fn drivers(&self, port: Port, role: Role, targets: &[usize]) -> Vec<Signal> {
         let mut signals = if role == Role::Other {
             // anything that moves
-            let moves = |v: &usize| self.size[*v] > 0.0 && !targets.contains(v);
+            let moves = |v: &usize| self.natural.size[*v] > 0.0 && !targets.contains(v);
             let variables = self.driven.iter().chain(self.measured).filter(|v| moves(v));
             variables.copied().map(Signal::value).collect()
         } else {
@@ -239,11 +232,11 @@ impl Site<'_> {
         }
         signals.retain(|s| self.size_of(s) > 0.0);
         if matches!(role, Role::Position | Role::Velocity) {
-            signals.retain(|s| s.source == Source::Value || !self.shown.contains(&s.variable));
+            signals.retain(|s| s.source == Source::Value || !self.natural.shown.contains(&s.variable));
         }
         if port == Port::Force && matches!(role, Role::Position | Role::Velocity) {
             let is_turned =
-                |s: &Signal| targets.iter().all(|force| self.against.contains(&(*force, s.variable)));
+                |s: &Signal| targets.iter().all(|force| self.natural.against.contains(&(*force, s.variable)));
             signals.iter_mut().for_each(|s| s.is_turned = is_turned(s));
         }
         signals

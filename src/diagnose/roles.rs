@@ -222,6 +222,7 @@ fn named(info: &VariableInfo, dimension: Dimension) -> Option<Role> {
 #[cfg(test)]
 mod tests {
     use super::super::placement::Site;
+    use super::super::recalled::Natural;
     use super::*;
     use crate::effect::{Attached, find, forms};
     use crate::model::{Access, Model, Native, Settings, Slave, Table, input, output};
@@ -301,11 +302,13 @@ mod tests {
             measured: &measured,
             driven,
             tunable: Vec::new(),
-            size: vec![1.0; count],
-            rate: vec![(1.0, 1.0); count],
-            time: 1.0,
-            against: BTreeSet::new(),
-            shown: BTreeSet::new(),
+            natural: Natural {
+                size: vec![1.0; count],
+                rate: vec![(1.0, 1.0); count],
+                time: 1.0,
+                against: BTreeSet::new(),
+                shown: BTreeSet::new(),
+            },
         };
         let name = |v: &usize| interface.variables[*v].name.clone();
         let place = |p: &super::super::placement::Placement| {

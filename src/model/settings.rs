@@ -145,7 +145,12 @@ impl Settings {
             };
             fit.push(Free { name, range, place });
         }
-        let corrected = file.original || !file.effect.is_empty() || file.simulation.is_some();
+        let corrected = file.original || !file.effect.is_empty();
+        if file.simulation.is_some() && !corrected {
+            return Err(Error::file(format!(
+                "{place}: [simulation] says with which step effects were fitted, and there are none ([[effect]])"
+            )));
+        }
         Ok((Self { model: file.model, version: file.version, values, fit }, corrected))
     }
 
