@@ -167,3 +167,21 @@ pub fn clean_up_on_signals() -> io::Result<()> {
     })?;
     Ok(())
 }
+
+/// From now on, Ctrl-C and the end of the console or session first remove temporary folders and files and kill the child
+/// processes; then the program ends, as without this. For programs: it changes what happens in the whole process.
+///
+/// # Errors
+/// The system refuses.
+#[cfg(windows)]
+pub fn clean_up_on_signals() -> io::Result<()> {
+    /// What Windows itself ends a program with: STATUS_CONTROL_C_EXIT.
+    const ENDED_BY_CONTROL_C: u32 = 0xC000_013A;
+    ctrlc::set_handler(|| {
+        // kept: nothing new comes any more
+        let mut all = All::lock();
+        all.remove();
+        std::process::exit(ENDED_BY_CONTROL_C as i32);
+    })
+    .map_err(io::Error::other)
+}

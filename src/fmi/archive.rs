@@ -1,15 +1,15 @@
 //! Makes FMUs: description, documentation, resources and binary in a zip archive.
 
-use super::c::Text;
 use super::description::{PLATFORM, model_description, model_identifier};
 use super::documentation;
 use super::entry::{Entry, guid, no_model};
 use super::export::Sink;
+use super::import::library::{Handle, Names};
 use super::make::{MAX_ABOUT, ORIGINAL_DESCRIPTION};
 use crate::bounded::MAX_TEXT;
 use crate::model::{Interface, Settings};
 use crate::{Error, Result};
-use std::ffi::{CString, c_void};
+use std::ffi::c_void;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
@@ -303,10 +303,7 @@ pub fn description_of(table: &Interface, settings: &Settings) -> Result<String> 
 }
 
 /// Loads a library and takes what its `latsch_models` tells.
-#[cfg(unix)]
 fn describe(path: &Path) -> std::result::Result<Vec<u8>, String> {
-    use std::os::unix::ffi::OsStrExt;
-
     unsafe extern "C" fn collect(context: *mut c_void, start: *const u8, length: usize) {
         if context.is_null() || start.is_null() {
             return;
@@ -315,33 +312,16 @@ fn describe(path: &Path) -> std::result::Result<Vec<u8>, String> {
         unsafe { (*context.cast::<Vec<u8>>()).extend_from_slice(std::slice::from_raw_parts(start, length)) };
     }
 
-    let absolute = path.canonicalize().map_err(|e| e.to_string())?;
-    #[cfg(target_os = "linux")]
-    super::import::elf::check(&absolute).map_err(|why| format!("it cannot be loaded as a library: {why}"))?;
-    let name = CString::new(absolute.as_os_str().as_bytes()).map_err(|e| e.to_string())?;
-    let name: Text = name.as_ptr();
-    // SAFETY: loading runs the library's initialisers; the user named it to be run.
-    let handle = unsafe { libc::dlopen(name, libc::RTLD_NOW | libc::RTLD_LOCAL) };
-    if handle.is_null() {
-        return Err("it cannot be loaded as a library".into());
-    }
+    let absolute = std::path::absolute(path).map_err(|e| e.to_string())?;
+    let library = Handle::open(&absolute, Names::Usual).map_err(|e| e.to_string())?;
     let mut bytes = Vec::new();
-    // SAFETY: the handle is open; the symbol has the type that export_fmus! gives it.
-    let found = unsafe {
-        let symbol = libc::dlsym(handle, c"latsch_models".as_ptr());
-        if !symbol.is_null() {
-            let models: unsafe extern "C" fn(Sink, *mut c_void) = std::mem::transmute(symbol);
-            models(collect, (&raw mut bytes).cast());
-        }
-        libc::dlclose(handle);
-        !symbol.is_null()
-    };
-    if found { Ok(bytes) } else { Err("it was not made with export_fmus!".into()) }
-}
-
-#[cfg(not(unix))]
-fn describe(_path: &Path) -> std::result::Result<Vec<u8>, String> {
-    Err("libraries cannot be loaded on this system yet".into())
+    // SAFETY: the symbol has the type that export_fmus! gives it, and the library is open while it runs.
+    let models: Option<unsafe extern "C" fn(Sink, *mut c_void)> =
+        unsafe { library.function(c"latsch_models") };
+    let models = models.ok_or("it was not made with export_fmus!")?;
+    // SAFETY: the sink takes the vector that it is given.
+    unsafe { models(collect, (&raw mut bytes).cast()) };
+    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -17,7 +17,6 @@ pub struct Instance {
     state: State,
     log: Log,
     /// What an FMU that this one carries has to say.
-    #[cfg(unix)]
     carried: Option<std::sync::Arc<super::import::log::Log>>,
     /// Value references, sorted, with the indices of their variables.
     references: Vec<(u32, usize)>,
@@ -66,7 +65,6 @@ impl Instance {
             references,
             state: State::Instantiated,
             log: Log::new(callbacks, name, debug),
-            #[cfg(unix)]
             carried: made.messages,
             experiment: None,
             time: 0.0,
@@ -109,7 +107,6 @@ impl Instance {
 
     /// Passes on what a carried FMU said in this call. Why a call failed is in our own message already.
     fn pass_on(&self) {
-        #[cfg(unix)]
         for message in self.carried.iter().flat_map(|log| log.drain()) {
             match message.status {
                 0 => self.log.event(&message.text),

@@ -21,7 +21,6 @@ pub struct Made {
     pub slave: Box<dyn Slave>,
     pub guid: String,
     /// Messages of the FMU that is carried along.
-    #[cfg(unix)]
     pub messages: Option<std::sync::Arc<super::import::log::Log>>,
 }
 
@@ -53,15 +52,9 @@ pub fn make(models: &[Entry], resources: &Path, text: &str) -> Result<Made> {
     } else {
         (inner, guid_of(&fingerprint, text))
     };
-    Ok(Made {
-        slave,
-        guid,
-        #[cfg(unix)]
-        messages: None,
-    })
+    Ok(Made { slave, guid, messages: None })
 }
 
-#[cfg(unix)]
 fn carried(corrections: &Corrections, resources: &Path, text: &str) -> Result<Made> {
     use super::import::{Description, ImportedFmu};
     let path = resources.join(ORIGINAL_DESCRIPTION);
@@ -78,11 +71,6 @@ fn carried(corrections: &Corrections, resources: &Path, text: &str) -> Result<Ma
     let guid = guid(&outer, &(about + text));
     let slave = Box::new(Attached::new(Box::new(inner), attachments)?);
     Ok(Made { slave, guid, messages })
-}
-
-#[cfg(not(unix))]
-fn carried(_: &Corrections, _: &Path, _: &str) -> Result<Made> {
-    Err(Error::fmu("FMUs that carry another one do not run on this system yet"))
 }
 
 /// The interface of a corrected model as its own FMU has it. `inner` is that of the model with its start

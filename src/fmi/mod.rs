@@ -19,8 +19,6 @@ pub mod export;
 mod float;
 #[cfg(all(test, feature = "host"))]
 mod hostile;
-// binaries for Windows do not carry other FMUs
-#[cfg(any(feature = "host", unix))]
 pub mod import;
 mod instance;
 mod log;

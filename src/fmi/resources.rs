@@ -77,11 +77,17 @@ fn percent_decode(text: &str) -> Option<Vec<u8>> {
 }
 
 /// `<fmu>/resources` for a library at `<fmu>/binaries/<platform>/<library>`.
-#[cfg(unix)]
 fn beside_library() -> Option<PathBuf> {
+    let library = own_library()?.canonicalize().ok()?;
+    Some(library.parent()?.parent()?.parent()?.join("resources"))
+}
+
+/// The file that this code was loaded from.
+#[cfg(unix)]
+fn own_library() -> Option<PathBuf> {
     use std::os::unix::ffi::OsStrExt;
     let mut info = std::mem::MaybeUninit::<libc::Dl_info>::zeroed();
-    let here: fn(Option<&str>) -> Result<(PathBuf, String)> = model_file;
+    let here: fn() -> Option<PathBuf> = own_library;
     // SAFETY: dladdr only compares the address with those of loaded libraries and fills `info`.
     let found = unsafe { libc::dladdr(here as *const libc::c_void, info.as_mut_ptr()) };
     // SAFETY: zeroed is a valid Dl_info: all its fields are pointers.
@@ -91,14 +97,34 @@ fn beside_library() -> Option<PathBuf> {
     }
     // SAFETY: on success dli_fname is a zero-terminated text that lives as long as the library.
     let name = unsafe { std::ffi::CStr::from_ptr(info.dli_fname) };
-    let library = PathBuf::from(std::ffi::OsStr::from_bytes(name.to_bytes()));
-    let library = library.canonicalize().ok()?;
-    Some(library.parent()?.parent()?.parent()?.join("resources"))
+    Some(std::ffi::OsStr::from_bytes(name.to_bytes()).into())
 }
 
-#[cfg(not(unix))]
-fn beside_library() -> Option<PathBuf> {
-    None
+/// The file that this code was loaded from.
+#[cfg(windows)]
+fn own_library() -> Option<PathBuf> {
+    use std::os::windows::ffi::OsStringExt;
+    use windows_sys::Win32::System::LibraryLoader::{
+        GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS, GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT,
+        GetModuleFileNameW, GetModuleHandleExW,
+    };
+    /// Paths of Windows are no longer, in 16-bit units.
+    const LONGEST: u32 = 32_768;
+    let here: fn() -> Option<PathBuf> = own_library;
+    let flags = GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS | GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT;
+    let mut module = std::ptr::null_mut();
+    let mut name = vec![0; LONGEST as usize];
+    // SAFETY: the address is that of a function here; the system writes a handle, which is not to be closed.
+    if unsafe { GetModuleHandleExW(flags, here as *const u16, &mut module) } == 0 {
+        return None;
+    }
+    // SAFETY: the buffer has the length that is said.
+    let length = unsafe { GetModuleFileNameW(module, name.as_mut_ptr(), LONGEST) };
+    if !(1..LONGEST).contains(&length) {
+        return None;
+    }
+    name.truncate(length as usize);
+    Some(std::ffi::OsString::from_wide(&name).into())
 }
 
 #[cfg(test)]
@@ -137,11 +163,17 @@ mod tests {
         std::fs::File::create(&path).unwrap().set_len(1 << 40).unwrap();
         assert!(refused().contains("model.toml: it has more than 16 MB"), "{}", refused());
         std::fs::remove_file(&path).unwrap();
-        std::os::unix::fs::symlink("/dev/zero", &path).unwrap();
+        #[cfg(unix)]
+        pipes(&path, &refused);
+    }
+
+    #[cfg(unix)]
+    fn pipes(path: &std::path::Path, refused: &dyn Fn() -> String) {
+        std::os::unix::fs::symlink("/dev/zero", path).unwrap();
         assert!(refused().contains("no ordinary file"), "{}", refused());
-        std::fs::remove_file(&path).unwrap();
+        std::fs::remove_file(path).unwrap();
         // nobody writes to it: whoever opens it waits
-        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
         assert!(refused().contains("no ordinary file"), "{}", refused());
     }
 }

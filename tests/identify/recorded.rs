@@ -252,22 +252,22 @@ fn recordings_that_the_model_cannot_explain_are_refused_with_the_likely_reason()
         answer(&scaled(&good, run, |name| name.starts_with(channel), factor)).unwrap_err().to_string()
     };
     let degree = 180.0 / std::f64::consts::PI;
-    for (channel, factor, words) in [
-        ("force", 1e-3, ["\"force_z\"", "kN for N"]),
-        ("force_y", -1.0, ["\"force_y\"", "the other sign"]),
-        ("force_y", -1.0, ["small-motions", "or that of slip_angle"]),
-        ("slip_angle", degree, ["\"slip_angle\"", "degrees for radians"]),
-        ("slip_angle", 1.0 / degree, ["\"slip_angle\"", "radians for degrees"]),
-        ("path_speed", 3.6, ["\"path_speed\"", "km/h for m/s"]),
-        ("deflection", 1e3, ["\"deflection\"", "mm for m"]),
-        ("deflection", -1.0, ["\"deflection\"", "the other sign"]),
-        ("slip", 100.0, ["\"slip", "per cent"]),
-        ("camber", -1.0, ["\"camber\"", "other sign of one of the two"]),
-    ] {
+    let faults: [(&str, f64, &[&str]); 9] = [
+        ("force", 1e-3, &["\"force_z\"", "kN for N"]),
+        ("force_y", -1.0, &["\"force_y\"", "the other sign", "small-motions", "or that of slip_angle"]),
+        ("slip_angle", degree, &["\"slip_angle\"", "degrees for radians"]),
+        ("slip_angle", 1.0 / degree, &["\"slip_angle\"", "radians for degrees"]),
+        ("path_speed", 3.6, &["\"path_speed\"", "km/h for m/s"]),
+        ("deflection", 1e3, &["\"deflection\"", "mm for m"]),
+        ("deflection", -1.0, &["\"deflection\"", "the other sign"]),
+        ("slip", 100.0, &["\"slip", "per cent"]),
+        ("camber", -1.0, &["\"camber\"", "other sign of one of the two"]),
+    ];
+    for (channel, factor, words) in faults {
         // the slip, and not the slip angle with it
         let is = |name: &str| if channel == "slip" { name == channel } else { name.starts_with(channel) };
         let refused = answer(&scaled(&good, "", is, factor)).unwrap_err().to_string();
-        for word in words {
+        for word in words.iter().copied() {
             assert!(refused.contains(word), "{channel} times {factor}: {refused}");
         }
     }

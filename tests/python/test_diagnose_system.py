@@ -8,7 +8,7 @@ import pytest
 
 from conftest import latsch, read_results
 
-STEP, SAMPLES, RUNS = 1e-3, 1200, 6
+STEP, SAMPLES, RUNS = 1e-3, 1200, 4
 FRICTION, SPEED = 1.5, 0.05
 CHANNELS = ["left.force [N]", "left.velocity [m/s]", "left.reaction [N]", "right.position [m]", "right.velocity [m/s]"]
 # masses, springs and dampers to the walls, spring between; the description has 2, 300, 4, 80, 1, 100, 2
@@ -131,8 +131,9 @@ def test_the_corrected_system_runs_as_said(diagnosed):
 def test_a_part_whose_inputs_were_not_recorded_is_said(system, diagnosed, tmp_path):
     folder, *_ = diagnosed
     (tmp_path / "recordings").mkdir()
-    for file in (folder / "recordings").glob("*.csv"):
-        rows = [line.split(",") for line in file.read_text().splitlines()]
+    # which parts can be told by themselves is a matter of the channels that there are: little of two runs is enough
+    for file in sorted((folder / "recordings").glob("*.csv"))[:2]:
+        rows = [line.split(",") for line in file.read_text().splitlines()[:300]]
         keep = [i for i, name in enumerate(rows[0]) if not name.startswith("right.position")]
         text = "\n".join(",".join(row[i] for i in keep) for row in rows) + "\n"
         (tmp_path / "recordings" / file.name).write_text(text)

@@ -3,10 +3,11 @@
 
 use super::lab::{Case, Lab, word};
 use super::reporter::{CALL, Line, Reporter, STDERR, STDOUT};
+use super::system::{self, CallNote};
 use super::tree::Node;
-use super::unit::{self, CallNote, Functions, Maker, Outcome, STALE, STRANGE};
+use super::unit::{Functions, Maker, Outcome, STALE, STRANGE};
 use crate::fmi::import::Description;
-use crate::fmi::import::library::{Handle, Names, find};
+use crate::fmi::import::library::{Handle, Names, find, is_loaded};
 use crate::fmi::import::log::Heard;
 use crate::fmi::import::slave::file_uri;
 use crate::{Error, Result};
@@ -23,7 +24,7 @@ pub(super) fn run(cases: &[Case], name: &str, folder: &Path, work: &Path, timeou
         .find(|case| case.name == name)
         .ok_or_else(|| Error::call(format!("there is no check {name:?}")))?;
     let io = |e: std::io::Error| Error::file(format!("{}: {e}", work.display()));
-    unit::no_core_files();
+    system::expect_a_crash();
     let out = File::create(work.join(STDOUT)).map_err(io)?;
     let err = File::create(work.join(STDERR)).map_err(io)?;
     let xml = std::fs::read(folder.join("modelDescription.xml")).map_err(io)?;
@@ -31,11 +32,11 @@ pub(super) fn run(cases: &[Case], name: &str, folder: &Path, work: &Path, timeou
     let root = Node::parse(&xml).map_err(Error::from)?;
     let note = CallNote::at(&work.join(CALL));
     let results =
-        unit::redirect(1, &out).ok_or_else(|| Error::call("standard output cannot be redirected"))?;
-    unit::redirect(2, &err).ok_or_else(|| Error::call("standard error cannot be redirected"))?;
+        system::redirect(1, &out).ok_or_else(|| Error::call("standard output cannot be redirected"))?;
+    system::redirect(2, &err).ok_or_else(|| Error::call("standard error cannot be redirected"))?;
     let reporter = Reporter::new(results);
 
-    let resources = std::fs::canonicalize(folder).map_err(io)?.join("resources");
+    let resources = std::path::absolute(folder).map_err(io)?.join("resources");
     std::fs::create_dir_all(&resources).map_err(io)?;
     let (file, path) = match find(folder, &description.model_identifier) {
         Ok(found) => found,
@@ -86,12 +87,12 @@ pub(super) fn run(cases: &[Case], name: &str, folder: &Path, work: &Path, timeou
     }
     note.write("closing the library");
     drop(handle);
-    if case.name == "unload" && unit::is_loaded(&path) {
+    if case.name == "unload" && is_loaded(&path) {
         reporter
             .warning("S11", format!("{file} stays loaded after its last instance is freed and it is closed"));
     }
     note.write("printing");
-    unit::flush_c_streams();
+    system::flush_c_streams();
     for (stream, name) in [(STDOUT, "standard output"), (STDERR, "standard error")] {
         if let Ok(bytes) = std::fs::read(work.join(stream))
             && !bytes.is_empty()

@@ -2,7 +2,8 @@
 
 use super::finding::Level;
 use super::reporter::{FRAGILE, Reporter};
-use super::unit::{CallNote, Maker, Unit};
+use super::system::CallNote;
+use super::unit::{Maker, Unit};
 use crate::fmi::import::Description;
 use crate::model::{Causality, Kind, Value, VariableInfo};
 use std::ffi::c_int;

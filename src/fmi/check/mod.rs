@@ -27,6 +27,7 @@ mod report;
 mod reporter;
 mod rules;
 mod schema;
+mod system;
 mod tree;
 mod unit;
 

@@ -4,16 +4,15 @@ use super::finding::{Finding, Place};
 use super::lab::Case;
 use super::report::Report;
 use super::reporter::{CALL, FRAGILE, Found, Line};
+use super::system::{self, End, NOTE};
 use super::tree::Node;
-use super::unit::NOTE;
 use crate::fmi::import::Description;
 use crate::fmi::import::library::find;
 use crate::temporary::{Folder, Running};
 use crate::{Error, Result};
 use std::io::{BufRead, BufReader};
-use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// How often a child is looked after.
@@ -64,9 +63,7 @@ pub(super) fn run(
             End::Late => {
                 Some(format!("{call} did not return within {} s, {}", timeout.as_secs_f64(), case.title))
             }
-            End::Signal(signal) => {
-                Some(format!("{call} crashed with {}, {}", signal_name(signal), case.title))
-            }
+            End::Crash(name) => Some(format!("{call} crashed with {name}, {}", case.title)),
             End::Code(0) if done || stop.is_some() => None,
             End::Code(code) => Some(format!("{call} ended the process with the code {code}, {}", case.title)),
         };
@@ -116,23 +113,6 @@ fn finding(found: Found, root: &Node) -> Finding {
     Finding::new(level, &rule, place, what)
 }
 
-/// How a child ended.
-enum End {
-    Code(i32),
-    Signal(i32),
-    /// It was killed after the time limit.
-    Late,
-}
-
-impl End {
-    fn of(status: ExitStatus) -> Self {
-        match status.signal() {
-            Some(signal) => Self::Signal(signal),
-            None => Self::Code(status.code().unwrap_or(-1)),
-        }
-    }
-}
-
 fn run_case(
     program: &Path,
     timeout: Duration,
@@ -159,7 +139,7 @@ fn run_case(
     let begin = Instant::now();
     let end = loop {
         if let Some(status) = child.with(Child::try_wait).map_err(io)? {
-            break End::of(status);
+            break system::end(status);
         }
         if begin.elapsed() > timeout {
             child.with(|child| child.kill().and_then(|()| child.wait())).map_err(io)?;
@@ -178,18 +158,4 @@ fn last_call(work: &Path) -> String {
         text if text.is_empty() => "the start of the check".into(),
         text => text.into_owned(),
     }
-}
-
-fn signal_name(signal: i32) -> String {
-    let name = match signal {
-        libc::SIGSEGV => "SIGSEGV",
-        libc::SIGABRT => "SIGABRT",
-        libc::SIGFPE => "SIGFPE",
-        libc::SIGILL => "SIGILL",
-        libc::SIGBUS => "SIGBUS",
-        libc::SIGTRAP => "SIGTRAP",
-        libc::SIGKILL => "SIGKILL",
-        _ => return format!("signal {signal}"),
-    };
-    name.into()
 }

@@ -5,12 +5,13 @@ use crate::fmi::c::{
     Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, ComponentEnvironment, FALSE, FmuState, TRUE,
     Text, ValueReference,
 };
+use crate::fmi::check::system::CallNote;
 use crate::fmi::check::{float_mode, memory};
 use crate::fmi::import::library::Handle;
 use crate::fmi::import::log::{self, Environment, Heard, text};
 use std::ffi::{CString, c_int, c_void};
 use std::ptr;
-use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// fmi2Error.
@@ -98,44 +99,6 @@ functions! {
     integer_status c"fmi2GetIntegerStatus" Status<c_int>;
     boolean_status c"fmi2GetBooleanStatus" Status<Boolean>;
     string_status c"fmi2GetStringStatus" Status<Text>;
-}
-
-/// The name of the call that is being made, where another process can read it after a crash.
-pub(super) struct CallNote(&'static [AtomicU8]);
-
-/// The length of a [`CallNote`].
-pub(super) const NOTE: usize = 128;
-
-impl CallNote {
-    /// A note in the file at `path`, which has to have [`NOTE`] bytes; else one that nobody reads.
-    pub(super) fn at(path: &std::path::Path) -> Self {
-        use std::os::fd::AsRawFd;
-        let file = std::fs::File::options().read(true).write(true).open(path).ok();
-        let file = file.filter(|f| f.metadata().is_ok_and(|m| m.len() >= NOTE as u64));
-        let Some(file) = file else { return Self(&[]) };
-        // SAFETY: a new shared mapping of a file that is long enough; nothing else is there.
-        let memory = unsafe {
-            libc::mmap(
-                ptr::null_mut(),
-                NOTE,
-                libc::PROT_READ | libc::PROT_WRITE,
-                libc::MAP_SHARED,
-                file.as_raw_fd(),
-                0,
-            )
-        };
-        if memory == libc::MAP_FAILED {
-            return Self(&[]);
-        }
-        // SAFETY: the mapping has this length and is never undone; atomic bytes may be shared.
-        Self(unsafe { std::slice::from_raw_parts(memory.cast(), NOTE) })
-    }
-
-    pub(super) fn write(&self, call: &str) {
-        for (cell, byte) in self.0.iter().zip(call.bytes().chain([0])) {
-            cell.store(byte, Ordering::Relaxed);
-        }
-    }
 }
 
 /// The environment of an instance's callbacks.
@@ -587,45 +550,4 @@ pub(super) fn names(functions: &Functions, note: &CallNote) -> [Option<String>; 
             function.map(|f| unsafe { text(f()) })
         },
     )
-}
-
-/// True if the library at `path` is still loaded.
-pub(super) fn is_loaded(path: &std::path::Path) -> bool {
-    use std::os::unix::ffi::OsStrExt;
-    let Ok(path) = CString::new(path.as_os_str().as_bytes()) else { return false };
-    // SAFETY: the path ends with a zero; RTLD_NOLOAD loads nothing.
-    let handle = unsafe { libc::dlopen(path.as_ptr(), libc::RTLD_NOW | libc::RTLD_NOLOAD) };
-    if handle.is_null() {
-        return false;
-    }
-    // SAFETY: the handle is from dlopen and is closed once.
-    unsafe { libc::dlclose(handle) };
-    true
-}
-
-/// Writes out what C code has printed so far.
-pub(super) fn flush_c_streams() {
-    // SAFETY: NULL stands for all streams.
-    unsafe { libc::fflush(ptr::null_mut()) };
-}
-
-/// Puts the file descriptor `to` in the place of `from`, and returns a copy of what was there.
-pub(super) fn redirect(from: c_int, to: &std::fs::File) -> Option<std::fs::File> {
-    use std::os::fd::{AsRawFd, FromRawFd};
-    // SAFETY: descriptors are plain numbers; wrong ones make the calls fail. The new one belongs to
-    // nobody else.
-    unsafe {
-        let copy = libc::fcntl(from, libc::F_DUPFD_CLOEXEC, 10);
-        if copy < 0 || libc::dup2(to.as_raw_fd(), from) < 0 {
-            return None;
-        }
-        Some(std::fs::File::from_raw_fd(copy))
-    }
-}
-
-/// A crash of this process is expected: it leaves no memory image on the disk.
-pub(super) fn no_core_files() {
-    let limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
-    // SAFETY: a limit of this process and its value.
-    unsafe { libc::setrlimit(libc::RLIMIT_CORE, &limit) };
 }

@@ -4,9 +4,12 @@ use super::description::Capabilities;
 use super::log::text;
 use crate::fmi::c::{Boolean, Byte, CallbackFunctions, Component, FmuState, Text, ValueReference};
 use crate::{Error, Result};
-use std::ffi::{CStr, CString, c_int, c_void};
+#[cfg(unix)]
+use libloading::os::unix as system;
+#[cfg(windows)]
+use libloading::os::windows as system;
+use std::ffi::{CStr, c_int};
 use std::fs;
-use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
 /// The folders in `binaries/` that hold a binary for this machine, and its ending.
@@ -20,10 +23,12 @@ const PLATFORMS: &[&str] = if cfg!(all(target_os = "linux", target_arch = "x86_6
     &["aarch64-darwin"]
 } else if cfg!(target_os = "macos") {
     &["darwin64", "x86_64-darwin"]
+} else if cfg!(all(windows, target_arch = "x86_64")) {
+    &["win64", "x86_64-windows"]
 } else {
     &[]
 };
-const ENDING: &str = if cfg!(target_os = "macos") { "dylib" } else { "so" };
+const ENDING: &str = std::env::consts::DLL_EXTENSION;
 
 type Get<T> = unsafe extern "C" fn(Component, *const ValueReference, usize, *mut T) -> c_int;
 type Set<T> = unsafe extern "C" fn(Component, *const ValueReference, usize, *const T) -> c_int;
@@ -47,8 +52,13 @@ pub(in crate::fmi) enum Names {
 }
 
 impl Names {
-    fn flag(self) -> c_int {
-        match self {
+    /// Loads a library for nobody else to see, and all that it needs at once.
+    ///
+    /// # Safety
+    /// Its initialisers are foreign code.
+    #[cfg(unix)]
+    unsafe fn open(self, path: &Path) -> std::result::Result<system::Library, libloading::Error> {
+        let flag = match self {
             #[cfg(feature = "host")]
             Self::Usual => 0,
             // elsewhere libraries look into themselves first (macOS), or cannot be told to
@@ -56,7 +66,19 @@ impl Names {
             Self::OwnFirst => libc::RTLD_DEEPBIND,
             #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
             Self::OwnFirst => 0,
-        }
+        };
+        // SAFETY: demanded of the caller.
+        unsafe { system::Library::open(Some(path), libc::RTLD_NOW | libc::RTLD_LOCAL | flag) }
+    }
+
+    /// Loads a library, which finds the libraries beside it. Names are never shared on this system.
+    ///
+    /// # Safety
+    /// Its initialisers are foreign code.
+    #[cfg(windows)]
+    unsafe fn open(self, path: &Path) -> std::result::Result<system::Library, libloading::Error> {
+        // SAFETY: demanded of the caller.
+        unsafe { system::Library::load_with_flags(path, system::LOAD_WITH_ALTERED_SEARCH_PATH) }
     }
 }
 
@@ -210,51 +232,41 @@ fn missing(binaries: &Path, file: &str) -> Error {
     Error::fmu(format!("the FMU has no binary for this machine, binaries/{here}/{file}; {there}"))
 }
 
-/// A library as the dynamic loader knows it.
-pub(in crate::fmi) struct Handle(*mut c_void);
+/// A library as the system's loader knows it, closed when it is dropped.
+pub(in crate::fmi) struct Handle(system::Library);
 
 impl Handle {
+    /// Loads the library at `path`, an absolute one: the systems look for others in different places.
     pub(in crate::fmi) fn open(path: &Path, names: Names) -> Result<Self> {
         #[cfg(target_os = "linux")]
         super::elf::check(path).map_err(|why| Error::fmu(format!("the binary cannot be loaded: {why}")))?;
-        let path = CString::new(path.as_os_str().as_bytes())
-            .map_err(|_| Error::fmu("the path of the binary holds a NUL character"))?;
-        // SAFETY: the path ends with a zero. The initialisers of the library run: that is what
-        // importing an FMU means.
-        let handle = unsafe { libc::dlopen(path.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL | names.flag()) };
-        if handle.is_null() {
-            // SAFETY: dlerror returns null or a text that lives until the next call in this thread.
-            let why = unsafe { text(libc::dlerror()) };
-            return Err(Error::fmu(format!("the binary cannot be loaded: {why}")));
-        }
-        Ok(Self(handle))
+        // SAFETY: the initialisers of the library run: that is what importing an FMU means.
+        unsafe { names.open(path) }.map(Self).map_err(|e| {
+            let why = std::error::Error::source(&e).map_or_else(|| e.to_string(), ToString::to_string);
+            Error::fmu(format!("the binary cannot be loaded: {why}"))
+        })
     }
-}
 
-impl Handle {
     /// The function called `name`, if there is one.
     ///
     /// # Safety
-    /// `F` is the type of the pointer to that function.
+    /// `F` is the type of the pointer to that function. It is not called once the handle is gone.
     pub(in crate::fmi) unsafe fn function<F: Copy>(&self, name: &CStr) -> Option<F> {
-        // No other type has a meaning here: the copy below reads exactly one pointer.
-        const { assert!(size_of::<F>() == size_of::<*mut c_void>()) };
-        // SAFETY: the handle is open and the name ends with a zero.
-        let symbol = unsafe { libc::dlsym(self.0, name.as_ptr()) };
-        if symbol.is_null() {
-            return None;
-        }
-        // SAFETY: `F` is a function pointer (demanded of the caller), as large as `symbol`, not null.
-        Some(unsafe { std::mem::transmute_copy(&symbol) })
+        // no other type than that of a pointer that is never null has a meaning here
+        const { assert!(size_of::<Option<F>>() == size_of::<*const ()>()) };
+        // SAFETY: `F` is a function pointer (demanded of the caller), and a symbol at null is none.
+        unsafe { self.0.get::<Option<F>>(name) }.ok().and_then(|symbol| *symbol)
     }
 }
 
-impl Drop for Handle {
-    fn drop(&mut self) {
-        // SAFETY: the handle is from dlopen and is closed once; the pointers into the library are
-        // dropped with the `Library` that holds this handle.
-        unsafe { libc::dlclose(self.0) };
-    }
+/// True if the library at `path` is loaded.
+#[cfg(feature = "host")]
+pub(in crate::fmi) fn is_loaded(path: &Path) -> bool {
+    // SAFETY: nothing is loaded that is not there, and no initialiser runs.
+    #[cfg(unix)]
+    return unsafe { system::Library::open(Some(path), libc::RTLD_NOW | libc::RTLD_NOLOAD) }.is_ok();
+    #[cfg(windows)]
+    return system::Library::open_already_loaded(path).is_ok();
 }
 
 struct Functions<'a> {

@@ -21,7 +21,7 @@ pub struct Message {
     /// Category, one of those in the FMU's description; may be empty.
     pub category: String,
     /// The text, with its arguments and with the names of variables that it refers to. Directives of C's
-    /// printf stand as they are where their arguments cannot be read: not there, or not on x86-64 with Linux.
+    /// printf stand as they are where their arguments cannot be read: not there, or not on x86-64 with Linux or Windows.
     pub text: String,
 }
 
@@ -234,7 +234,7 @@ unsafe fn pass_on(
 ///
 /// # Safety
 /// The texts are null or end with a zero.
-#[cfg(any(feature = "host", not(all(target_os = "linux", target_arch = "x86_64"))))]
+#[cfg(any(feature = "host", not(all(any(target_os = "linux", windows), target_arch = "x86_64"))))]
 pub(in crate::fmi) unsafe extern "C" fn without_arguments(
     environment: ComponentEnvironment,
     name: Text,
@@ -259,10 +259,10 @@ pub(in crate::fmi) fn variadic(function: Fixed) -> Logger {
 
 /// The logger for fmi2CallbackFunctions.
 pub(in crate::fmi) fn logger() -> Logger {
-    #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+    #[cfg(all(any(target_os = "linux", windows), target_arch = "x86_64"))]
     return variadic(entry::log);
     // Elsewhere the arguments cannot be read.
-    #[cfg(not(all(target_os = "linux", target_arch = "x86_64")))]
+    #[cfg(not(all(any(target_os = "linux", windows), target_arch = "x86_64")))]
     return variadic(without_arguments);
 }
 
@@ -321,6 +321,47 @@ mod entry {
         let mut arguments = Variadic::new(unsafe { &*registers });
         // SAFETY: demanded of the caller.
         unsafe { pass_on(environment, name, status, category, format, &mut arguments) }
+    }
+}
+
+/// Where a message arrives with its other arguments on the stack.
+#[cfg(all(windows, target_arch = "x86_64"))]
+mod entry {
+    use super::printf::slots::Variadic;
+    use super::{ComponentEnvironment, Text, c_int, pass_on};
+
+    /// fmi2CallbackLogger: calls [`arrived`] with the same arguments and, as a sixth, the place of those that follow.
+    ///
+    /// # Safety
+    /// The texts are null or end with a zero.
+    #[unsafe(naked)]
+    pub(super) unsafe extern "C" fn log(_: ComponentEnvironment, _: Text, _: c_int, _: Text, _: Text) {
+        std::arch::naked_asm!(
+            // four words for the called function's own use, the fifth argument and the sixth; the stack at a multiple of 16
+            "sub rsp, 56",
+            "mov rax, [rsp + 96]",
+            "mov [rsp + 32], rax",
+            "lea rax, [rsp + 104]",
+            "mov [rsp + 40], rax",
+            "call {arrived}",
+            "add rsp, 56",
+            "ret",
+            arrived = sym arrived,
+        )
+    }
+
+    /// # Safety
+    /// The texts are null or end with a zero.
+    unsafe extern "C" fn arrived(
+        environment: ComponentEnvironment,
+        name: Text,
+        status: c_int,
+        category: Text,
+        format: Text,
+        others: u64,
+    ) {
+        // SAFETY: demanded of the caller.
+        unsafe { pass_on(environment, name, status, category, format, &mut Variadic(others)) }
     }
 }
 

@@ -188,10 +188,63 @@ unsafe fn print(
     Some(String::from_utf8_lossy(&buffer[..written]).into_owned())
 }
 
+/// The bytes of the text at an address of this process, as [`Arguments::text`] has it.
+#[cfg(all(any(target_os = "linux", windows), target_arch = "x86_64"))]
+fn text_at(address: u64, most: usize) -> Option<Vec<u8>> {
+    let mut text = Vec::new();
+    while text.len() < most {
+        // Not beyond the end of a page: the next one may not be there.
+        let at = address.checked_add(text.len() as u64)?;
+        let mut chunk = vec![0; (4096 - (at % 4096) as usize).min(most - text.len())];
+        let read = peek(at, &mut chunk);
+        if read == 0 {
+            // A text without an end is none.
+            return None;
+        }
+        chunk.truncate(read);
+        if let Some(end) = chunk.iter().position(|b| *b == 0) {
+            text.extend(&chunk[..end]);
+            return Some(text);
+        }
+        text.extend(chunk);
+    }
+    Some(text)
+}
+
+/// The eight bytes at an address.
+#[cfg(all(any(target_os = "linux", windows), target_arch = "x86_64"))]
+fn word_at(address: u64) -> Option<u64> {
+    let mut bytes = [0; 8];
+    (peek(address, &mut bytes) == 8).then(|| u64::from_le_bytes(bytes))
+}
+
+/// Copies what is at an address of this process, if anything is; how many bytes.
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+fn peek(address: u64, buffer: &mut [u8]) -> usize {
+    let local = libc::iovec { iov_base: buffer.as_mut_ptr().cast(), iov_len: buffer.len() };
+    let remote = libc::iovec { iov_base: address as *mut _, iov_len: buffer.len() };
+    // SAFETY: the kernel writes into the buffer only, and looks whether the other address is there.
+    let read = unsafe { libc::process_vm_readv(libc::getpid(), &local, 1, &remote, 1, 0) };
+    usize::try_from(read).unwrap_or(0)
+}
+
+/// Copies what is at an address of this process, if anything is; how many bytes.
+#[cfg(all(windows, target_arch = "x86_64"))]
+fn peek(address: u64, buffer: &mut [u8]) -> usize {
+    use windows_sys::Win32::System::Diagnostics::Debug::ReadProcessMemory;
+    use windows_sys::Win32::System::Threading::GetCurrentProcess;
+    let mut read = 0;
+    let into = buffer.as_mut_ptr().cast();
+    // SAFETY: the system writes into the buffer only, and looks whether the other address is there.
+    let done =
+        unsafe { ReadProcessMemory(GetCurrentProcess(), address as *const _, into, buffer.len(), &mut read) };
+    if done == 0 { 0 } else { read }
+}
+
 /// What a variadic function finds when it is called, by the System V convention of x86-64.
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 pub(super) mod registers {
-    use super::Arguments;
+    use super::{Arguments, text_at, word_at};
 
     /// The registers at the beginning of the call, as the logger's entry lays them out.
     #[repr(C)]
@@ -216,10 +269,9 @@ pub(super) mod registers {
         }
 
         fn stacked(&mut self) -> Option<u64> {
-            let mut bytes = [0; 8];
-            let read = peek(self.stack, &mut bytes);
+            let word = word_at(self.stack);
             self.stack += 8;
-            (read == 8).then_some(u64::from_le_bytes(bytes))
+            word
         }
     }
 
@@ -251,34 +303,38 @@ pub(super) mod registers {
         }
 
         fn text(&mut self, address: u64, most: usize) -> Option<Vec<u8>> {
-            let mut text = Vec::new();
-            while text.len() < most {
-                // Not beyond the end of a page: the next one may not be there.
-                let at = address.checked_add(text.len() as u64)?;
-                let mut chunk = vec![0; (4096 - (at % 4096) as usize).min(most - text.len())];
-                let read = peek(at, &mut chunk);
-                if read == 0 {
-                    // A text without an end is none.
-                    return None;
-                }
-                chunk.truncate(read);
-                if let Some(end) = chunk.iter().position(|b| *b == 0) {
-                    text.extend(&chunk[..end]);
-                    return Some(text);
-                }
-                text.extend(chunk);
-            }
-            Some(text)
+            text_at(address, most)
         }
     }
+}
 
-    /// Copies what is at an address of this process, if anything is; how many bytes.
-    fn peek(address: u64, buffer: &mut [u8]) -> usize {
-        let local = libc::iovec { iov_base: buffer.as_mut_ptr().cast(), iov_len: buffer.len() };
-        let remote = libc::iovec { iov_base: address as *mut _, iov_len: buffer.len() };
-        // SAFETY: the kernel writes into the buffer only, and looks whether the other address is there.
-        let read = unsafe { libc::process_vm_readv(libc::getpid(), &local, 1, &remote, 1, 0) };
-        usize::try_from(read).unwrap_or(0)
+/// What a variadic function finds when it is called, by the convention of 64-bit Windows: one word after the other.
+#[cfg(all(windows, target_arch = "x86_64"))]
+pub(super) mod slots {
+    use super::{Arguments, text_at, word_at};
+
+    /// The arguments after the five that every logger has.
+    pub(in crate::fmi::import) struct Variadic(pub(in crate::fmi::import) u64);
+
+    impl Arguments for Variadic {
+        fn word(&mut self) -> Option<u64> {
+            let word = word_at(self.0);
+            self.0 += 8;
+            word
+        }
+
+        fn real(&mut self) -> Option<f64> {
+            self.word().map(f64::from_bits)
+        }
+
+        // Microsoft's is a double. MinGW passes a pointer to its own, which is taken for a number here.
+        fn long_real(&mut self) -> Option<f64> {
+            self.real()
+        }
+
+        fn text(&mut self, address: u64, most: usize) -> Option<Vec<u8>> {
+            text_at(address, most)
+        }
     }
 }
 

@@ -16,7 +16,6 @@ use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
 use std::fs;
-use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 #[cfg(feature = "host")]
 use std::path::PathBuf;
@@ -121,7 +120,7 @@ impl ImportedFmu {
 
     fn instantiate(description: Description, folder: &Path, names: Names) -> Result<Self> {
         let io = |e| Error::fmu(format!("the folder that it was unpacked to cannot be used: {e}"));
-        let folder = fs::canonicalize(folder).map_err(io)?;
+        let folder = std::path::absolute(folder).map_err(io)?;
         let resources = folder.join("resources");
         let library =
             Library::load(&folder, &description.model_identifier, &description.capabilities, names)?;
@@ -522,9 +521,21 @@ fn digest(payload: &[u8]) -> Uuid {
 
 /// The URI of an absolute path, by RFC 3986.
 pub(in crate::fmi) fn file_uri(path: &Path) -> String {
-    let mut uri = String::from("file://");
-    for &byte in path.as_os_str().as_bytes() {
+    uri(path.as_os_str().as_encoded_bytes(), cfg!(windows))
+}
+
+fn uri(path: &[u8], windows: bool) -> String {
+    // C:\folder is /C:/folder, and \\server\share is //server/share; \\?\ in front says that a path is as it stands
+    let path = if windows { path.strip_prefix(br"\\?\").unwrap_or(path) } else { path };
+    let is_share = windows && path.starts_with(br"\\");
+    let mut uri = String::from(if is_share { "file:" } else { "file://" });
+    if windows && !is_share {
+        uri.push('/');
+    }
+    for &byte in path {
         match byte {
+            b'\\' if windows => uri.push('/'),
+            b':' if windows => uri.push(':'),
             b'/' | b'-' | b'.' | b'_' | b'~' => uri.push(char::from(byte)),
             _ if byte.is_ascii_alphanumeric() => uri.push(char::from(byte)),
             _ => uri.push_str(&format!("%{byte:02X}")),
@@ -539,6 +550,10 @@ mod tests {
 
     #[test]
     fn uris_are_percent_encoded() {
-        assert_eq!(file_uri(Path::new("/srv/a b/ü%#?/x-1_2.~")), "file:///srv/a%20b/%C3%BC%25%23%3F/x-1_2.~");
+        let of = |path: &str, windows| uri(path.as_bytes(), windows);
+        assert_eq!(of("/srv/a b/ü%#?/x-1_2.~", false), "file:///srv/a%20b/%C3%BC%25%23%3F/x-1_2.~");
+        assert_eq!(of(r"C:\Temp\a b", true), "file:///C:/Temp/a%20b");
+        assert_eq!(of(r"\\?\C:\Temp", true), "file:///C:/Temp");
+        assert_eq!(of(r"\\server\share\x", true), "file://server/share/x");
     }
 }
