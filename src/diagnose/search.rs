@@ -52,6 +52,14 @@ impl Found {
             rivals: Vec::new(),
         }
     }
+
+    /// Makes all names less sure, by this factor.
+    fn doubt(&mut self, factor: f64) {
+        for finding in &mut self.findings {
+            finding.confidence *= factor;
+            finding.alternatives.iter_mut().for_each(|a| a.confidence *= factor);
+        }
+    }
 }
 
 /// Whether hardly more than the noise is left of every channel of the check runs.
@@ -128,6 +136,10 @@ pub(super) fn search(
                 finding.depends_on.extend(more);
                 found.unknown = Some(finding);
                 let t = tried.swap_remove(i);
+                // the function may stand for physics of which the names before it show a part
+                let (names, function) =
+                    (found.base_check.total - found.check.total, found.check.total - t.check_rest.total);
+                found.doubt(names.max(0.0) / (names.max(0.0) + function.max(f64::MIN_POSITIVE)));
                 found.check = t.check_rest;
                 found.current = t.fitted;
                 return Ok(found);
@@ -138,11 +150,7 @@ pub(super) fn search(
     let left = Left::of(study, subject, roles, &found.current, (&fit, &found.check));
     let explained = found.base_check.total - found.check.total;
     // what leaves much is less sure to be what it is called
-    let doubt = left.doubt(explained);
-    for finding in &mut found.findings {
-        finding.confidence *= doubt;
-        finding.alternatives.iter_mut().for_each(|a| a.confidence *= doubt);
-    }
+    found.doubt(left.doubt(explained));
     if left.counts(explained) {
         found.unknown = Some(left.finding(subject, study));
     }
