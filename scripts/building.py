@@ -9,10 +9,11 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 
 def build(release, *commands):
-    """Builds packages, those of each command together; returns the folder of what came out."""
-    profile = ["--release"] if release else []
-    for packages in commands:
-        command = ["cargo", "build", "--locked", *(word for package in packages for word in ("--package", package)), *profile]
+    """Builds packages, those of each command together; returns the folder of what came out. Unless it is for a release, where a
+    library has no more in it than it needs, all packages are built together: as tests have them already."""
+    selections = [[word for package in packages for word in ("--package", package)] for packages in commands]
+    for selection in selections if release else [["--workspace"]]:
+        command = ["cargo", "build", "--locked", *selection, *(["--release"] if release else [])]
         if subprocess.run(command, cwd=ROOT).returncode != 0:
             sys.exit(f"{pathlib.Path(sys.argv[0]).name}: the build failed")
     done = subprocess.run(

@@ -99,6 +99,7 @@ const CHECK: &[&str] = &[
     "fmi/check/reporter",
     "fmi/check/memory",
     "fmi/check/float_mode",
+    "fmi/check/system",
     "fmi/check/unit",
     "fmi/check/lab",
     "fmi/check/parent",

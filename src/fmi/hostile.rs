@@ -38,7 +38,7 @@ fn fmu() -> &'static (tempfile::TempDir, CString, CString) {
         let text = settings.to_file(&table).unwrap();
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("model.toml"), &text).unwrap();
-        let location = |p: &Path| CString::new(format!("file://{}", p.display())).unwrap();
+        let location = |p: &Path| CString::new(crate::fmi::import::slave::file_uri(p)).unwrap();
         let location = location(folder.path());
         (folder, location, CString::new(guid(&table, &text)).unwrap())
     })

@@ -3,7 +3,7 @@
 
 use crate::bounded::{self, MAX_TEXT};
 use crate::{Error, Result};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The folder `resources` and the text of `model.toml` in it.
 ///
@@ -33,7 +33,8 @@ pub fn model_file(location: Option<&str>) -> Result<(PathBuf, String)> {
 fn folder_of_uri(uri: &str) -> Result<PathBuf> {
     let fail = |what: &str| Error::fmu(format!("resource location {uri:?}: {what}"));
     let Some(rest) = uri.strip_prefix("file:") else {
-        return if uri.starts_with('/') { Ok(uri.into()) } else { Err(fail("a file: URI is needed")) };
+        let is_path = uri.starts_with('/') || Path::new(uri).is_absolute();
+        return if is_path { Ok(uri.into()) } else { Err(fail("a file: URI is needed")) };
     };
     let path = match rest.strip_prefix("//") {
         Some(with_authority) => {
@@ -168,7 +169,7 @@ mod tests {
     }
 
     #[cfg(unix)]
-    fn pipes(path: &std::path::Path, refused: &dyn Fn() -> String) {
+    fn pipes(path: &Path, refused: &dyn Fn() -> String) {
         std::os::unix::fs::symlink("/dev/zero", path).unwrap();
         assert!(refused().contains("no ordinary file"), "{}", refused());
         std::fs::remove_file(path).unwrap();

@@ -233,53 +233,47 @@ def slaves(fmu):
         slave.close()
 
 
-@pytest.fixture(scope="session")
-def template_library(tmp_path_factory):
-    """A user's library: the template copied out of the repository, with the oscillator of its README and a model that
-    panics."""
-    crate = tmp_path_factory.mktemp("own") / "my-models"
+def own_library(crate, name, code):
+    """A user's library: the template copied out of the repository, with other code. Optimised as the rest is: what is simulated with it
+    takes longer than that."""
     shutil.copytree(ROOT / "fmu-template", crate)
     manifest = (crate / "Cargo.toml").read_text()
-    assert 'path = ".."' in manifest
-    (crate / "Cargo.toml").write_text(manifest.replace('path = ".."', f'path = "{ROOT}"'))
+    for old, new in [('path = ".."', f'path = "{ROOT}"'), ('name = "latsch-fmu"', f'name = "{name}"')]:
+        assert old in manifest
+        manifest = manifest.replace(old, new)
+    (crate / "Cargo.toml").write_text(manifest)
+    (crate / "src" / "lib.rs").write_text(code)
     shutil.copy(ROOT / "Cargo.lock", crate)
-    code = re.search(r"```rust\n(.*?)```", (crate / "README.md").read_text(), re.S).group(1)
-    assert "export_fmus!(Oscillator)" in code
-    code = code.replace("export_fmus!(Oscillator)", "export_fmus!(Oscillator, Bomb)")
-    (crate / "src" / "lib.rs").write_text(code + (ROOT / "tests" / "data" / "bomb.rs").read_text())
     # a folder of its own in cargo's target, so that a second run is fast
     target = TARGET / "template"
+    profile = dict(CARGO_PROFILE_DEV_OPT_LEVEL="1", CARGO_PROFILE_DEV_DEBUG="false")
     done = subprocess.run(
         ["cargo", "build", "--manifest-path", crate / "Cargo.toml"],
-        env=dict(os.environ, CARGO_TARGET_DIR=str(target)),
+        env=dict(os.environ, CARGO_TARGET_DIR=str(target), **profile),
         capture_output=True,
         text=True,
     )
     assert done.returncode == 0, done.stderr
-    return target / "debug" / "liblatsch_fmu.so"
+    return target / "debug" / f"lib{name.replace('-', '_')}.so"
+
+
+@pytest.fixture(scope="session")
+def template_library(tmp_path_factory):
+    """The oscillator of the template's README and a model that panics."""
+    code = re.search(r"```rust\n(.*?)```", (ROOT / "fmu-template" / "README.md").read_text(), re.S).group(1)
+    assert "export_fmus!(Oscillator)" in code
+    code = code.replace("export_fmus!(Oscillator)", "export_fmus!(Oscillator, Bomb)")
+    code += (ROOT / "tests" / "data" / "bomb.rs").read_text()
+    return own_library(tmp_path_factory.mktemp("own") / "my-models", "my-models", code)
 
 
 @pytest.fixture(scope="session")
 def system(tmp_path_factory):
-    """The example of two masses with its FMU, built as a user does: the template copied, with the model of the example in it."""
-    crate = tmp_path_factory.mktemp("two") / "two-masses"
-    shutil.copytree(ROOT / "fmu-template", crate)
-    manifest = (crate / "Cargo.toml").read_text()
-    for old, new in [('path = ".."', f'path = "{ROOT}"'), ('name = "latsch-fmu"', 'name = "two-masses"')]:
-        assert old in manifest
-        manifest = manifest.replace(old, new)
-    (crate / "Cargo.toml").write_text(manifest)
-    shutil.copy(TWO_MASSES / "lib.rs", crate / "src" / "lib.rs")
-    shutil.copy(ROOT / "Cargo.lock", crate)
-    target = TARGET / "template"
-    environment = dict(os.environ, CARGO_TARGET_DIR=str(target))
-    done = subprocess.run(["cargo", "build", "--manifest-path", crate / "Cargo.toml"], env=environment,
-                          capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    """The example of two masses with its FMU, built as a user does."""
+    library = own_library(tmp_path_factory.mktemp("two") / "two-masses", "two-masses", (TWO_MASSES / "lib.rs").read_text())
     folder = tmp_path_factory.mktemp("system")
     for name in ["system.toml", "SystemStructure.ssd"]:
         shutil.copy(TWO_MASSES / name, folder)
-    done = latsch("export", "coupled-oscillator", "--library", target / "debug" / "libtwo_masses.so", "--output",
-                  folder / "coupled-oscillator.fmu")
+    done = latsch("export", "coupled-oscillator", "--library", library, "--output", folder / "coupled-oscillator.fmu")
     assert done.returncode == 0, done.stderr
     return folder

@@ -55,7 +55,7 @@ def runs(data, tmp_path_factory):
 @pytest.fixture(scope="module")
 def models(tmp_path_factory):
     """Exports the nominal models."""
-    build = ["cargo", "build", "--locked", "--package", "latsch-real-models"]
+    build = ["cargo", "build", "--locked", "--workspace"]
     done = subprocess.run(build, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     folder = tmp_path_factory.mktemp("models")

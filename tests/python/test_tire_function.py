@@ -35,9 +35,7 @@ ROAD_TYPE = 'poly'
 
 @pytest.fixture(scope="module")
 def library():
-    subprocess.run(
-        ["cargo", "build", "--quiet", "--locked", "--package", "latsch-tire-function"], cwd=ROOT, check=True
-    )
+    subprocess.run(["cargo", "build", "--quiet", "--locked", "--workspace"], cwd=ROOT, check=True)
     return TARGET / "debug"
 
 

@@ -185,7 +185,21 @@ unsafe fn print(
     let mut buffer = [0u8; 1024];
     let written = call(buffer.as_mut_ptr().cast(), buffer.len(), format.as_ptr());
     let written = usize::try_from(written).ok()?.min(buffer.len() - 1);
-    Some(String::from_utf8_lossy(&buffer[..written]).into_owned())
+    let text = String::from_utf8_lossy(&buffer[..written]).into_owned();
+    Some(if cfg!(windows) { two_digits_of_exponent(text) } else { text })
+}
+
+/// A number as C99 writes it: the old C library of Windows has three digits of exponent and more, as in 1e-007.
+fn two_digits_of_exponent(text: String) -> String {
+    let is_sign = |c: char| matches!(c, '+' | '-');
+    match text.split_once(['e', 'E']).and_then(|(_, tail)| tail.strip_prefix(is_sign)) {
+        Some(digits) if digits.len() == 3 && digits.starts_with('0') => {
+            let mut short = text.clone();
+            short.remove(text.len() - 3);
+            short
+        }
+        _ => text,
+    }
 }
 
 /// The bytes of the text at an address of this process, as [`Arguments::text`] has it.
@@ -385,6 +399,16 @@ mod tests {
         assert_eq!(with("%*d|%-*d|", vec![Word(4), Word(1), Word(4), Word(2)]), "   1|2   |");
         assert_eq!(with("%e %g %c", vec![Real(0.5), Real(1e-7), Word(65)]), "5.000000e-01 1e-07 A");
         assert_eq!(with("%s", vec![Word(0)]), "(null)");
+    }
+
+    #[test]
+    fn exponents_have_two_digits_where_two_are_enough() {
+        for (old, new) in
+            [("1e-007", "1e-07"), ("-5.25E+010", "-5.25E+10"), ("1e+100", "1e+100"), ("1e-07", "1e-07")]
+        {
+            assert_eq!(two_digits_of_exponent(old.into()), new);
+        }
+        assert_eq!(two_digits_of_exponent("0.5".into()), "0.5");
     }
 
     #[test]

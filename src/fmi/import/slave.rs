@@ -15,6 +15,7 @@ use crate::model::{
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
+#[cfg(feature = "host")]
 use std::fs;
 use std::path::Path;
 #[cfg(feature = "host")]
