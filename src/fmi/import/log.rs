@@ -266,17 +266,18 @@ pub(in crate::fmi) fn logger() -> Logger {
     return variadic(without_arguments);
 }
 
-/// Where a message arrives with its arguments still in their registers.
-#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+/// Where a message arrives with its arguments still where the call left them.
+#[cfg(all(any(target_os = "linux", windows), target_arch = "x86_64"))]
 mod entry {
-    use super::printf::registers::{Registers, Variadic};
+    use super::printf::call::{Place, Variadic};
     use super::{ComponentEnvironment, Text, c_int, pass_on};
 
     /// fmi2CallbackLogger: puts all registers that may hold arguments, and the place of the others, into a
-    /// [`Registers`] and passes that as a sixth argument.
+    /// [`Registers`](super::printf::call::Registers) and passes that to [`arrived`] as a sixth argument.
     ///
     /// # Safety
     /// The texts are null or end with a zero.
+    #[cfg(not(windows))]
     #[unsafe(naked)]
     pub(super) unsafe extern "C" fn log(_: ComponentEnvironment, _: Text, _: c_int, _: Text, _: Text) {
         std::arch::naked_asm!(
@@ -307,33 +308,11 @@ mod entry {
         )
     }
 
-    /// # Safety
-    /// The texts are null or end with a zero; the registers are those of the call.
-    unsafe extern "C" fn arrived(
-        environment: ComponentEnvironment,
-        name: Text,
-        status: c_int,
-        category: Text,
-        format: Text,
-        registers: *const Registers,
-    ) {
-        // SAFETY: `log` made them on its stack.
-        let mut arguments = Variadic::new(unsafe { &*registers });
-        // SAFETY: demanded of the caller.
-        unsafe { pass_on(environment, name, status, category, format, &mut arguments) }
-    }
-}
-
-/// Where a message arrives with its other arguments on the stack.
-#[cfg(all(windows, target_arch = "x86_64"))]
-mod entry {
-    use super::printf::slots::Variadic;
-    use super::{ComponentEnvironment, Text, c_int, pass_on};
-
     /// fmi2CallbackLogger: calls [`arrived`] with the same arguments and, as a sixth, the place of those that follow.
     ///
     /// # Safety
     /// The texts are null or end with a zero.
+    #[cfg(windows)]
     #[unsafe(naked)]
     pub(super) unsafe extern "C" fn log(_: ComponentEnvironment, _: Text, _: c_int, _: Text, _: Text) {
         std::arch::naked_asm!(
@@ -351,17 +330,19 @@ mod entry {
     }
 
     /// # Safety
-    /// The texts are null or end with a zero.
+    /// The texts are null or end with a zero; the place is that of the call's arguments.
     unsafe extern "C" fn arrived(
         environment: ComponentEnvironment,
         name: Text,
         status: c_int,
         category: Text,
         format: Text,
-        others: u64,
+        place: Place,
     ) {
+        // SAFETY: demanded of the caller, who waits.
+        let mut arguments = unsafe { Variadic::at(place) };
         // SAFETY: demanded of the caller.
-        unsafe { pass_on(environment, name, status, category, format, &mut Variadic(others)) }
+        unsafe { pass_on(environment, name, status, category, format, &mut arguments) }
     }
 }
 

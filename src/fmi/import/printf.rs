@@ -257,7 +257,7 @@ fn peek(address: u64, buffer: &mut [u8]) -> usize {
 
 /// What a variadic function finds when it is called, by the System V convention of x86-64.
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
-pub(super) mod registers {
+pub(super) mod call {
     use super::{Arguments, text_at, word_at};
 
     /// The registers at the beginning of the call, as the logger's entry lays them out.
@@ -269,6 +269,9 @@ pub(super) mod registers {
         stack: u64,
     }
 
+    /// Where a logger finds its arguments.
+    pub(in crate::fmi::import) type Place = *const Registers;
+
     /// The arguments after the five that every logger has.
     pub(in crate::fmi::import) struct Variadic<'a> {
         registers: &'a Registers,
@@ -278,7 +281,11 @@ pub(super) mod registers {
     }
 
     impl<'a> Variadic<'a> {
-        pub(in crate::fmi::import) fn new(registers: &'a Registers) -> Self {
+        /// # Safety
+        /// The registers are there as long as this value.
+        pub(in crate::fmi::import) unsafe fn at(place: Place) -> Self {
+            // SAFETY: demanded of the caller.
+            let registers = unsafe { &*place };
             Self { registers, general: 5, vector: 0, stack: registers.stack }
         }
 
@@ -324,11 +331,22 @@ pub(super) mod registers {
 
 /// What a variadic function finds when it is called, by the convention of 64-bit Windows: one word after the other.
 #[cfg(all(windows, target_arch = "x86_64"))]
-pub(super) mod slots {
+pub(super) mod call {
     use super::{Arguments, text_at, word_at};
 
-    /// The arguments after the five that every logger has.
-    pub(in crate::fmi::import) struct Variadic(pub(in crate::fmi::import) u64);
+    /// Where a logger finds the arguments after the five that it always has: their address.
+    pub(in crate::fmi::import) type Place = u64;
+
+    /// Those arguments.
+    pub(in crate::fmi::import) struct Variadic(Place);
+
+    impl Variadic {
+        /// # Safety
+        /// None: what is not there is not read.
+        pub(in crate::fmi::import) unsafe fn at(place: Place) -> Self {
+            Self(place)
+        }
+    }
 
     impl Arguments for Variadic {
         fn word(&mut self) -> Option<u64> {
