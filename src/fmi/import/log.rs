@@ -5,7 +5,7 @@ use crate::fmi::c::{ComponentEnvironment, Logger, Text};
 use crate::model::{Kind, VariableInfo};
 use crate::shown::shortened;
 use std::cell::Cell;
-use std::collections::{HashMap, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 use std::ffi::{CStr, c_int};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -42,7 +42,9 @@ struct Messages {
 }
 
 /// Names of variables, by the letter and the value reference with which messages refer to them.
-pub(in crate::fmi) type Names = HashMap<(char, u32), String>;
+///
+/// No hash map: its random numbers would make FMUs for Windows need a library more.
+pub(in crate::fmi) type Names = BTreeMap<(char, u32), String>;
 
 /// How messages may refer to these variables; of several with the same reference the first is named.
 pub(in crate::fmi) fn names(variables: &[VariableInfo]) -> Names {
