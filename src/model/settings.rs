@@ -3,7 +3,7 @@
 use super::{Causality, Interface, Value};
 use crate::{Error, Result};
 use serde::Deserialize;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use toml::Spanned;
 
@@ -167,8 +167,8 @@ impl Settings {
                 interface.name
             )));
         }
-        let indices: HashMap<&str, usize> = match self.values.is_empty() {
-            true => HashMap::new(),
+        let indices: BTreeMap<&str, usize> = match self.values.is_empty() {
+            true => BTreeMap::new(),
             // the first of a name, as `find` has it
             false => {
                 interface.variables.iter().enumerate().rev().map(|(i, v)| (v.name.as_str(), i)).collect()

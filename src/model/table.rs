@@ -3,7 +3,7 @@
 use super::interface::VariableInfo;
 use super::{Start, Variable};
 use crate::{Error, Result};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// How a part is reached in the model that it is a part of.
@@ -167,7 +167,7 @@ impl<M> Table<M> {
     /// # Errors
     /// The first two rows that are one too many, or an input that runs on with something that is no row.
     pub(super) fn check(&self) -> Result<()> {
-        let mut seen: HashMap<u32, &str> = HashMap::new();
+        let mut seen: BTreeMap<u32, &str> = BTreeMap::new();
         for row in &self.rows {
             let name = row.name();
             match seen.insert(reference(name), name) {
