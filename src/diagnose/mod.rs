@@ -3,6 +3,7 @@
 mod aside;
 mod begin;
 mod candidates;
+mod clock;
 mod decision;
 mod excerpt;
 mod experiment;

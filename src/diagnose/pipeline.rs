@@ -1,5 +1,6 @@
 //! The chain from recordings to a verdict.
 
+use super::clock::Drift;
 use super::excerpt::finer;
 use super::hygiene::Fault;
 use super::numbers::{LEVEL, NOISE_MARGIN, RECORDER_LAG};
@@ -16,6 +17,7 @@ use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
 use super::{experiment, locate, tables};
 use crate::Result;
+use crate::effect::Attachment;
 use crate::fit::{Bench, Run};
 use crate::model::Settings;
 use crate::recording::Recording;
@@ -55,7 +57,7 @@ pub struct Outcome {
     /// The corrected model: fitted parameters by index.
     pub parameters: Vec<(usize, f64)>,
     /// The corrected model: its effects.
-    pub attachments: Vec<crate::effect::Attachment>,
+    pub attachments: Vec<Attachment>,
     /// 95 % intervals of their parameters, where the recordings fix them.
     pub intervals: Vec<Vec<Option<(f64, f64)>>>,
     /// The corrected model: the communication step with which its effects were fitted \[s\], if not the model's own.
@@ -113,7 +115,7 @@ struct Asked<'a> {
 struct Explained {
     diagnosis: Diagnosis,
     parameters: Vec<(usize, f64)>,
-    attachments: Vec<crate::effect::Attachment>,
+    attachments: Vec<Attachment>,
     intervals: Vec<Vec<Option<(f64, f64)>>>,
     step: Option<f64>,
     check: Vec<CheckTraces>,
@@ -187,6 +189,11 @@ impl Asked<'_> {
         } else {
             let fallback = base.clone();
             let found = search(&mut study, subject, roles, &nominal, (base, base_rest), progress)?;
+            if let Some(drift) = Drift::of(&found, &study, &recorded.all())
+                && let Some(rest) = known.with_clock_put_right(&drift)
+            {
+                return self.explain(&rest, progress);
+            }
             if faults.iter().any(Fault::is_fatal) {
                 // what single runs have may be physics: of a fault that is there no name makes runs like the others, while a
                 // function without one may
@@ -363,7 +370,7 @@ impl Facts {
             (_, Some(_)) => Verdict::Unknown,
             ([], None) if self.is_refitted => Verdict::Parameters,
             ([], None) => Verdict::Nothing,
-            ([first, ..], None) if first.alternatives.iter().any(|a| a.confidence > 0.25) => Verdict::Family,
+            ([first, ..], None) if first.is_open() => Verdict::Family,
             _ => Verdict::Effect,
         }
     }

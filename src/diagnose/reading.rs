@@ -1,6 +1,7 @@
 //! From a folder of recordings to runs: reading, what they have in common, faults that show beside a simulation.
 
 use super::aside::Aside;
+use super::clock::Drift;
 use super::hygiene;
 use super::pipeline::Request;
 use super::prepared::{leave_out_after, leave_out_rails, unwrap};
@@ -62,6 +63,21 @@ impl Known {
             aside: self.aside.iter().chain(faults).cloned().collect(),
             recorded,
         })
+    }
+
+    /// The same with the times of all that was measured put right; `None` if that was done before.
+    pub fn with_clock_put_right(&self, drift: &Drift) -> Option<Self> {
+        let fault = drift.fault();
+        if self.aside.iter().any(|f| f.kind == fault.kind) {
+            return None;
+        }
+        let mut recorded = self.recorded.clone();
+        for (run, _) in &mut recorded.runs {
+            let Some(k) = recorded.names.iter().position(|name| *name == run.name) else { continue };
+            drift.put_right(run, &mut recorded.recordings[k], &recorded.drives[k]);
+        }
+        let aside = self.aside.iter().cloned().chain([fault]).collect();
+        Some(Self { recorded, faults: self.faults.clone(), aside })
     }
 }
 
@@ -237,6 +253,7 @@ impl Recorded {
             runs: list(&self.runs_aside),
             channels: list(&self.channels_aside),
             at_rail: list(&at_rail.filter_map(|f| f.channel.clone()).collect()),
+            is_on_time: aside.iter().any(|f| f.kind == hygiene::FaultKind::ClockDrift && !f.is_fatal()),
         }
     }
 

@@ -1,7 +1,7 @@
 //! What a diagnosis says, in the form of `diagnosis.json`; docs/diagnosis-json.md describes it for those
 //! who read the file.
 
-use super::numbers::MOSTLY;
+use super::numbers::{MOSTLY, OPEN};
 use crate::stats::mean;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -83,6 +83,9 @@ pub struct WithoutFaults {
     pub channels: Vec<String>,
     /// Channels whose samples at a rail are left aside, with what else was measured then.
     pub at_rail: Vec<String>,
+    /// The times of all that was measured were put right.
+    #[serde(default)]
+    pub is_on_time: bool,
 }
 
 impl WithoutFaults {
@@ -93,8 +96,9 @@ impl WithoutFaults {
             (!names.is_empty()).then(|| format!("{what}{plural} {}", names.join(", ")))
         };
         let at_rail = self.at_rail.iter().map(|channel| format!("samples of {channel} at its rail"));
+        let clock = self.is_on_time.then(|| "the error of the clock".to_owned());
         let parts = [all("run", &self.runs), all("channel", &self.channels)].into_iter().flatten();
-        parts.chain(at_rail).collect::<Vec<_>>().join(" and ")
+        parts.chain(at_rail).chain(clock).collect::<Vec<_>>().join(" and ")
     }
 }
 
@@ -123,6 +127,13 @@ pub struct Finding {
     pub alternatives: Vec<Alternative>,
     /// Why it was named, in a few sentences.
     pub evidence: String,
+}
+
+impl Finding {
+    /// Whether something else is about as likely.
+    pub(crate) fn is_open(&self) -> bool {
+        self.alternatives.iter().any(|a| a.confidence > OPEN)
+    }
 }
 
 /// What else a finding could be.

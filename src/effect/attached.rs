@@ -305,7 +305,8 @@ impl<S: Slave + ?Sized> Attached<S> {
                     Source::Integral => more + (value + 0.5 * slope * ahead) * ahead,
                 });
             }
-            let call = Call { time, dt, target, drivers: &drivers[..places.len().min(MAX_DRIVERS)] };
+            let drivers = &drivers[..places.len().min(MAX_DRIVERS)];
+            let call = Call { time, dt, target, drivers, course: None };
             target = (self.attachments[*k].effect.apply)(
                 &self.state.parameters[*k],
                 &mut self.state.memories[*k],

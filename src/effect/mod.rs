@@ -206,6 +206,31 @@ pub struct Call<'a> {
     pub target: f64,
     /// The drivers, in the order of [`Effect::drivers`].
     pub drivers: &'a [f64],
+    /// What the number to be changed does in the whole run, where that is over: an FMU does not know what is ahead.
+    pub course: Option<Course<'a>>,
+}
+
+/// A number over a run that is over, at even times, straight in between and held outside.
+#[derive(Debug, Clone, Copy)]
+pub struct Course<'a> {
+    /// The first time \[s\].
+    pub start: f64,
+    /// From one to the next \[s\].
+    pub step: f64,
+    /// The values.
+    pub values: &'a [f64],
+}
+
+impl Course<'_> {
+    /// The value at a time.
+    pub fn at(&self, time: f64) -> f64 {
+        let last = self.values.len().saturating_sub(1);
+        let place = ((time - self.start) / self.step).clamp(0.0, last as f64);
+        let before = (place as usize).min(last);
+        let value = |i: usize| self.values.get(i).copied().unwrap_or_default();
+        let next = value((before + 1).min(last));
+        value(before) + (next - value(before)) * (place - before as f64)
+    }
 }
 
 /// What an effect remembers: plain data.

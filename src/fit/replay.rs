@@ -1,11 +1,11 @@
 //! Effects on outputs, computed from traces instead of simulated.
 
 use super::bench::{Drive, Traces};
-use crate::effect::{Attachment, Call, MAX_DRIVERS, Memory, Source};
+use crate::effect::{Attachment, Call, Course, MAX_DRIVERS, Memory, Source};
 
 /// The course `target` of an output after an effect on it, with the traces of the `watch`ed variables of the slave without
-/// that effect: what [`Attached`](crate::effect::Attached) does at the communication points. `None` if a signal that drives
-/// the effect is neither watched nor a driven input.
+/// that effect: what [`Attached`](crate::effect::Attached) does at the communication points, but for effects that show what is ahead,
+/// which is known here. `None` if a signal that drives the effect is neither watched nor a driven input.
 pub fn replay(
     attachment: &Attachment,
     target: &[f64],
@@ -14,12 +14,13 @@ pub fn replay(
     traces: &Traces,
 ) -> Option<Vec<f64>> {
     let parameters: Vec<f64> = attachment.parameters.iter().map(|p| p.value).collect();
-    let course = |variable: usize| {
+    let of = |variable: usize| {
         let driven = || drive.inputs.iter().find(|(v, _)| *v == variable).map(|(_, values)| values);
         watch.iter().position(|v| *v == variable).map(|c| &traces[c]).or_else(driven)
     };
-    let signals: Option<Vec<&Vec<f64>>> = attachment.drivers.iter().map(|s| course(s.variable)).collect();
+    let signals: Option<Vec<&Vec<f64>>> = attachment.drivers.iter().map(|s| of(s.variable)).collect();
     let signals = signals?;
+    let course = Course { start: drive.start, step: drive.step, values: target };
     let mut memory = Memory::default();
     let mut integrals = [0.0; MAX_DRIVERS];
     let changed = target.iter().enumerate().map(|(k, target)| {
@@ -39,7 +40,7 @@ pub fn replay(
             });
         }
         let used = &drivers[..signals.len().min(MAX_DRIVERS)];
-        let call = Call { time: drive.time(k), dt, target: *target, drivers: used };
+        let call = Call { time: drive.time(k), dt, target: *target, drivers: used, course: Some(course) };
         (attachment.effect.apply)(&parameters, &mut memory, &call)
     });
     Some(changed.collect())

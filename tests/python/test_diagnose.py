@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -133,13 +134,13 @@ def test_repeats_of_a_run_tell_what_is_no_noise(study, tmp_path, repeats, verdic
         assert "comes again in repeats" in found["findings"][0]["evidence"]
 
 
-def made(folder, force, start=0.0):
+def made(folder, force, start=0.0, clock=0.0):
     """Seven runs of an oscillator with a force of position and velocity beside its spring, by the classical Runge-Kutta method
-    in steps of 0.1 ms, with 1 % of noise."""
+    in steps of 0.1 ms, with 1 % of noise. What is measured comes later than the inputs by the share `clock` of the time."""
     folder.mkdir()
     dice = np.random.default_rng(1)
     amplitude, frequency, phase = dice.uniform(30, 120, (6, 7)), dice.uniform(0.3, 6, (6, 7)), dice.uniform(0, 6, (6, 7))
-    mass, stiffness, damping, step, parts = 10.5, 3800.0, 84.0, 1e-4, 50
+    mass, stiffness, damping, step, parts = 10.5, 3800.0, 84.0, 1e-4 * (1 - clock), 50
 
     def drive(t):
         return (amplitude * np.sin(2 * np.pi * frequency * t + phase)).sum(axis=0)
@@ -149,7 +150,7 @@ def made(folder, force, start=0.0):
 
     state = np.array([drive(0) / stiffness + start * np.sign(drive(0)), np.zeros(7)])
     times, states = 0.005 * np.arange(2000), []
-    for t in times:
+    for t in (1 - clock) * times:
         states.append(state)
         for part in range(parts):
             at = t + part * step
@@ -183,6 +184,28 @@ def test_what_sticks_or_touches_has_its_own_name_and_no_other(study, tmp_path, e
     assert (found["verdict"], finding["effect"], finding["place"]) == ("effect", effect, "force at force"), found["summary"]
     [estimate] = [p for p in finding["parameters"] if p["name"] == parameter]
     assert estimate["value"] == pytest.approx(truth, rel=0.05)
+
+
+@pytest.mark.parametrize("clock", [0.006, -0.009])
+def test_a_clock_is_the_recordings_fault_and_what_is_missing_beside_it_is_found(study, tmp_path, clock):
+    made(tmp_path / "recordings", lambda x, v: -4.0 * np.tanh(v / 0.002), clock=clock)
+    model, output = study / "models" / "oscillator.fmu", tmp_path / "output"
+    done = latsch("diagnose", model, "--recordings", tmp_path / "recordings", "--output", output)
+    assert done.returncode == 0, done.stderr
+    found = json.loads((output / "diagnosis.json").read_text())
+    [fault] = found["faults"]
+    assert (found["verdict"], fault["kind"], fault["channel"], len(fault["runs"])) == ("recording", "clock-drift", None, 7)
+    [[way, amount]] = re.findall(r"it comes (\w+) and \w+, by (\S+) .* ms per second", fault["text"])
+    assert way == ("later" if clock > 0 else "earlier") and float(amount) == pytest.approx(1e3 * abs(clock), rel=0.01)
+    without, [friction] = found["without_faults"], found["findings"]
+    assert (without["verdict"], without["is_on_time"]) == ("effect", True), found["summary"]
+    assert (friction["effect"], friction["place"]) == ("coulomb-friction", "force at force")
+    [estimate] = [p for p in friction["parameters"] if p["name"] == "force"]
+    assert estimate["value"] == pytest.approx(4.0, rel=0.05)
+    # no machine has a wrong clock
+    names = [v.name for v in fmpy.read_model_description(output / "corrected.fmu").modelVariables]
+    assert any("coulomb" in name for name in names) and not any("clock" in name for name in names)
+    assert "clock" not in (output / "corrected.toml").read_text()
 
 
 def rewritten(case, folder, parameters="", name=None, column=lambda head, values: [(head, values)], mapped=""):

@@ -79,9 +79,12 @@ impl FaultKind {
         matches!(self, Self::WrongUnit | Self::WrongSign | Self::SwappedChannels)
     }
 
-    /// True for what single runs have and the others do not.
+    /// True for what single runs have and the others do not; of clocks the search finds what all runs share.
     pub fn is_of_some_runs(self) -> bool {
-        matches!(self, Self::OffsetInSomeRuns | Self::DelayInSomeRuns | Self::GainInSomeRuns)
+        matches!(
+            self,
+            Self::OffsetInSomeRuns | Self::DelayInSomeRuns | Self::GainInSomeRuns | Self::ClockDrift
+        )
     }
 }
 

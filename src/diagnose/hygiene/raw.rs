@@ -198,13 +198,13 @@ fn empty_cells(recording: &mut Recording, defects: &[Defect]) -> Vec<Fault> {
 mod tests {
     use super::*;
 
-    /// A swing of 1 Hz with a little noise, held by friction for a moment where it turns, at `top` and a little before.
-    fn swing(source: &str, top: f64) -> RawRecording {
+    /// A swing of 1 Hz with a little noise that goes from `bottom` to `top` at most.
+    fn swing(source: &str, (bottom, top): (f64, f64)) -> RawRecording {
         let time: Vec<f64> = (0..800).map(|k| 0.01 * f64::from(k)).collect();
         let mut noise = crate::stats::SplitMix64::new(source.len() as u64);
         let value = |t: &f64| {
             let clean = 2.0 * (std::f64::consts::TAU * t).sin() + 0.02 * noise.normal();
-            (clean.min(top) * 500.0).round() / 500.0
+            (clean.clamp(bottom, top) * 500.0).round() / 500.0
         };
         let values = time.iter().map(value).collect();
         let channels = vec![Channel { name: "angle".into(), unit: "rad".into(), values }];
@@ -216,9 +216,12 @@ mod tests {
         let kinds = |runs: &[RawRecording]| -> Vec<FaultKind> {
             faults_of_runs(&runs.iter().collect::<Vec<_>>()).into_iter().map(|f| f.kind).collect()
         };
-        let at_rail = [swing("a.csv", 1.8), swing("bb.csv", 1.8)];
+        let at_rail = [swing("a.csv", (-9.0, 1.8)), swing("bb.csv", (-9.0, 1.8))];
         assert_eq!(kinds(&at_rail), [FaultKind::Saturated; 2]);
         // another run goes far beyond: the first ones only turn there
-        assert_eq!(kinds(&[at_rail[0].clone(), swing("ccc.csv", 9.0)]), []);
+        assert_eq!(kinds(&[at_rail[0].clone(), swing("ccc.csv", (-9.0, 9.0))]), []);
+        // an amplifier has one at either end
+        let both = [swing("a.csv", (-1.6, 1.8)), swing("bb.csv", (-1.6, 1.8))];
+        assert_eq!(kinds(&both), [FaultKind::Saturated; 4]);
     }
 }

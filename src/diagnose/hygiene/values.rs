@@ -176,6 +176,7 @@ fn saturated(channel: &Channel, look: &Look) -> Vec<Fault> {
     if !look.measured() {
         return Vec::new();
     }
+    let ends = [quantile(look.values, 1.0), quantile(look.values, 0.0)];
     let of = |rail: f64| {
         // zero is where physics ends: no contact, standstill, no pressure
         if look.near_zero(rail) {
@@ -191,9 +192,10 @@ fn saturated(channel: &Channel, look: &Look) -> Vec<Fault> {
                 (None, None) => false,
             })
             .collect();
-        // a channel that is flat elsewhere, too, is a command or a coarse one, or rests there
-        let elsewhere: usize =
-            look.flats.iter().filter(|f| look.values[f.0] != rail).map(|(a, b)| b - a).sum();
+        // a channel that is flat between its ends, too, is a command or a coarse one, or rests there; an amplifier has a rail
+        // at either end
+        let elsewhere = look.flats.iter().filter(|f| !ends.contains(&look.values[f.0]));
+        let elsewhere: usize = elsewhere.map(|(a, b)| b - a).sum();
         let rests = |samples: usize| elsewhere * 4 > samples;
         if let Some((samples, fault)) = piled(channel, look, rail) {
             return (!rests(samples)).then_some(fault);
@@ -221,7 +223,7 @@ fn saturated(channel: &Channel, look: &Look) -> Vec<Fault> {
             ..fault(FaultKind::Saturated, Severity::Fatal, channel, rail, &channel.unit)
         })
     };
-    [quantile(look.values, 1.0), quantile(look.values, 0.0)].into_iter().filter_map(of).collect()
+    ends.into_iter().filter_map(of).collect()
 }
 
 /// The rows in which a channel is at a rail or would be there with a little more noise: of what comes near a rail those samples

@@ -19,9 +19,14 @@ pub const EFFECT: Effect = Effect {
         "error",
         "Time that is lost per time",
         Scale::plain("1"),
-        (-0.005, 0.005),
+        // quartz errs by 1e-4, the oscillators of resistor and capacitor in small loggers by 2 % over their temperatures
         (-0.02, 0.02),
-        &[0.0002],
+        (-0.03, 0.03),
+        // after a hundred periods a thousandth is a tenth of one: what is farther off is found from near it
+        &[
+            1e-5, 3e-5, -3e-5, 1e-4, -1e-4, 3e-4, -3e-4, 1e-3, -1e-3, 2e-3, -2e-3, 4e-3, -4e-3, 7e-3, -7e-3,
+            0.012, -0.012,
+        ],
     )],
     apply,
 };
@@ -32,6 +37,9 @@ fn apply(p: &[f64], memory: &mut Memory, call: &Call<'_>) -> f64 {
         memory.past.clear();
     }
     let late = p[0] * (call.time - memory.states[0]);
+    if let Some(course) = call.course {
+        return if late == 0.0 { call.target } else { course.at(call.time - late) };
+    }
     let (before, last) = memory.past.back().copied().unwrap_or((call.time, call.target));
     memory.remember(call.time, call.target, late.max(0.0));
     if late > 0.0 {

@@ -14,7 +14,8 @@ pub(super) fn run<const N: usize>(effect: &Effect, p: &[f64], points: &[Point<N>
     for (i, (dt, target, drivers)) in points.iter().enumerate() {
         let dt = if i == 0 { 0.0 } else { *dt };
         time += dt;
-        let call = Call { time, dt, target: *target, drivers: &drivers[..effect.drivers.len()] };
+        let call =
+            Call { time, dt, target: *target, drivers: &drivers[..effect.drivers.len()], course: None };
         out.push((effect.apply)(p, &mut memory, &call));
     }
     out
