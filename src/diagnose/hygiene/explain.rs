@@ -4,11 +4,12 @@
 //! condition, it alone holds the line (its leverage is near 1), and the line says nothing. Then the run itself
 //! has to say it. An effect of a condition goes up and down with it within the run, too, with the slope that
 //! the runs claim; a fault stays what it is, whatever the condition does. A condition that does not move
-//! within the odd run, or too little against the noise, is left as an explanation.
+//! within the odd run, or too little against the noise, is left as an explanation. Of several runs that have the same number a
+//! line has to say that as well: conditions that differ do not make the same.
 
 use super::against::Table;
 use super::align::{Pair, period};
-use crate::stats::{Line, correlation, deviation, mean};
+use crate::stats::{Line, about_mean, correlation, deviation, mean, median};
 
 /// A condition explains a deviation if a line through all runs has this correlation.
 const EXPLAINED: f64 = 0.95;
@@ -23,6 +24,10 @@ const SAMPLES: usize = 30;
 /// The share of the claimed slope that may be found within the run, two standard errors added, if the
 /// condition is no explanation.
 const ABSENT: f64 = 0.4;
+
+/// By how many times less exactly than two numbers, that of the odd runs and that of the others, a line may say those of all runs: of five
+/// runs, the fewest that there are, chance does as much in a hundredth of the cases (F distribution of 3 and 3).
+const AS_EXACT: f64 = 5.0;
 
 /// A number of the times and values of a channel.
 type Kind = fn(&[f64], &[f64]) -> f64;
@@ -46,6 +51,9 @@ pub fn explained(
             let condition: Vec<f64> = courses.iter().map(|(time, values)| kind(time, values)).collect();
             if condition.iter().any(|v| !v.is_finite()) || correlation(&condition, values).abs() <= EXPLAINED
             {
+                return false;
+            }
+            if says_less(&condition, values, odd) {
                 return false;
             }
             let Some(line) = Line::through(&condition, values) else { return false };
@@ -101,6 +109,19 @@ fn parts(samples: usize, within: &dyn Fn(usize, usize) -> Option<f64>) -> Vec<Pa
         .map(|k| (k * samples / count, (k + 1) * samples / count))
         .filter_map(|(from, to)| Some(Part { from, to, number: within(from, to)? }))
         .collect()
+}
+
+/// Numbers that are nearer to the odd run's than to the usual one, its own among them, and the others.
+pub fn parted(values: &[f64], odd: usize) -> (Vec<f64>, Vec<f64>) {
+    let usual = median(values);
+    values.iter().partition(|v| (*v - values[odd]).abs() < (*v - usual).abs())
+}
+
+/// Whether several runs have the odd one's number, and say so more exactly than any line over the condition does.
+fn says_less(condition: &[f64], values: &[f64], odd: usize) -> bool {
+    let (alike, others) = parted(values, odd);
+    let of_line = about_mean(values) * (1.0 - correlation(condition, values).powi(2));
+    alike.len() > 1 && of_line > AS_EXACT.powi(2) * (about_mean(&alike) + about_mean(&others))
 }
 
 /// Whether the runs without the odd one lie on the line, too, and go along it.
