@@ -279,25 +279,25 @@ impl Site<'_> {
     }
 }
 
-/// The text of a unit, with newtons where that is shorter.
+/// The text of a unit, with newtons where a mass comes with a time: `N.m.s/rad`, `kg.m2`.
 fn unit_text(mut exponents: [i8; 8]) -> String {
-    let mut text: Vec<String> = Vec::new();
-    let mut put = |name: &str, e: i8| match e {
-        0 => {}
-        1 => text.push(name.into()),
-        e => text.push(format!("{name}{e}")),
-    };
-    if exponents[0].abs() == 1 && exponents[2] * exponents[0] <= -2 {
-        let sign = exponents[0];
-        put("N", sign);
+    let mut factors: Vec<(&str, i8)> = Vec::new();
+    let sign = exponents[0];
+    if sign.abs() == 1 && exponents[2] * sign < 0 {
+        factors.push(("N", sign));
         exponents[0] = 0;
         exponents[1] -= sign;
         exponents[2] += 2 * sign;
     }
-    for (name, e) in crate::model::unit::BASE.iter().zip(exponents) {
-        put(name, e);
+    factors.extend(crate::model::unit::BASE.iter().copied().zip(exponents).filter(|(_, e)| *e != 0));
+    let power = |(name, e): &(&str, i8)| if *e == 1 { (*name).to_owned() } else { format!("{name}{e}") };
+    let (above, below): (Vec<_>, Vec<_>) = factors.iter().partition(|(_, e)| *e > 0);
+    let product = |factors: &[(&str, i8)]| factors.iter().map(power).collect::<Vec<_>>().join(".");
+    match (&above[..], &below[..]) {
+        ([], []) => "1".into(),
+        ([_, ..], [(name, e)]) => format!("{}/{}", product(&above), power(&(*name, -e))),
+        _ => product(&[above, below].concat()),
     }
-    if text.is_empty() { "1".into() } else { text.join(".") }
 }
 
 /// One of each list, with signals of one body kept together: a velocity that goes with a position has
@@ -417,6 +417,27 @@ pub fn is_tunable(interface: &Interface, variable: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn units_are_those_that_engineers_write() {
+        for text in [
+            "N.m.s/rad",
+            "N.s/m",
+            "N.m",
+            "N/m",
+            "kg",
+            "kg.m2",
+            "m/s2",
+            "m.s-1.rad-1",
+            "1",
+            "s-1",
+            "kg/m",
+            "rad/m",
+        ] {
+            assert_eq!(unit_text(Unit::parse(text).unwrap().exponents), text);
+        }
+        assert_eq!(unit_text(Unit::parse("Pa").unwrap().exponents), "N/m2");
+    }
 
     #[test]
     fn a_motion_that_is_shown_twice_is_known_by_its_course() {

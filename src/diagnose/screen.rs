@@ -253,7 +253,9 @@ impl<'a> Screen<'a> {
             let probe = |shape: Vec<f64>| Probe { placement: number, shape, amplitudes: amplitudes.clone() };
             for shape in shapes.into_iter().step_by(skip) {
                 let whole = |values| Probe { placement: number, shape: values, amplitudes: Vec::new() };
-                probes.extend(wholes(placement, &shape).into_iter().map(whole));
+                let wholes = wholes(placement, &shape);
+                let skip = wholes.len().div_ceil(most).max(1);
+                probes.extend(wholes.into_iter().step_by(skip).map(whole));
                 probes.push(probe(shape));
             }
         }

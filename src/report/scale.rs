@@ -42,7 +42,7 @@ impl Scale {
         }
         let ticks: Vec<f64> = (0..=(last - first) as usize).map(|i| (first + i as f64) * step).collect();
         let size = low.abs().max(high.abs());
-        let exponent = if (0.01..1e5).contains(&size) { 0 } else { 3 * (size.log10() / 3.0).floor() as i32 };
+        let exponent = exponent_of(size);
         let decimals = (-(step / 10_f64.powi(exponent)).log10() - 1e-9).ceil().max(0.0) as usize;
         Self { low, high, ticks, decimals, exponent }
     }
@@ -66,21 +66,34 @@ impl Scale {
     }
 
     pub fn title(&self, axis: &Axis) -> String {
-        let Axis { quantity, unit } = axis;
-        if self.exponent == 0 {
-            return format!("{quantity} [{unit}]");
-        }
-        let digit = |c| match c {
-            '-' => '⁻',
-            '1' => '¹',
-            '2' => '²',
-            '3' => '³',
-            c => char::from_u32('⁰' as u32 + c as u32 - '0' as u32).unwrap_or(c),
-        };
-        let power: String = self.exponent.to_string().chars().map(digit).collect();
-        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-        format!("{quantity} [10{power}{unit}]")
+        title(&axis.quantity, &axis.unit, self.exponent)
     }
+}
+
+/// The power of ten in which numbers of this size are short; 0 where they are as they are.
+pub fn exponent_of(size: f64) -> i32 {
+    if size == 0.0 || !size.is_finite() || (0.01..1e5).contains(&size) {
+        0
+    } else {
+        3 * (size.log10() / 3.0).floor() as i32
+    }
+}
+
+/// A quantity with its unit, times a power of ten: `q [10⁻⁶ N]`.
+pub fn title(quantity: &str, unit: &str, exponent: i32) -> String {
+    if exponent == 0 {
+        return format!("{quantity} [{unit}]");
+    }
+    let digit = |c| match c {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        c => char::from_u32('⁰' as u32 + c as u32 - '0' as u32).unwrap_or(c),
+    };
+    let power: String = exponent.to_string().chars().map(digit).collect();
+    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+    format!("{quantity} [10{power}{unit}]")
 }
 
 impl Ranged for Scale {

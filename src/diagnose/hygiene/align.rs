@@ -39,8 +39,8 @@ const MOST_COARSE: usize = 250;
 const FAR_DELAY: f64 = 2.0;
 
 impl<'a> Pair<'a> {
-    /// The channel `name` of run number `run`, if both sides have it, of the same length, finite and not
-    /// constant.
+    /// The channel `name` of run number `run`, if both sides have it, of the same length and finite, and what was measured is not
+    /// constant. The simulation may be: it tells an offset.
     pub fn new(run: usize, measured: &'a Recording, simulated: &'a Recording, name: &str) -> Option<Self> {
         let find = |r: &'a Recording| r.channels.iter().find(|c| c.name == name).map(|c| c.values.as_slice());
         let (y, s) = (find(measured)?, find(simulated)?);
@@ -51,7 +51,7 @@ impl<'a> Pair<'a> {
             return None;
         }
         let pair = Self { run, time, measured: y.to_vec(), simulated: s };
-        (deviation(y) > 0.0 && deviation(s) > 0.0).then_some(pair)
+        (deviation(y) > 0.0).then_some(pair)
     }
 
     /// The median interval \[s\].

@@ -10,7 +10,7 @@ use super::align::{Fit, Pair, bandwidth};
 use super::explain::{explained, parted};
 use super::unit_sign::mean_agrees;
 use super::{Fault, FaultKind, Severity, run_name, short};
-use crate::stats::{deviation, median, spread};
+use crate::stats::{deviation, mean, median, spread};
 
 /// Fewer runs than this say nothing about what is usual.
 const RUNS: usize = 4;
@@ -19,6 +19,8 @@ const SIGMAS: f64 = 6.0;
 /// Numbers of several runs that scatter by less than this share of what those of the others do are one: of what physics makes, which has
 /// many, a number alone in its place is as rare then as before (14 and 16 false alarms in 1500 cases of the tests).
 const SAME: f64 = 0.5;
+/// Numbers of two runs are the same if they differ by less than so many standard deviations of those of the others.
+const CERTAIN: f64 = 3.0;
 /// The smallest gain deviation: parameters that are wrong by a tenth make runs differ by 5 to 10 %.
 const GAIN: f64 = 0.1;
 /// The smallest offset, as a share of the channel's amplitude in the median run.
@@ -83,7 +85,8 @@ pub fn odd_runs(table: &mut Table) -> Vec<Fault> {
 
 fn odd_in(table: &mut Table, channel: usize) -> Vec<Fault> {
     let pairs: Vec<&Pair> = table.pairs[channel].iter().flatten().collect();
-    let fits: Vec<(&Pair, Fit)> = pairs.iter().filter_map(|p| Some((*p, p.best()?))).collect();
+    let fits: Vec<(&Pair, Fit)> =
+        pairs.iter().map(|p| (*p, p.best().unwrap_or_else(|| at_rest(p)))).collect();
     if fits.len() < RUNS {
         return Vec::new();
     }
@@ -96,11 +99,12 @@ fn odd_in(table: &mut Table, channel: usize) -> Vec<Fault> {
     let interval = median(&fits.iter().map(|(p, _)| p.interval()).collect::<Vec<_>>());
 
     let mut hits: Vec<(What, usize, f64)> = Vec::new();
-    let mut likely = hits.clone();
+    // and the scatter of the others
+    let mut likely: Vec<((What, usize, f64), f64)> = Vec::new();
     for (i, this) in seen.iter().enumerate() {
-        let Some((what, value, left)) = this.own.iter().copied().min_by(|a, b| a.2.total_cmp(&b.2)) else {
-            continue;
-        };
+        // of a run that hardly moves a gain is as good as an offset, and says nothing
+        let of_run = this.own.iter().copied().filter(|o| o.0 == What::Offset || told[i]);
+        let Some((what, value, left)) = of_run.min_by(|a, b| a.2.total_cmp(&b.2)) else { continue };
         let others: Vec<&Seen> = seen.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, s)| s).collect();
         let left_others = median(&others.iter().map(|s| s.usual_error).collect::<Vec<_>>());
         let share_others = median(&others.iter().map(|s| s.usual_error / s.size).collect::<Vec<_>>());
@@ -135,19 +139,26 @@ fn odd_in(table: &mut Table, channel: usize) -> Vec<Fault> {
             && (bandwidth(pair.time, pair.simulated) < NARROW
                 || (away.abs() > 0.4 * pair.period() && left > ROUND * this.usual_error));
         let pairs: Vec<&Pair> = tells.iter().map(|k| fits[*k].0).collect();
-        if !out || phase || weak {
+        if !out {
             continue;
         }
-        let is_alone = halves_agree(pair, what, &usual, away)
+        let is_alone = !phase
+            && !weak
+            && halves_agree(pair, what, &usual, away)
             && !explained(table, &pairs, &values, odd, &|from, to| part(pair, what, &usual, from, to));
-        if is_alone { &mut hits } else { &mut likely }.push((what, this.run, away));
+        let hit = (what, this.run, away);
+        if is_alone {
+            hits.push(hit);
+        } else {
+            likely.push((hit, scatter));
+        }
     }
-    // what a run says less clearly by itself it says with others that have the same number
-    let is_of = |(what, _, value): &(What, usize, f64)| {
-        hits.iter().any(|h| h.0 == *what && (h.2 - value).abs() < 0.5 * value.abs())
+    // what a run says less clearly by itself it says with another that has the same number
+    let is_of = |((what, _, value), scatter): &((What, usize, f64), f64)| {
+        hits.iter().any(|h| h.0 == *what && (h.2 - value).abs() < CERTAIN * scatter)
     };
-    likely.retain(is_of);
-    hits.extend(likely);
+    let more: Vec<(What, usize, f64)> = likely.into_iter().filter(is_of).map(|(hit, _)| hit).collect();
+    hits.extend(more);
     // half of the runs are no exception, but a way to measure
     if 2 * hits.len() >= seen.len() {
         return Vec::new();
@@ -170,6 +181,12 @@ fn odd_in(table: &mut Table, channel: usize) -> Vec<Fault> {
         }
     }
     faults
+}
+
+/// Of a run whose simulation does not move: it tells an offset, and no gain or delay.
+fn at_rest(pair: &Pair) -> Fit {
+    let offset = mean(&pair.measured) - mean(pair.simulated);
+    Fit { offset, gain: 1.0, delay: 0.0, error: pair.size() }
 }
 
 /// Gain and delay of most runs of which the simulation tells any: noise about a level that hardly changes has none.

@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 /// allows for large model errors. Exchanged channels have it as a geometric mean, as likelihoods multiply: one that rests but for
 /// its noise says little, and another beside it may say all.
 const LEFT: f64 = 0.5;
-/// And of each: unrelated channels leave 1 or more.
-const EACH: f64 = 1.0;
+/// And of each: one that rests but for its noise leaves 1 beside one that rests, unrelated ones that move leave 1.4 and more.
+const EACH: f64 = 1.1;
 /// And each leaves at most this share of what its own simulation leaves.
 const BETTER: f64 = 0.5;
 /// A swap in less than half of the runs needs more: narrow-band signals may resemble each other once.

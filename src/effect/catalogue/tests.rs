@@ -109,7 +109,7 @@ fn the_tables_are_whole() {
             assert!(p.plausible.0 < p.plausible.1 && p.search.0 < p.search.1, "{at}");
             assert!(p.plausible.0 < p.search.1 && p.search.0 < p.plausible.1, "{at}");
             // many only where nothing has to be simulated for them, else as many as screening tries
-            let most = if effect.port == Port::Output && p.off.is_none() { 240 } else { 6 };
+            let most = if effect.port == Port::Output { 240 } else { 6 };
             assert!((1..=most).contains(&p.probes.len()), "{at}");
             for probe in p.probes {
                 assert!((p.search.0..=p.search.1).contains(probe), "{at}: {probe} is not searched");

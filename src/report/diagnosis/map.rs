@@ -4,6 +4,7 @@ use super::compare::bare;
 use crate::diagnose::{Cell, CellKind, Diagnosis};
 use crate::page::{Html, Section, number};
 use crate::report::heat::{HeatCell, HeatMap};
+use crate::report::scale::{self, exponent_of};
 
 /// Below this probability a cell is not chance.
 pub(super) const SIGNIFICANT: f64 = 0.05;
@@ -18,7 +19,7 @@ pub(super) fn section(diagnosis: &Diagnosis) -> Section {
     if map.is_empty() {
         return section;
     }
-    let scale = map.iter().map(|c| c.level).filter(|l| l.is_finite()).fold(MIN_SCALE, f64::max);
+    let most = map.iter().map(|c| c.level).filter(|l| l.is_finite()).fold(MIN_SCALE, f64::max);
     let mut groups: Vec<(CellKind, &str)> = Vec::new();
     for cell in map {
         // time windows of all runs stand below each other
@@ -39,7 +40,7 @@ pub(super) fn section(diagnosis: &Diagnosis) -> Section {
         .map(|(kind, what)| {
             let cells: Vec<&Cell> =
                 map.iter().filter(|c| c.kind == kind && (kind == CellKind::Time || c.what == what)).collect();
-            group(kind, what, &cells, scale, &mut left_out)
+            group(kind, what, &cells, most, &mut left_out)
         })
         .collect();
     let mut section = section
@@ -56,7 +57,7 @@ pub(super) fn section(diagnosis: &Diagnosis) -> Section {
     section
 }
 
-fn group(kind: CellKind, what: &str, cells: &[&Cell], scale: f64, left_out: &mut usize) -> Html {
+fn group(kind: CellKind, what: &str, cells: &[&Cell], most: f64, left_out: &mut usize) -> Html {
     let (name, unit) = bare(what);
     let (title, unit) = match kind {
         CellKind::Time => ("over time".to_owned(), "s"),
@@ -65,11 +66,20 @@ fn group(kind: CellKind, what: &str, cells: &[&Cell], scale: f64, left_out: &mut
         CellKind::Order => (format!("over order of {name}"), "orders"),
         CellKind::Condition => (format!("over {name}"), unit),
     };
-    let title = if unit.is_empty() { title } else { format!("{title} [{unit}]") };
     let mut spans: Vec<(f64, f64)> = cells.iter().map(|c| (c.low, c.high)).collect();
     spans.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     spans.dedup();
-    let heads: Vec<String> = spans.iter().map(|(low, high)| span(*low, *high)).collect();
+    // in one power of ten and to a thousandth of the largest, so that a head is no wider than its column
+    let largest = spans.iter().map(|(low, high)| low.abs().max(high.abs())).fold(0.0, f64::max);
+    let power = exponent_of(largest);
+    let step = 10_f64.powi(largest.max(f64::MIN_POSITIVE).log10().floor() as i32 - 3);
+    let edge = |value: f64| (value / step).round() * step * 10_f64.powi(-power);
+    let heads: Vec<String> = spans.iter().map(|(low, high)| span(edge(*low), edge(*high))).collect();
+    let title = if unit.is_empty() && power == 0 {
+        title
+    } else {
+        scale::title(&title, if unit.is_empty() { "1" } else { unit }, power)
+    };
 
     let mut rows: Vec<(&str, &str)> = Vec::new();
     for cell in cells {
@@ -92,7 +102,7 @@ fn group(kind: CellKind, what: &str, cells: &[&Cell], scale: f64, left_out: &mut
         let of_row = |c: &&&Cell| c.channel == channel && (kind != CellKind::Time || c.what == run);
         let row = spans.iter().map(|s| {
             let cell = cells.iter().filter(of_row).find(|c| (c.low, c.high) == *s)?;
-            Some(shaded(cell, &head, unit, scale))
+            Some(shaded(cell, &head, unit, most))
         });
         map = map.row(&head, row.collect());
     }
@@ -108,10 +118,10 @@ fn span(low: f64, high: f64) -> String {
     if low == high { number(low) } else { format!("{} … {}", short(low), short(high)) }
 }
 
-fn shaded(cell: &Cell, head: &str, unit: &str, scale: f64) -> HeatCell {
+fn shaded(cell: &Cell, head: &str, unit: &str, most: f64) -> HeatCell {
     let significant = is_significant(cell);
     // equal steps of colour are equal factors
-    let shade = if significant { (cell.level.max(1.0).ln() / scale.ln()).clamp(0.04, 1.0) } else { 0.0 };
+    let shade = if significant { (cell.level.max(1.0).ln() / most.ln()).clamp(0.04, 1.0) } else { 0.0 };
     let chance = match cell.p {
         Some(p) if significant => format!("chance {}", number(p)),
         Some(p) => format!("may be chance ({})", number(p)),

@@ -515,3 +515,15 @@ fn no_numbers_anywhere_are_no_panic() {
     }
     assert!(diagnosis_report(&diagnosis, &runs).is_ok());
 }
+
+#[test]
+fn small_conditions_are_told_in_a_power_of_ten() {
+    let mut diagnosis = diagnosis();
+    diagnosis.map.retain(|cell| cell.what == "slip_angle [rad]");
+    for cell in &mut diagnosis.map {
+        (cell.low, cell.high) = (1e-4 * cell.low, 1e-4 * cell.high);
+    }
+    let html = diagnosis_report(&diagnosis, &runs(1, 2)).unwrap();
+    // bins of 4e-6 rad from -10e-6 rad on
+    assert!(html.contains("over slip_angle [10⁻⁶ rad]") && html.contains("−10 … −6"));
+}
