@@ -200,9 +200,10 @@ fn placed(truth: &Fault, said: &[super::Fault]) -> bool {
     } else {
         wanted.is_empty() || runs == wanted
     };
-    let channels: Vec<&String> = said.iter().filter_map(|f| f.channel.as_ref()).collect();
+    // exchanged channels are named together
+    let mut channels = said.iter().filter_map(|f| f.channel.as_ref()).flat_map(|c| c.split(", ")).peekable();
     let right_channels = truth.channels.is_empty()
-        || !channels.is_empty() && channels.iter().all(|c| truth.channels.contains(c));
+        || channels.peek().is_some() && channels.all(|c| truth.channels.iter().any(|t| t == c));
     !said.is_empty() && right_runs && right_channels
 }
 

@@ -168,7 +168,9 @@ fn a_fault_is_placed_where_it_is_and_nowhere_else() {
     assert!(!placed(&offset, ""));
     // in all runs, of two channels, of all channels, copies
     assert!(placed(&fault("sign", &["force"], &[]), &said("force", r#"["run-01"]"#)));
-    assert!(placed(&fault("swapped", &["force", "moment"], &[]), &said("moment", "[]")));
+    let swapped = fault("swapped", &["force", "moment"], &[]);
+    assert!(placed(&swapped, &said("moment", "[]")) && placed(&swapped, &said("force, moment", "[]")));
+    assert!(!placed(&swapped, &said("force, speed", "[]")));
     let jump = fault("time-jump", &[], &["run-03.csv"]);
     assert!(placed(&jump, &said("", r#"["run-03.csv"]"#)) && !placed(&jump, &said("", r#"["run-04.csv"]"#)));
     let copies = fault("duplicated", &[], &["run-03.csv", "run-04.csv"]);
