@@ -49,8 +49,8 @@ pub const SPOILT: f64 = 1.5;
 /// About how often a name without a rival was right in the blind study: 0.97 in seeds 6 to 10 (PROOF.md), and other machines
 /// are not easier.
 pub const OFTEN_RIGHT: f64 = 0.94;
-/// An alternative that is more likely than this leaves it open which one it is: less than that, and the first is more than twice
-/// as likely as all others.
+/// An alternative that is more likely than this leaves it open which one it is: beside a single one that is less, the first is 2.7 times as
+/// likely.
 pub const OPEN: f64 = 0.25;
 /// The best by all blocks may win in few of the resampled ones; it is not less likely than this.
 pub const LEAST_SHARE: f64 = 0.05;

@@ -26,7 +26,7 @@ const SAMPLES: usize = 30;
 const ABSENT: f64 = 0.4;
 
 /// By how many times less exactly than two numbers, that of the odd runs and that of the others, a line may say those of all runs: of five
-/// runs, the fewest that there are, chance does as much in a hundredth of the cases (F distribution of 3 and 3).
+/// runs chance does as much in about a hundredth of the cases (F distribution of 3 and 3), of four, the fewest that there are, in one of 26.
 const AS_EXACT: f64 = 5.0;
 
 /// A number of the times and values of a channel.

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// allows for large model errors. Exchanged channels have it as a geometric mean, as likelihoods multiply: one that rests but for
 /// its noise says little, and another beside it may say all.
 const LEFT: f64 = 0.5;
-/// And of each: one that rests but for its noise leaves 1 beside one that rests, unrelated ones that move leave 1.4 and more.
+/// And of each: one that rests but for its noise leaves 1 beside one that rests, unrelated ones of the same size leave 1.4.
 const EACH: f64 = 1.1;
 /// And each leaves at most this share of what its own simulation leaves.
 const BETTER: f64 = 0.5;
