@@ -222,14 +222,16 @@ pub struct Course<'a> {
 }
 
 impl Course<'_> {
-    /// The value at a time.
+    /// The value at a time; 0 of an empty course.
     pub fn at(&self, time: f64) -> f64 {
-        let last = self.values.len().saturating_sub(1);
-        let place = ((time - self.start) / self.step).clamp(0.0, last as f64);
-        let before = (place as usize).min(last);
-        let value = |i: usize| self.values.get(i).copied().unwrap_or_default();
-        let next = value((before + 1).min(last));
-        value(before) + (next - value(before)) * (place - before as f64)
+        let place = ((time - self.start) / self.step).max(0.0);
+        let k = (place as usize).min(self.values.len().saturating_sub(2));
+        let share = place - k as f64;
+        match (self.values.get(k), self.values.get(k + 1)) {
+            // a time beside a value has that value
+            (Some(value), Some(next)) if share >= 1e-9 => value + (next - value) * share.min(1.0),
+            (value, _) => value.copied().unwrap_or_default(),
+        }
     }
 }
 

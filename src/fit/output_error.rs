@@ -4,7 +4,7 @@ use super::bench::{Bench, Drive, Setup, Traces};
 use super::least_squares::Problem;
 use super::replay::replay;
 use crate::Result;
-use crate::effect::{Attachment, Port, Signal, attached_interface};
+use crate::effect::{Attachment, Course, Port, Signal, attached_interface};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A measured channel of a run.
@@ -47,21 +47,8 @@ impl Run {
     /// A trace on the grid of communication points at the times of the samples less `lag` \[s\], linear in
     /// between.
     pub fn sample(&self, trace: &[f64], lag: f64) -> Vec<f64> {
-        let last = trace.len().saturating_sub(2);
-        self.time
-            .iter()
-            .map(|t| {
-                let place = ((t - lag - self.drive.start) / self.drive.step).max(0.0);
-                let k = (place as usize).min(last);
-                let share = place - k as f64;
-                match trace.get(k + 1) {
-                    // samples beside a point are that point
-                    Some(_) if share < 1e-9 => trace[k],
-                    Some(next) => trace[k] + (next - trace[k]) * share.min(1.0),
-                    None => trace[k],
-                }
-            })
-            .collect()
+        let course = Course { start: self.drive.start, step: self.drive.step, values: trace };
+        self.time.iter().map(|t| course.at(t - lag)).collect()
     }
 }
 

@@ -159,6 +159,7 @@ fn odd_in(table: &mut Table, channel: usize) -> Vec<Fault> {
     };
     let more: Vec<(What, usize, f64)> = likely.into_iter().filter(is_of).map(|(hit, _)| hit).collect();
     hits.extend(more);
+    hits.sort_by_key(|hit| hit.1);
     // half of the runs are no exception, but a way to measure
     if 2 * hits.len() >= seen.len() {
         return Vec::new();
