@@ -43,6 +43,8 @@ pub struct Plan {
     pub halvings: u32,
     /// Every how many communication points are recorded, beside the last one; 0 is taken for 1.
     pub record_every: usize,
+    /// CSV files of roads, whose points are among the values.
+    pub profiles: Vec<PathBuf>,
     /// What was read and is not used.
     pub warnings: Vec<String>,
 }
@@ -173,7 +175,8 @@ impl Plan {
 
     /// The files that the system is made from.
     pub fn files(&self) -> Vec<&Path> {
-        let mut files: Vec<&Path> = self.inputs.iter().map(|i| i.file.as_path()).collect();
+        let recordings = self.inputs.iter().map(|inputs| &inputs.file);
+        let mut files: Vec<&Path> = recordings.chain(&self.profiles).map(PathBuf::as_path).collect();
         for component in &self.components {
             match &component.source {
                 Source::Model(_, parameters) => files.extend(parameters.as_deref()),

@@ -6,7 +6,7 @@ use super::plan::{
 };
 use super::system::Transfer;
 use crate::model::{Lines, Value, line_of};
-use crate::recording::profile_value;
+use crate::recording::{profile_file, profile_value};
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -119,6 +119,7 @@ pub fn parse_toml(text: &str, place: &str, folder: &Path) -> Result<Plan> {
             let variable = variable.into_inner();
             let value = Value::from_toml(&value)
                 .map_err(|e| Error::file(format!("{place}: {name}.{variable} {e}")))?;
+            plan.profiles.extend(profile_file(&variable, &value, folder));
             let value = profile_value(&variable, value, folder).map_err(|e| e.at(&place))?;
             set.push(Assignment { variable, value, place });
         }

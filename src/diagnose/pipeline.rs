@@ -121,6 +121,14 @@ struct Explained {
     check: Vec<CheckTraces>,
 }
 
+impl Explained {
+    /// Whether all that is left without what is at fault has an explanation.
+    fn leaves_nothing(&self) -> bool {
+        let rest = self.diagnosis.without_faults.as_ref().map(|rest| rest.verdict);
+        rest.is_some_and(|verdict| !matches!(verdict, Verdict::Unknown | Verdict::Recording))
+    }
+}
+
 impl Asked<'_> {
     /// Explains recordings; if some are at fault, what is left without those.
     fn explain(&self, known: &Known, progress: &mut dyn FnMut(&str, f64)) -> Result<Explained> {
@@ -194,16 +202,26 @@ impl Asked<'_> {
             {
                 return self.explain(&rest, progress);
             }
+            let mut explained = Vec::new();
             if faults.iter().any(Fault::is_fatal) {
                 // what single runs have may be physics: of a fault that is there no name makes runs like the others, while a
                 // function without one may
                 let there = against(&study, &found.current.model)?;
                 let is_named = found.unknown.as_ref().is_none_or(|left| left.parameters.is_empty());
-                let explained = |f: &Fault| is_named && !there.iter().any(|t| t.is_of(f));
-                faults.retain(|f| !f.is_fatal() || !explained(f));
+                let is_explained = |f: &Fault| f.is_fatal() && is_named && !there.iter().any(|t| t.is_of(f));
+                (explained, faults) = faults.into_iter().partition(is_explained);
             }
             if let Some(rest) = known.without(&fatal(&faults), subject) {
                 return self.explain(&rest, progress);
+            }
+            // but names that leave something are no better than the faults if nothing is left without these
+            if found.unknown.is_some()
+                && let Some(rest) = known.without_runs(&explained, subject)
+            {
+                let other = self.explain(&rest, progress)?;
+                if other.leaves_nothing() {
+                    return Ok(other);
+                }
             }
             if faults.iter().any(Fault::is_fatal) {
                 Found::nothing(fallback, found.base_check)

@@ -56,7 +56,22 @@ pub(super) struct Known {
 impl Known {
     /// What is left if all that has these faults is left aside; `None` if there are none, or nothing would be left.
     pub fn without(&self, faults: &[hygiene::Fault], subject: &Subject) -> Option<Self> {
-        let recorded = self.recorded.without(&faults.iter().collect::<Vec<_>>(), subject)?;
+        self.leaving(faults, subject, |name| subject.interface.index(name))
+    }
+
+    /// The same with all channels of what is left, so that what shows in a channel can still be seen in it.
+    pub fn without_runs(&self, faults: &[hygiene::Fault], subject: &Subject) -> Option<Self> {
+        self.leaving(faults, subject, |_| None)
+    }
+
+    /// Without what has these faults: runs, or channels that `variable` knows.
+    fn leaving(
+        &self,
+        faults: &[hygiene::Fault],
+        subject: &Subject,
+        variable: impl Fn(&str) -> Option<usize>,
+    ) -> Option<Self> {
+        let recorded = self.recorded.without(&faults.iter().collect::<Vec<_>>(), subject, variable)?;
         let others = self.faults.iter().filter(|f| !faults.contains(f) && recorded.can_show(f));
         Some(Self {
             faults: others.cloned().collect(),
@@ -196,12 +211,17 @@ impl Recorded {
         with(&self.runs, wanted)
     }
 
-    /// The recordings without what has these faults. `None` if there is no fault, or too little would be left.
-    fn without(&self, faults: &[&hygiene::Fault], subject: &Subject) -> Option<Self> {
+    /// The recordings without what has these faults, runs or channels that `variable` knows. `None` if there is no fault, or too little would be left.
+    fn without(
+        &self,
+        faults: &[&hygiene::Fault],
+        subject: &Subject,
+        variable: impl Fn(&str) -> Option<usize>,
+    ) -> Option<Self> {
         if faults.is_empty() {
             return None;
         }
-        let aside = Aside::of(faults, (&self.runs, self.are_given), |name| subject.interface.index(name))?;
+        let aside = Aside::of(faults, (&self.runs, self.are_given), variable)?;
         let mut rest = self.clone();
         for (name, use_) in rest.names.iter().zip(&mut rest.uses) {
             if aside.runs.contains(name) {

@@ -16,6 +16,7 @@ pub use header::{Column, Columns};
 pub use names::{Names, read_names};
 pub use noise::add_noise;
 pub(crate) use profile::points_from_csv;
+pub(crate) use profile::profile_file;
 pub use profile::{profile_from_csv, profile_value, read_settings};
 pub use rpc::{RPC_ENDINGS, parse_rpc, read_rpc, to_rpc, write_rpc};
 pub use smooth::Smooth;

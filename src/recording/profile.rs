@@ -7,7 +7,7 @@ use crate::bounded::{self, MAX_TEXT};
 use crate::model::{Settings, Value};
 use crate::road::MAX_POINTS;
 use crate::{Error, Result};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const PLACE: Axis = Axis { name: "x", unit: "m", quantity: "place", repeats: true };
 
@@ -66,12 +66,17 @@ pub(crate) fn points_from_csv(path: &Path) -> Result<Columns> {
 /// # Errors
 /// As [`profile_from_csv`].
 pub fn profile_value(name: &str, value: Value, folder: &Path) -> Result<Value> {
-    match &value {
-        Value::Text(text) if name == "road_profile" => match text.strip_prefix('@') {
-            Some(file) => profile_from_csv(&folder.join(file)).map(Value::Text),
-            None => Ok(value),
-        },
-        _ => Ok(value),
+    match profile_file(name, &value, folder) {
+        Some(file) => profile_from_csv(&file).map(Value::Text),
+        None => Ok(value),
+    }
+}
+
+/// The file from which [`profile_value`] reads the points of a road, if a user named one.
+pub(crate) fn profile_file(name: &str, value: &Value, folder: &Path) -> Option<PathBuf> {
+    match value {
+        Value::Text(text) if name == "road_profile" => text.strip_prefix('@').map(|file| folder.join(file)),
+        _ => None,
     }
 }
 

@@ -232,3 +232,13 @@ fn files_that_parameters_name_go_with_a_corrected_system() {
     assert_eq!(get("friction_sliding_zero"), (Value::Real(0.8), 0));
     plan.load().unwrap();
 }
+
+#[test]
+fn what_a_system_is_made_from_includes_its_roads() {
+    let folder = tempfile::tempdir().unwrap();
+    let road = folder.path().join("road.csv");
+    std::fs::write(&road, "x [m],z [mm]\n0,0\n0.1,5\n").unwrap();
+    let text = "[component.rig]\nmodel = \"ring-brush-flat-track\"\nset = { road_profile = \"@road.csv\" }\n";
+    let plan = parse_toml(text, "system.toml", folder.path()).unwrap();
+    assert_eq!(plan.files(), [road.as_path()]);
+}
