@@ -142,7 +142,7 @@ fn small(screened: &Screened) -> Vec<f64> {
 }
 
 /// Whether a parameter is far from its nominal value.
-fn bent(study: &Study<'_>, model: &Model, nominal: &Model) -> bool {
+pub(super) fn bent(study: &Study<'_>, model: &Model, nominal: &Model) -> bool {
     let parameters = model.parameters.iter().zip(&nominal.parameters);
     parameters.take(study.free.len()).any(|(x, n)| (x - n).abs() > BENT * n.abs())
 }

@@ -1,5 +1,6 @@
 //! The chain from recordings to a verdict.
 
+use super::begin::bent;
 use super::clock::Drift;
 use super::excerpt::finer;
 use super::hygiene::Fault;
@@ -30,6 +31,10 @@ use std::path::PathBuf;
 /// themselves before that as a rule.
 const FIRST: usize = 8;
 pub(super) const FINAL: usize = 25;
+
+/// A channel in another unit is off by more than half of what it moves, as twice as large as it should be, if the model is not bent towards it;
+/// a refit may take the half of that away.
+const ASTRAY: f64 = 0.25;
 
 /// What is to be diagnosed.
 #[derive(Debug, Clone, Default)]
@@ -167,11 +172,21 @@ impl Asked<'_> {
 
         let against = |study: &Study<'_>, model: &Model| recorded.faults_against(study, subject, model);
         faults.extend(against(&study, &base.model)?);
-        // a refit bends the model towards channels that are exchanged or in other units, as far as it can
-        let gross = against(&study, &study.nominal())?.into_iter().filter(|f| f.kind.is_gross());
-        let is_new = |g: &Fault| !faults.iter().any(|f| f.kind.is_gross() && f.channel == g.channel);
-        let new: Vec<Fault> = gross.filter(is_new).collect();
-        faults.extend(new);
+        // a refit bends the model towards channels that are exchanged or in other units, as far as it can: as it was given it shows
+        // them, and as the other channels would have it
+        let mut gross = against(&study, &study.nominal())?;
+        for channel in suspects(&study, &base)? {
+            let of_others = study.without_channel(channel).fit_roughly(&study.nominal(), FIRST, None)?;
+            let variable = study.fit_runs.first().map(|run| run.channels[channel].variable);
+            let name = variable.map(|v| &subject.interface.variables[v].name);
+            let is_own = |f: &Fault| name.is_some() && f.channel.as_ref() == name;
+            gross.extend(against(&study, &of_others.model)?.into_iter().filter(is_own));
+        }
+        for fault in gross.into_iter().filter(|f| f.kind.is_gross()) {
+            if !faults.iter().any(|f| f.kind.is_gross() && f.channel == fault.channel) {
+                faults.push(fault);
+            }
+        }
         let mut of_all = fatal(&faults);
         of_all.retain(|f| !f.kind.is_of_some_runs());
         if let Some(rest) = known.without(&of_all, subject) {
@@ -315,6 +330,15 @@ impl Asked<'_> {
         let intervals = intervals(&study, &current);
         Ok(Explained { diagnosis, parameters, attachments, intervals, step, check })
     }
+}
+
+/// Channels, by number, that may be in another unit or reversed, of several: those that a refit does not follow; all, if it has bent the model.
+fn suspects(study: &Study<'_>, base: &Fitted) -> Result<Vec<usize>> {
+    let rest = study.fit_rest(base)?;
+    let is_bent = bent(study, &base.model, &study.nominal());
+    let channels = study.weights.len();
+    let is_suspect = |channel: &usize| is_bent || study.share_left(&rest, *channel) > ASTRAY;
+    Ok((0..channels).filter(|channel| channels > 1 && is_suspect(channel)).collect())
 }
 
 /// Fits the model's own parameters from where they are given, and weighs the channels by what is left of them. Derivatives where it begins may be

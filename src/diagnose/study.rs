@@ -220,6 +220,13 @@ impl Study<'_> {
         model.parameters.iter().copied().chain(of_effects).collect()
     }
 
+    /// The same without a channel.
+    pub fn without_channel(&self, channel: usize) -> Study<'_> {
+        let mut other = self.clone();
+        other.weights[channel] = 0.0;
+        other
+    }
+
     /// The same with its runs exchanged.
     pub fn turned(&self) -> Study<'_> {
         Study { fit_runs: self.check_runs.clone(), check_runs: self.fit_runs.clone(), ..self.clone() }
@@ -424,6 +431,17 @@ impl Study<'_> {
             first += count;
         }
         fitted.fit.covariance_in_blocks(&fitted.unknowns, self.redundancy, &block)
+    }
+
+    /// What is left of a channel of the fit runs over what it moves.
+    pub fn share_left(&self, rest: &Rest, channel: usize) -> f64 {
+        let (mut left, mut moved) = (0.0, 0.0);
+        for (run, traces) in self.fit_runs.iter().zip(&rest.simulated) {
+            let values = &run.channels[channel].values;
+            left += traces[channel].iter().zip(values).map(|(s, m)| (s - m).powi(2)).sum::<f64>();
+            moved += about_mean(values);
+        }
+        (left / moved.max(f64::MIN_POSITIVE)).sqrt()
     }
 
     /// Root mean square of what is left of a channel of the check runs, in the unit of the model's output.

@@ -242,7 +242,7 @@ fn every_stall_has_one_of_the_reasons_of_the_lemma() {
     let mut random = SplitMix64::new(5);
     let mut seen = [0; 2];
     for map in [stalls(), chain(), steep_chain(), split(), spiral(), gradient_only()] {
-        for _ in 0..30 {
+        for _ in 0..10 {
             let mut draw =
                 || map.bounds.iter().map(|[a, b]| a + (b - a) * random.uniform()).collect::<Vec<_>>();
             let (to, start) = (goal(&map, &draw()), draw());
@@ -267,7 +267,7 @@ fn every_stall_has_one_of_the_reasons_of_the_lemma() {
             }
         }
     }
-    assert!(seen[0] > 100 && seen[1] > 20, "{seen:?}");
+    assert!(seen[0] > 40 && seen[1] > 10, "{seen:?}");
 }
 
 fn goal_excess(map: &Example, goal: &Goal, at: &[f64]) -> f64 {

@@ -87,14 +87,13 @@ def test_what_was_once_missed_is_found_and_leaves_noise(other_study, number):
 
 def test_a_name_that_leaves_more_than_noise_is_not_the_answer():
     """Friction that goes with the product of slip and speed: cross-talk explains most of it, and not all."""
-    study = prove(TARGET / "prove-test-10", [66, 114], seed=10)
-    for number in (66, 114):
-        found = diagnosis(study, number)
-        assert found["verdict"] == "unknown", found["summary"]
-        unknown, *names = found["findings"]
-        assert unknown["effect"] == "unknown" and unknown["depends_on"]
-        assert names and all(f["confidence"] < 0.6 and f["name"] in found["summary"] for f in names)
-        assert found["faults"] == []
+    number = 66
+    found = diagnosis(prove(TARGET / "prove-test-10", [number], seed=10), number)
+    assert found["verdict"] == "unknown", found["summary"]
+    unknown, *names = found["findings"]
+    assert unknown["effect"] == "unknown" and unknown["depends_on"]
+    assert names and all(f["confidence"] < 0.6 and f["name"] in found["summary"] for f in names)
+    assert found["faults"] == []
 
 
 def write(path, header, *columns):
@@ -134,7 +133,7 @@ def test_repeats_of_a_run_tell_what_is_no_noise(study, tmp_path, repeats, verdic
         assert "comes again in repeats" in found["findings"][0]["evidence"]
 
 
-def made(folder, force, start=0.0, clock=0.0):
+def made(folder, force, start=0.0, clock=0.0, number=2000):
     """Seven runs of an oscillator with a force of position and velocity beside its spring, by the classical Runge-Kutta method
     in steps of 0.1 ms, with 1 % of noise. What is measured comes later than the inputs by the share `clock` of the time."""
     folder.mkdir()
@@ -149,7 +148,7 @@ def made(folder, force, start=0.0, clock=0.0):
         return np.array([v, (drive(t) - damping * v - stiffness * x + force(x, v)) / mass])
 
     state = np.array([drive(0) / stiffness + start * np.sign(drive(0)), np.zeros(7)])
-    times, states = 0.005 * np.arange(2000), []
+    times, states = 0.005 * np.arange(number), []
     for t in (1 - clock) * times:
         states.append(state)
         for part in range(parts):
@@ -188,7 +187,7 @@ def test_what_sticks_or_touches_has_its_own_name_and_no_other(study, tmp_path, e
 
 @pytest.mark.parametrize("clock", [0.006, -0.009])
 def test_a_clock_is_the_recordings_fault_and_what_is_missing_beside_it_is_found(study, tmp_path, clock):
-    made(tmp_path / "recordings", lambda x, v: -4.0 * np.tanh(v / 0.002), clock=clock)
+    made(tmp_path / "recordings", lambda x, v: -4.0 * np.tanh(v / 0.002), clock=clock, number=1200)
     model, output = study / "models" / "oscillator.fmu", tmp_path / "output"
     done = latsch("diagnose", model, "--recordings", tmp_path / "recordings", "--output", output)
     assert done.returncode == 0, done.stderr
@@ -240,14 +239,11 @@ def in_other_words(head, values):
 
 
 OTHERWISE = {
-    "runs in another order": {"name": lambda number: f"{99 - number}.csv"},
-    "a channel of something else": {
-        "column": lambda head, values: [(head, values)] + [("oil [K]", np.sin(values))] * head.startswith("time"),
-        "mapped": '[channels]\noil = {}\n',
-    },
-    "other names and units": {
-        "column": in_other_words,
+    "runs in another order, a channel of something else, other names and units": {
+        "name": lambda number: f"{99 - number}.csv",
+        "column": lambda head, values: in_other_words(head, values) + [("oil [K]", np.sin(values))] * head.startswith("time"),
         "mapped": "[channels]\n"
+        "oil = {}\n"
         't = { variable = "time", unit = "s" }\n'
         '"Kraft (kN)" = { variable = "force", unit = "kN" }\n'
         '"x/mm" = { variable = "position", unit = "mm" }\n',

@@ -585,6 +585,58 @@ fn of_a_model_that_drifts_away_no_gain_is_a_unit() {
     assert_eq!(with([1.02, 0.99, 1.0, 1.01, 0.98, 1.0, 0.1, 1.03], 0.1), [["run-6.csv"]]);
 }
 
+/// A force in mN under N, in the runs in which there is one and in all of them; in one that does not move it is noise.
+#[test]
+fn a_unit_may_be_that_of_all_runs() {
+    let mut random = Random::new(3);
+    let run = |moves: f64, factor: f64, random: &mut Random| {
+        let simulated: Vec<f64> = (0..800).map(|k| moves * (0.02 * f64::from(k)).sin()).collect();
+        let measured = simulated.iter().map(|v| factor * (1.1 * v + 0.01 * random.normal())).collect();
+        (simulated, measured)
+    };
+    for factor in [1e3, 1e-3, 3.6] {
+        let mut runs: Vec<_> = (0..6).map(|_| run(1.0, factor, &mut random)).collect();
+        runs.push(run(0.0, factor, &mut random));
+        let [simulated, measured] = channel_of(&runs);
+        let found = faults_against(&measured, &simulated, &["wheel_speed".into()]);
+        assert_eq!(found.iter().map(|f| f.kind).collect::<Vec<_>>(), [FaultKind::WrongUnit], "{found:?}");
+        // of a speed of rotation 3.6 is no ratio of units, but no parameter makes it
+        let said = if factor == 3.6 { 3.6 * 1.1 } else { factor };
+        assert!((found[0].value / said - 1.0).abs() < 0.01 && found[0].runs.len() == 6, "{found:?}");
+    }
+}
+
+/// A speed with noise of its last digit that is frozen until the end, and a joint that friction brings to rest until then.
+#[test]
+fn what_stays_until_the_end_is_stuck_if_it_did_not_slow_down() {
+    let stuck = |course: &dyn Fn(f64) -> f64| {
+        let mut random = Random::new(4);
+        let mut frozen = None;
+        let mut values = Vec::new();
+        let time: Vec<f64> = (0..1000).map(|k| 0.005 * f64::from(k)).collect();
+        for t in &time {
+            let value = (1e3 * (course(*t) + 1e-3 * random.normal())).round() / 1e3;
+            // friction holds what is at rest
+            values.push(if *t > 3.5 { *frozen.get_or_insert(value) } else { value });
+        }
+        let other = time.iter().map(|t| (5.0 * t).sin() + 1e-4 * random.normal()).collect();
+        let channels = vec![
+            Channel { name: "speed".into(), unit: "m/s".into(), values },
+            Channel { name: "force".into(), unit: "N".into(), values: other },
+        ];
+        let raw = RawRecording::new(Recording { source: "run".into(), time, channels }).unwrap();
+        raw.faults.iter().filter(|f| f.kind == FaultKind::Stuck).count()
+    };
+    assert_eq!(stuck(&|t| 0.3 * (7.0 * t).sin()), 1);
+    // the same until it slows down evenly, 40 ms before it stays
+    let slow = |t: f64| {
+        let (last, speed) = (0.3 * (7.0 * 3.46_f64).sin(), 2.1 * (7.0 * 3.46_f64).cos());
+        let left = (3.5 - t).clamp(0.0, 0.04);
+        if t < 3.46 { 0.3 * (7.0 * t).sin() } else { last + speed * (0.02 - left * left / 0.08) }
+    };
+    assert_eq!(stuck(&slow), 0);
+}
+
 #[test]
 fn noise_about_a_level_has_no_gain() {
     for seed in 0..40 {

@@ -23,7 +23,7 @@ const FACTORS: [(f64, &str, &[&str]); 17] = [
     (60.0 / std::f64::consts::TAU, "rpm and rad/s", &["rad/s"]),
     (std::f64::consts::TAU, "Hz and rad/s", &["rad/s"]),
     (4.448222, "lbf and N", &["N"]),
-    (3.6, "km/h and m/s", &["m/s"]),
+    (3.6, "km/h and m/s, or km/h per second and m/s2", &["m/s", "m/s2"]),
     (1.0 / 0.3048, "feet and metres", &["m", "m/s"]),
     (1.0 / 0.44704, "mph and m/s", &["m/s"]),
     (1.0 / 0.45359237, "pounds and kilograms", &["kg"]),
@@ -173,7 +173,9 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
     let scatter = |gains: &[f64]| spread(&gains.iter().map(|g| g.ln()).collect::<Vec<_>>());
     let steady = scatter(&gains) < NEAR_SCATTER;
     let others_are_right = 2 * right.len() > gains.len() && scatter(&right) < NEAR_SCATTER;
+    // what gains scatter by that are not far; where all are, they show it themselves
     let not_far: Vec<f64> = gains.iter().copied().filter(|g| !is_far(g / usual)).collect();
+    let scatters = scatter(if not_far.is_empty() { &gains } else { &not_far });
     let is_right = |(_, fit, _): &&(usize, Fit, f64)| (0.6..1.67).contains(&fit.gain);
     let left_in_right = |of: fn(&(usize, Fit, f64)) -> f64| {
         median(&fits.iter().filter(is_right).map(of).collect::<Vec<f64>>())
@@ -191,7 +193,7 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
         // one run alone has nothing to be steady with, nor has it others that are mostly right. What is far from anything that a
         // model errs by is no more than another error of a model whose other gains scatter as much
         let trusted = if far {
-            scatter(&not_far) < FAR_TOLERANCE && as_others(fit, *size)
+            scatters < FAR_TOLERANCE && as_others(fit, *size)
         } else {
             fit.error < NEAR_LEFT * size
                 && ((others_are_right && as_others(fit, *size)) || (steady && fits.len() > 1))

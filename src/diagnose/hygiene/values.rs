@@ -35,6 +35,8 @@ const NOISY: f64 = 2.0;
 /// A jump is so many times the largest of so many steps after it: a motion that begins takes longer steps later.
 const JUMP: f64 = 2.0;
 const AFTER: usize = 8;
+/// The share of the way in the second half of so many steps that is nearer to half of it than to a quarter.
+const AT_FULL_MOTION: f64 = 0.375;
 /// Most samples of a spike.
 const SPIKE: usize = 3;
 /// How far a spike is, in the largest steps between samples around it.
@@ -94,6 +96,14 @@ impl<'a> Look<'a> {
         let later = end..(end + AFTER).min(self.values.len() - 1);
         let steps = later.map(|i| (self.values[i + 1] - self.values[i]).abs()).fold(0.0, f64::max);
         (next - self.values[end - 1]).abs() > JUMP * steps.max(self.noise).max(self.step)
+    }
+
+    /// Whether a flat stretch that lasts to the end, where nobody sees it jump, begins at full motion. What friction holds slows down
+    /// before: with an even deceleration half of the time takes a quarter of the way, and no more than that.
+    fn stops_dead(&self, (begin, end): (usize, usize)) -> bool {
+        let (Some(first), true) = (begin.checked_sub(AFTER), end == self.values.len()) else { return false };
+        let way = |from: usize| self.values[begin] - self.values[from];
+        way(first).abs() > self.clear() && way(begin - AFTER / 2) / way(first) > AT_FULL_MOTION
     }
 
     fn clear(&self) -> f64 {
@@ -295,7 +305,7 @@ fn stuck(channel: &Channel, look: &Look, all: &[Look], own: usize) -> Option<Fau
     }
     // with noise of several steps the chance of so many equal ones is nil; else what stays may as well be a machine at rest
     let is_noisy = look.step > 0.0 && look.noise > NOISY * look.step;
-    if !is_noisy && !look.jumps_after(longest) {
+    if !is_noisy && !look.jumps_after(longest) && (rail || !look.stops_dead(longest)) {
         return None;
     }
     let moving = all.iter().enumerate().any(|(i, other)| {
