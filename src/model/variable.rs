@@ -43,59 +43,59 @@ impl<M> Clone for Access<M> {
     }
 }
 
+/// Functions of a row know nothing but the model, as a rule: closures that capture something have a type of their own each, and were most
+/// of what was compiled of a table.
 impl<M: 'static> Access<M> {
     /// A real number that can be read and written.
-    pub fn real(
+    pub fn real(get: fn(&M) -> f64, set: fn(&mut M, f64)) -> Self {
+        Self::Real(Arc::new(get), Arc::new(set))
+    }
+
+    /// A real number that is computed when it is read.
+    pub fn computed(get: fn(&M) -> f64) -> Self {
+        Self::real(get, |_, _| {})
+    }
+
+    /// As [`real`](Self::real), with closures that capture something.
+    pub fn real_with(
         get: impl Fn(&M) -> f64 + Send + Sync + 'static,
         set: impl Fn(&mut M, f64) + Send + Sync + 'static,
     ) -> Self {
         Self::Real(Arc::new(get), Arc::new(set))
     }
 
-    /// A real number that is computed when it is read.
-    pub fn computed(get: impl Fn(&M) -> f64 + Send + Sync + 'static) -> Self {
-        Self::real(get, |_, _| {})
+    /// As [`computed`](Self::computed), with a closure that captures something.
+    pub fn computed_with(get: impl Fn(&M) -> f64 + Send + Sync + 'static) -> Self {
+        Self::real_with(get, |_, _| {})
     }
 
     /// An input whose setter gets the value and, when the master knows it, the first derivative.
-    pub fn rated(
-        get: impl Fn(&M) -> f64 + Send + Sync + 'static,
-        set: impl Fn(&mut M, f64, Option<f64>) + Send + Sync + 'static,
-    ) -> Self {
+    pub fn rated(get: fn(&M) -> f64, set: fn(&mut M, f64, Option<f64>)) -> Self {
         Self::Rated(Arc::new(get), Arc::new(set))
     }
 
     /// A whole number that can be read and written.
-    pub fn integer(
-        get: impl Fn(&M) -> i32 + Send + Sync + 'static,
-        set: impl Fn(&mut M, i32) + Send + Sync + 'static,
-    ) -> Self {
+    pub fn integer(get: fn(&M) -> i32, set: fn(&mut M, i32)) -> Self {
         Self::Integer(Arc::new(get), Arc::new(set))
     }
 
     /// A whole number that is computed when it is read.
-    pub fn computed_integer(get: impl Fn(&M) -> i32 + Send + Sync + 'static) -> Self {
+    pub fn computed_integer(get: fn(&M) -> i32) -> Self {
         Self::integer(get, |_, _| {})
     }
 
     /// A switch that can be read and written.
-    pub fn boolean(
-        get: impl Fn(&M) -> bool + Send + Sync + 'static,
-        set: impl Fn(&mut M, bool) + Send + Sync + 'static,
-    ) -> Self {
+    pub fn boolean(get: fn(&M) -> bool, set: fn(&mut M, bool)) -> Self {
         Self::Boolean(Arc::new(get), Arc::new(set))
     }
 
     /// A switch that is computed when it is read.
-    pub fn computed_boolean(get: impl Fn(&M) -> bool + Send + Sync + 'static) -> Self {
+    pub fn computed_boolean(get: fn(&M) -> bool) -> Self {
         Self::boolean(get, |_, _| {})
     }
 
     /// A text that can be read and written.
-    pub fn text(
-        get: impl for<'a> Fn(&'a M) -> &'a str + Send + Sync + 'static,
-        set: impl Fn(&mut M, &str) + Send + Sync + 'static,
-    ) -> Self {
+    pub fn text(get: fn(&M) -> &str, set: fn(&mut M, &str)) -> Self {
         Self::Text(Arc::new(get), Arc::new(set))
     }
 

@@ -21,7 +21,7 @@ fn recorded(repeats: i32, values: &[(&str, f64)], second: &[(&str, f64)]) -> Vec
                 ("car.initial_speed", if is_second { 20.0 } else { 17.0 }),
             ];
             let second = if is_second { second } else { &[] };
-            let run = Wired::new(&[values, &scatter, second].concat()).until(2.0).run();
+            let run = Wired::new(&[values, &scatter, second].concat()).until(1.5).run();
             let initial = ("car.initial_speed".to_owned(), Value::Real(scatter[3].1));
             Recorded {
                 name: format!("stop-{k}.csv"),
@@ -46,7 +46,7 @@ fn sampled(run: &Recording) -> Recording {
         names.extend(forces.map(|n| format!("car.{wheel}.{n}")));
     }
     names.extend(["fl", "fr", "rl", "rr"].map(|b| format!("brake_{b}.caliper_pressure")));
-    let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * 2e-3).collect();
+    let time: Vec<f64> = (0..750).map(|k| f64::from(k) * 2e-3).collect();
     let of = |name: &str, as_name: &str| {
         let channel = run.channel(name).unwrap();
         Channel {

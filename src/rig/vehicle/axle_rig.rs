@@ -147,13 +147,13 @@ impl AxleRig {
     #[rustfmt::skip] // a row is a line
     fn given(i: usize) -> Table<Self> {
         let force = |name, axis: usize, text| {
-            let access = Access::real(move |m: &Self| m.forces[i][axis], move |m, value| m.forces[i][axis] = value);
+            let access = Access::real_with(move |m: &Self| m.forces[i][axis], move |m, value| m.forces[i][axis] = value);
             // what the car's wheel puts on its carrier where it stands
             let start = if axis == 2 { 2935.0 } else { 0.0 };
             input(name, "N", access, start, text).range(-1e6, 1e6).nominal(1000.0)
         };
         let moment = |name, axis: usize, text| {
-            let access = Access::real(move |m: &Self| m.moments[i][axis], move |m, value| m.moments[i][axis] = value);
+            let access = Access::real_with(move |m: &Self| m.moments[i][axis], move |m, value| m.moments[i][axis] = value);
             input(name, "N.m", access, 0.0, text).range(-1e6, 1e6).nominal(100.0)
         };
         Table::new([
@@ -170,10 +170,10 @@ impl AxleRig {
     fn motions(i: usize) -> Table<Self> {
         let travel = move |m: &Self, axis: usize| m.carriers[i].motion.position[axis] - m.places[i][axis];
         Table::new([
-            output("steer_angle", "rad", Access::computed(move |m: &Self| m.carriers[i].motion.angles.z), "Angle from the body's heading to that of the wheel, positive to the left").role(Role::SteerAngle),
-            output("camber", "rad", Access::computed(move |m: &Self| -SIDES[i] * m.carriers[i].motion.angles.x), "Camber, positive outward at the top").role(Role::Camber),
-            output("wheel_travel", "m", Access::computed(move |m: &Self| travel(m, 2)), "Way of the wheel's centre up in the body from where the vehicle stands").role(Role::Position),
-            output("wheel_fore_aft", "m", Access::computed(move |m: &Self| travel(m, 0)), "The same forward").role(Role::Position),
+            output("steer_angle", "rad", Access::computed_with(move |m: &Self| m.carriers[i].motion.angles.z), "Angle from the body's heading to that of the wheel, positive to the left").role(Role::SteerAngle),
+            output("camber", "rad", Access::computed_with(move |m: &Self| -SIDES[i] * m.carriers[i].motion.angles.x), "Camber, positive outward at the top").role(Role::Camber),
+            output("wheel_travel", "m", Access::computed_with(move |m: &Self| travel(m, 2)), "Way of the wheel's centre up in the body from where the vehicle stands").role(Role::Position),
+            output("wheel_fore_aft", "m", Access::computed_with(move |m: &Self| travel(m, 0)), "The same forward").role(Role::Position),
         ])
     }
 

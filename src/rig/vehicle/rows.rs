@@ -85,8 +85,8 @@ impl<T: Tire> Vehicle<T> {
 
     #[rustfmt::skip] // a row is a line
     fn wheel_inputs(i: usize) -> Table<Self> {
-        let brake = Access::real(move |m: &Self| m.brakes[i], move |m, torque| m.brakes[i] = torque);
-        let friction = Access::real(move |m: &Self| m.friction[i], move |m, factor| m.friction[i] = factor);
+        let brake = Access::real_with(move |m: &Self| m.brakes[i], move |m, torque| m.brakes[i] = torque);
+        let friction = Access::real_with(move |m: &Self| m.friction[i], move |m, factor| m.friction[i] = factor);
         Table::new([
             input("brake_torque", "N.m", brake, 0.0, "Torque with which the brake can resist the spin, in either direction; a wheel that stands is held").range(0.0, 1e5).nominal(100.0),
             input("friction_factor", "1", friction, 1.0, "Factor on the friction between tire and road, over the road's own").range(0.0, 10.0),
@@ -96,13 +96,13 @@ impl<T: Tire> Vehicle<T> {
     #[rustfmt::skip] // a row is a line
     fn wheel_outputs(i: usize) -> Table<Self> {
         Table::new([
-            output("slip", "1", Access::computed(move |m: &Self| m.slip(i)), "Longitudinal slip, (rolling radius times spin speed - v) / |v| with the speed v of the wheel's centre in its heading (below 0.1 m/s, over 0.1 m/s); a locked wheel is -1 forward, +1 in reverse").role(Role::Slip),
-            output("slip_angle", "rad", Access::computed(move |m: &Self| m.slip_angle(i)), "Angle from the wheel's heading to its centre's velocity, positive where it travels to its left").role(Role::SlipAngle),
-            output("steer_angle", "rad", Access::computed(move |m: &Self| m.carriers[i].motion.angles.z - m.body.motion.angles.z), "Angle from the body's heading to that of the wheel, positive to the left").role(Role::SteerAngle),
-            output("camber", "rad", Access::computed(move |m: &Self| -SIDES[i] * m.carriers[i].motion.angles.x), "Camber to the horizontal plane, positive outward at the top").role(Role::Camber),
-            output("brake_torque_actual", "N.m", Access::computed(move |m: &Self| m.spins[i].brake_torque), "Torque with which the brake resisted the forward spin in the last step; on a wheel that stands, what it takes to hold it").nominal(100.0),
-            output("wheel_travel", "m", Access::computed(move |m: &Self| m.travel(i).z), "Way of the wheel's centre up in the body from where the vehicle stands").role(Role::Position),
-            output("wheel_fore_aft", "m", Access::computed(move |m: &Self| m.travel(i).x), "The same forward").role(Role::Position),
+            output("slip", "1", Access::computed_with(move |m: &Self| m.slip(i)), "Longitudinal slip, (rolling radius times spin speed - v) / |v| with the speed v of the wheel's centre in its heading (below 0.1 m/s, over 0.1 m/s); a locked wheel is -1 forward, +1 in reverse").role(Role::Slip),
+            output("slip_angle", "rad", Access::computed_with(move |m: &Self| m.slip_angle(i)), "Angle from the wheel's heading to its centre's velocity, positive where it travels to its left").role(Role::SlipAngle),
+            output("steer_angle", "rad", Access::computed_with(move |m: &Self| m.carriers[i].motion.angles.z - m.body.motion.angles.z), "Angle from the body's heading to that of the wheel, positive to the left").role(Role::SteerAngle),
+            output("camber", "rad", Access::computed_with(move |m: &Self| -SIDES[i] * m.carriers[i].motion.angles.x), "Camber to the horizontal plane, positive outward at the top").role(Role::Camber),
+            output("brake_torque_actual", "N.m", Access::computed_with(move |m: &Self| m.spins[i].brake_torque), "Torque with which the brake resisted the forward spin in the last step; on a wheel that stands, what it takes to hold it").nominal(100.0),
+            output("wheel_travel", "m", Access::computed_with(move |m: &Self| m.travel(i).z), "Way of the wheel's centre up in the body from where the vehicle stands").role(Role::Position),
+            output("wheel_fore_aft", "m", Access::computed_with(move |m: &Self| m.travel(i).x), "The same forward").role(Role::Position),
         ])
     }
 
