@@ -43,8 +43,8 @@ impl<M> Clone for Access<M> {
     }
 }
 
-/// Functions of a row know nothing but the model, as a rule: closures that capture something have a type of their own each, and were most
-/// of what was compiled of a table.
+/// Functions of a row know nothing but the model, as a rule: a closure that captures something has a type of its own, and all that a shared
+/// pointer to it needs is compiled for it.
 impl<M: 'static> Access<M> {
     /// A real number that can be read and written.
     pub fn real(get: fn(&M) -> f64, set: fn(&mut M, f64)) -> Self {
