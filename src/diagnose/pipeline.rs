@@ -172,20 +172,12 @@ impl Asked<'_> {
 
         let against = |study: &Study<'_>, model: &Model| recorded.faults_against(study, subject, model);
         faults.extend(against(&study, &base.model)?);
-        // a refit bends the model towards channels that are exchanged or in other units, as far as it can: as it was given it shows
-        // them, and as the other channels would have it
-        let mut gross = against(&study, &study.nominal())?;
-        for channel in suspects(&study, &base)? {
-            let of_others = study.without_channel(channel).fit_roughly(&study.nominal(), FIRST, None)?;
-            let variable = study.fit_runs.first().map(|run| run.channels[channel].variable);
-            let name = variable.map(|v| &subject.interface.variables[v].name);
-            let is_own = |f: &Fault| name.is_some() && f.channel.as_ref() == name;
-            gross.extend(against(&study, &of_others.model)?.into_iter().filter(is_own));
-        }
-        for fault in gross.into_iter().filter(|f| f.kind.is_gross()) {
-            if !faults.iter().any(|f| f.kind.is_gross() && f.channel == fault.channel) {
-                faults.push(fault);
-            }
+        for (model, of) in unbent(&study, subject, &base)? {
+            let is_told = |f: &Fault| f.kind.is_gross() && (of.is_none() || of == f.channel);
+            let is_new = |f: &Fault| !faults.iter().any(|o| o.kind.is_gross() && o.channel == f.channel);
+            let seen = against(&study, &model)?.into_iter();
+            let new: Vec<Fault> = seen.filter(|f| is_told(f) && is_new(f)).collect();
+            faults.extend(new);
         }
         let mut of_all = fatal(&faults);
         of_all.retain(|f| !f.kind.is_of_some_runs());
@@ -332,13 +324,24 @@ impl Asked<'_> {
     }
 }
 
-/// Channels, by number, that may be in another unit or reversed, of several: those that a refit does not follow; all, if it has bent the model.
-fn suspects(study: &Study<'_>, base: &Fitted) -> Result<Vec<usize>> {
+/// Models in which channels show that are exchanged, reversed or in other units, towards which a refit bends a model as far as it can: as it
+/// is given, and as the other channels have it, with the name of the channel that it tells of. Suspects are channels that the refit does not
+/// follow, and all where it has bent the model.
+fn unbent(study: &Study<'_>, subject: &Subject, base: &Fitted) -> Result<Vec<(Model, Option<String>)>> {
+    let mut models = vec![(study.nominal(), None)];
+    let Some(first) = study.fit_runs.first() else { return Ok(models) };
     let rest = study.fit_rest(base)?;
     let is_bent = bent(study, &base.model, &study.nominal());
-    let channels = study.weights.len();
-    let is_suspect = |channel: &usize| is_bent || study.share_left(&rest, *channel) > ASTRAY;
-    Ok((0..channels).filter(|channel| channels > 1 && is_suspect(channel)).collect())
+    for (number, channel) in first.channels.iter().enumerate() {
+        let is_suspect = is_bent || study.share_left(&rest, number) > ASTRAY;
+        if first.channels.len() > 1
+            && is_suspect
+            && let Ok(others) = study.without_channel(number).fit_roughly(&study.nominal(), FIRST, None)
+        {
+            models.push((others.model, Some(subject.interface.variables[channel.variable].name.clone())));
+        }
+    }
+    Ok(models)
 }
 
 /// Fits the model's own parameters from where they are given, and weighs the channels by what is left of them. Derivatives where it begins may be
