@@ -172,12 +172,14 @@ impl Asked<'_> {
 
         let against = |study: &Study<'_>, model: &Model| recorded.faults_against(study, subject, model);
         faults.extend(against(&study, &base.model)?);
-        for (model, of) in unbent(&study, subject, &base)? {
-            let is_told = |f: &Fault| f.kind.is_gross() && (of.is_none() || of == f.channel);
-            let is_new = |f: &Fault| !faults.iter().any(|o| o.kind.is_gross() && o.channel == f.channel);
-            let seen = against(&study, &model)?.into_iter();
-            let new: Vec<Fault> = seen.filter(|f| is_told(f) && is_new(f)).collect();
-            faults.extend(new);
+        // a refit bends the model towards channels that are exchanged or in other units, as far as it can
+        let gross = against(&study, &study.nominal())?.into_iter().filter(|f| f.kind.is_gross());
+        let is_new = |g: &Fault| !faults.iter().any(|f| f.kind.is_gross() && f.channel == g.channel);
+        let new: Vec<Fault> = gross.filter(is_new).collect();
+        faults.extend(new);
+        // what is known is left aside before the others are asked
+        if !faults.iter().any(|f| f.kind.is_gross()) {
+            faults.extend(told_by_others(&study, subject, &base, against)?);
         }
         let mut of_all = fatal(&faults);
         of_all.retain(|f| !f.kind.is_of_some_runs());
@@ -324,24 +326,35 @@ impl Asked<'_> {
     }
 }
 
-/// Models in which channels show that are exchanged, reversed or in other units, towards which a refit bends a model as far as it can: as it
-/// is given, and as the other channels have it, with the name of the channel that it tells of. Suspects are channels that the refit does not
-/// follow, and all where it has bent the model.
-fn unbent(study: &Study<'_>, subject: &Subject, base: &Fitted) -> Result<Vec<(Model, Option<String>)>> {
-    let mut models = vec![(study.nominal(), None)];
-    let Some(first) = study.fit_runs.first() else { return Ok(models) };
+/// What shows of a channel that is reversed or in another unit beside a model that was refitted to the others; if it does of several, of the
+/// one without which the others are met best, because without any other one that channel is still among them. Suspects are channels that the
+/// refit to all does not follow, and all where it has bent the model.
+fn told_by_others(
+    study: &Study<'_>,
+    subject: &Subject,
+    base: &Fitted,
+    against: impl Fn(&Study<'_>, &Model) -> Result<Vec<Fault>>,
+) -> Result<Vec<Fault>> {
+    let Some(first) = study.fit_runs.first().filter(|run| run.channels.len() > 1) else {
+        return Ok(Vec::new());
+    };
     let rest = study.fit_rest(base)?;
     let is_bent = bent(study, &base.model, &study.nominal());
+    let (mut least, mut told) = (f64::INFINITY, Vec::new());
     for (number, channel) in first.channels.iter().enumerate() {
-        let is_suspect = is_bent || study.share_left(&rest, number) > ASTRAY;
-        if first.channels.len() > 1
-            && is_suspect
-            && let Ok(others) = study.without_channel(number).fit_roughly(&study.nominal(), FIRST, None)
-        {
-            models.push((others.model, Some(subject.interface.variables[channel.variable].name.clone())));
+        if !is_bent && study.share_left(&rest, number) < ASTRAY {
+            continue;
+        }
+        let others = study.without_channel(number).fit_roughly(&study.nominal(), FIRST, None);
+        let Some(others) = others.ok().filter(|others| others.fit.cost < least) else { continue };
+        let name = Some(&subject.interface.variables[channel.variable].name);
+        let mut own = against(study, &others.model)?;
+        own.retain(|f| f.kind.is_gross() && f.channel.as_ref() == name);
+        if !own.is_empty() {
+            (least, told) = (others.fit.cost, own);
         }
     }
-    Ok(models)
+    Ok(told)
 }
 
 /// Fits the model's own parameters from where they are given, and weighs the channels by what is left of them. Derivatives where it begins may be
