@@ -15,6 +15,7 @@ mod judge;
 mod left;
 pub mod locate;
 mod numbers;
+mod others;
 mod parts;
 mod pipeline;
 mod placement;

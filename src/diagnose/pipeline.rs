@@ -1,10 +1,10 @@
 //! The chain from recordings to a verdict.
 
-use super::begin::bent;
 use super::clock::Drift;
 use super::excerpt::finer;
 use super::hygiene::Fault;
 use super::numbers::{LEVEL, NOISE_MARGIN, RECORDER_LAG};
+use super::others::told_by_others;
 use super::parts::errors_of_parts;
 use super::placement::Placement;
 use super::reading::{Known, Recorded, fault, shortest_interval, with};
@@ -29,12 +29,8 @@ use std::path::PathBuf;
 
 /// Iterations of the fits before the channels have their weights, and of those after, which end by
 /// themselves before that as a rule.
-const FIRST: usize = 8;
+pub(super) const FIRST: usize = 8;
 pub(super) const FINAL: usize = 25;
-
-/// A channel in another unit is off by more than half of what it moves, as twice as large as it should be, if the model is not bent towards it;
-/// a refit may take the half of that away.
-const ASTRAY: f64 = 0.25;
 
 /// What is to be diagnosed.
 #[derive(Debug, Clone, Default)]
@@ -324,37 +320,6 @@ impl Asked<'_> {
         let intervals = intervals(&study, &current);
         Ok(Explained { diagnosis, parameters, attachments, intervals, step, check })
     }
-}
-
-/// What shows of a channel that is reversed or in another unit beside a model that was refitted to the others; if it does of several, of the
-/// one without which the others are met best, because without any other one that channel is still among them. Suspects are channels that the
-/// refit to all does not follow, and all where it has bent the model.
-fn told_by_others(
-    study: &Study<'_>,
-    subject: &Subject,
-    base: &Fitted,
-    against: impl Fn(&Study<'_>, &Model) -> Result<Vec<Fault>>,
-) -> Result<Vec<Fault>> {
-    let Some(first) = study.fit_runs.first().filter(|run| run.channels.len() > 1) else {
-        return Ok(Vec::new());
-    };
-    let rest = study.fit_rest(base)?;
-    let is_bent = bent(study, &base.model, &study.nominal());
-    let (mut least, mut told) = (f64::INFINITY, Vec::new());
-    for (number, channel) in first.channels.iter().enumerate() {
-        if !is_bent && study.share_left(&rest, number) < ASTRAY {
-            continue;
-        }
-        let others = study.without_channel(number).fit_roughly(&study.nominal(), FIRST, None);
-        let Some(others) = others.ok().filter(|others| others.fit.cost < least) else { continue };
-        let name = Some(&subject.interface.variables[channel.variable].name);
-        let mut own = against(study, &others.model)?;
-        own.retain(|f| f.kind.is_gross() && f.channel.as_ref() == name);
-        if !own.is_empty() {
-            (least, told) = (others.fit.cost, own);
-        }
-    }
-    Ok(told)
 }
 
 /// Fits the model's own parameters from where they are given, and weighs the channels by what is left of them. Derivatives where it begins may be

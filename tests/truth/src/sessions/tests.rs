@@ -51,6 +51,7 @@ fn a_study_has_its_kinds_and_deals_every_effect() {
 fn true_parameters_of_a_null_leave_noise_alone() {
     let number = first(Kind::Null);
     let recorded = case(SEED, number).unwrap();
+    assert_eq!(recorded.files, case(SEED, number).unwrap().files);
     let file = |name: &str| &recorded.files.iter().find(|(n, _)| n == name).unwrap().1;
     assert!(
         file("recordings/runs.toml").matches("check").count() == 3
