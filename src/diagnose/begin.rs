@@ -1,7 +1,7 @@
 //! How the fits of screened effects begin: from where the fit without them ended, or from nominal parameters
 //! where that fit has bent them.
 
-use super::candidates::{Before, Tried, assess, choose, screen};
+use super::candidates::{Before, NEARLY, Tried, assess, choose, screen};
 use super::numbers::MIN_GAIN;
 use super::plausible::plausible;
 use super::recalled::Recalled;
@@ -63,6 +63,15 @@ pub(super) fn begin(
             None => begun.push(other),
         }
     }
+    let best = begun.iter().map(Begun::cost).fold(f64::INFINITY, f64::min);
+    let nearly = best + NEARLY * (current.fit.cost - best).max(0.0);
+    let anew = |b: &Begun| b.anew(study, current, nearly);
+    let begun_anew = side_by_side(study.bench.threads(), &begun, anew);
+    for (own, anew) in begun.iter_mut().zip(begun_anew) {
+        if let Some(anew) = anew.flatten() {
+            *own = anew;
+        }
+    }
     for named in [true, false] {
         let alike = |b: &Begun| empirical::is(b.screened.placement.effect) != named;
         let best = begun.iter().filter(|b| alike(b)).map(Begun::cost).fold(f64::INFINITY, f64::min);
@@ -89,26 +98,22 @@ fn from_nominal(
         return Vec::new();
     }
     let Ok(there) = study.fit(&model, 1) else { return Vec::new() };
+    // far from the end, but where the derivatives are known
+    let begin = |s: &Screened| {
+        let fitted = study.fit_near(&with(&there, s, small(s)), TRY_OUT + 1, &there).ok()?;
+        Some(Begun { screened: s.clone(), fitted })
+    };
     if !is_bent {
-        let begin = |s: &Screened| {
-            let fitted = study.fit_near(&with(&there, s, small(s)), TRY_OUT, &there).ok()?;
-            Some(Begun { screened: s.clone(), fitted })
-        };
         return in_order(study, chosen, begin);
     }
     let rest = study.fit_rest(&there);
-    let Ok(screened) = rest.and_then(|rest| screen(study, subject, roles, &there, &rest, recalled)) else {
-        return Vec::new();
-    };
+    // what the given parameters leave is mostly what others explain: the runs that show what these cannot are those of the refit
+    let screened = rest.and_then(|rest| screen(study, subject, roles, &there, &rest, (recalled, 0.0)));
+    let Ok(screened) = screened else { return Vec::new() };
     let most = screened.iter().map(|s| s.gain).fold(0.0, f64::max);
     let is_chosen = |s: &&Screened| chosen.iter().any(|c| c.placement.is_same(&s.placement));
     let also = choose(&screened, round);
     let also = also.iter().filter(|s| !is_chosen(s)).take(ALSO);
-    let begin = |s: &Screened| {
-        // far from the end: derivatives of its own
-        let fitted = study.fit_roughly(&with(&there, s, small(s)), TRY_OUT + 1, None).ok()?;
-        Some(Begun { screened: s.clone(), fitted })
-    };
     let promising = screened.iter().filter(is_chosen).chain(also).filter(|s| s.gain > PROMISING * most);
     in_order(study, &promising.cloned().collect::<Vec<_>>(), begin)
 }
@@ -169,12 +174,19 @@ impl Begun {
         });
         let fits = near.into_iter().chain(there.flatten()).chain(sizes);
         let fitted = fits.min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))?;
-        // what screening promised tells whether derivatives of the model without the effect have led to the end; what is no
-        // effect even if it keeps all of it has no others
-        let is_kept = fitted.fit.cost < (1.0 - KEPT_PROMISE * screened.gain) * current.fit.cost
-            || screened.gain < MIN_GAIN;
-        let fitted =
-            if is_kept { fitted } else { study.fit_roughly(&fitted.model, TRY_OUT, None).unwrap_or(fitted) };
+        Some(Self { screened: screened.clone(), fitted })
+    }
+
+    /// Goes on with derivatives of its own where those of the model without the effect have not led to what screening promised, if
+    /// that would make it one of those that are fitted to the end, which miss no more than `nearly`. What is no effect even if it keeps
+    /// all of it has no derivatives of its own.
+    fn anew(&self, study: &Study<'_>, current: &Fitted, nearly: f64) -> Option<Self> {
+        let Self { screened, fitted } = self;
+        let with = |share: f64| (1.0 - share * screened.gain) * current.fit.cost;
+        if screened.gain < MIN_GAIN || with(1.0) > nearly || self.cost() < with(KEPT_PROMISE) {
+            return None;
+        }
+        let fitted = study.fit_roughly(&fitted.model, TRY_OUT, None).ok()?;
         Some(Self { screened: screened.clone(), fitted })
     }
 

@@ -26,14 +26,14 @@ const UNNAMED: [usize; 2] = [3, 2];
 /// Runs that effects are screened with.
 const SCREENED: usize = 4;
 /// Runs of which answers are known are screened with again if they show this share of what is left.
-const BETTER_PART: f64 = 0.5;
+pub(super) const BETTER_PART: f64 = 0.5;
 /// An effect that promises less of the squared error of the fit runs is not fitted.
 const MIN_PROMISE: [f64; 2] = [0.005, 0.015];
 
 /// Iterations of a fit to the end.
 const POLISH: usize = 10;
 /// An effect that misses less than this share of what the best one explains is fitted to the end.
-const NEARLY: f64 = 0.3;
+pub(super) const NEARLY: f64 = 0.3;
 
 /// What the model leaves without a candidate, of the fit runs and of the check runs.
 #[derive(Debug, Clone, Copy)]
@@ -60,8 +60,8 @@ pub(super) struct Tried {
 }
 
 /// Runs for screening, as numbers among the fit runs: those that together show most of what is left of every channel, or those
-/// of which answers are known, if they show the better part of that; then others spread evenly.
-fn some_of(study: &Study<'_>, rest: &Rest, known: &[usize]) -> Vec<usize> {
+/// of which answers are known, if they show this part of that; then others spread evenly.
+fn some_of(study: &Study<'_>, rest: &Rest, known: &[usize], part: f64) -> Vec<usize> {
     let count = study.fit_runs.len();
     let left = |i: usize| -> Vec<f64> {
         let run = study.fit_runs[i];
@@ -85,7 +85,7 @@ fn some_of(study: &Study<'_>, rest: &Rest, known: &[usize]) -> Vec<usize> {
     let show = |runs: &[usize]| -> f64 {
         (0..study.weights.len()).map(|c| runs.iter().map(|i| left[*i][c]).fold(0.0, f64::max)).sum()
     };
-    if !known.is_empty() && show(known) > BETTER_PART * show(&chosen) {
+    if !known.is_empty() && show(known) >= part * show(&chosen) {
         chosen = known.to_vec();
     }
     let n = SCREENED - SCREENED.div_ceil(2);
@@ -96,17 +96,17 @@ fn some_of(study: &Study<'_>, rest: &Rest, known: &[usize]) -> Vec<usize> {
 }
 
 /// All that the catalogue and the empirical functions offer on this model, screened: all with two runs,
-/// the best of them with more.
+/// the best of them with more. Runs of which answers are known serve if they show this part of what is left.
 pub(super) fn screen(
     study: &Study<'_>,
     subject: &Subject,
     roles: &Roles,
     current: &Fitted,
     current_fit: &Rest,
-    recalled: &mut Recalled,
+    (recalled, part): (&mut Recalled, f64),
 ) -> Result<Vec<Screened>> {
     let interface = &subject.interface;
-    let chosen = some_of(study, current_fit, &recalled.runs);
+    let chosen = some_of(study, current_fit, &recalled.runs, part);
     let first = &chosen[..FIRST.min(chosen.len())];
     let stride = (first == recalled.runs).then_some(recalled.stride);
     let coarse: Vec<Run> = chosen.iter().map(|i| coarser(study.fit_runs[*i])).collect();
@@ -130,6 +130,7 @@ pub(super) fn screen(
         .map(|(i, (u, x))| (i, u.step_at(*x)))
         .collect();
     let problem = study.problem(&current.model, runs.clone());
+    let problem = problem.of_changes().unwrap_or(problem);
     let model = &current.model;
     let screen =
         Screen::new(&problem, &simulated, model, &point, &steps, Arc::clone(&watch), &study.weights, stride)

@@ -3,7 +3,7 @@
 use super::begin::bent;
 use super::hygiene::Fault;
 use super::pipeline::FIRST;
-use super::study::{Fitted, Model, Study};
+use super::study::{Derivatives, Fitted, Model, Study};
 use super::subject::Subject;
 use crate::Result;
 
@@ -18,6 +18,7 @@ pub(super) fn told_by_others(
     study: &Study<'_>,
     subject: &Subject,
     base: &Fitted,
+    derivatives: &Derivatives,
     against: impl Fn(&Study<'_>, &Model) -> Result<Vec<Fault>>,
 ) -> Result<Vec<Fault>> {
     let Some(first) = study.fit_runs.first().filter(|run| run.channels.len() > 1) else {
@@ -30,7 +31,7 @@ pub(super) fn told_by_others(
         if !is_bent && study.share_left(&rest, number) < ASTRAY {
             continue;
         }
-        let others = study.without_channel(number).fit_roughly(&study.nominal(), FIRST, None);
+        let others = study.without_channel(number).fit_nominal(FIRST, Some(derivatives));
         let Some(others) = others.ok().filter(|others| others.fit.cost < least) else { continue };
         let name = Some(&subject.interface.variables[channel.variable].name);
         let mut own = against(study, &others.model)?;

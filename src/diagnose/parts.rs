@@ -150,6 +150,7 @@ impl<'a> Opened<'a> {
             fit_runs: fit_runs.iter().collect(),
             check_runs: check_runs.iter().collect(),
             values: Vec::new(),
+            of_changes: None,
             free: study.free.iter().filter(|p| own(p.variable)).cloned().collect(),
             zeros: zeros(&study.zeros, &measured),
             weights: measured.iter().map(|c| study.weights[*c]).collect(),

@@ -12,8 +12,8 @@ use super::result::{Diagnosis, Estimate, Finding, Use, Verdict};
 use super::roles::Roles;
 use super::runs::Map;
 use super::search::{Found, search};
-use super::steps::LongerStep;
-use super::study::{Fitted, Model, Study, differences, first_weights, zeros};
+use super::steps::LongerSteps;
+use super::study::{Derivatives, Fitted, Model, Study, differences, first_weights, zeros};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
 use super::{experiment, locate, tables};
@@ -24,7 +24,6 @@ use crate::model::Settings;
 use crate::recording::Recording;
 use crate::simulate::motions_are_followed;
 use crate::stats::sign_flip;
-use nalgebra::DMatrix;
 use std::path::PathBuf;
 
 /// Iterations of the fits before the channels have their weights, and of those after, which end by
@@ -147,16 +146,19 @@ impl Asked<'_> {
             fit_runs: recorded.with(Use::Fit),
             check_runs: recorded.with(Use::Check),
             values: Vec::new(),
+            of_changes: None,
             free: Vec::new(),
             lag: 0.0,
             zeros: Vec::new(),
             weights: Vec::new(),
             redundancy: 1.0,
         };
-        if let Some(longer) = LongerStep::of(bench, subject, &study.fit_runs, &study.check_runs) {
+        let steps = LongerSteps::of(bench, subject, &study.fit_runs, &study.check_runs);
+        if let Some(longer) = steps.longer {
             notes.push(longer.words(subject));
             study.values.push((longer.variable, longer.step));
         }
+        study.of_changes = steps.of_changes;
         study.weights = first_weights(&study.fit_runs);
         study.lag = RECORDER_LAG * shortest_interval(&study.fit_runs);
         study.zeros = zeros(&recorded.all());
@@ -175,7 +177,7 @@ impl Asked<'_> {
         faults.extend(new);
         // what is known is left aside before the others are asked
         if !faults.iter().any(|f| f.kind.is_gross()) {
-            faults.extend(told_by_others(&study, subject, &base, against)?);
+            faults.extend(told_by_others(&study, subject, &base, &derivatives, against)?);
         }
         let mut of_all = fatal(&faults);
         of_all.retain(|f| !f.kind.is_of_some_runs());
@@ -324,11 +326,11 @@ impl Asked<'_> {
 
 /// Fits the model's own parameters from where they are given, and weighs the channels by what is left of them. Derivatives where it begins may be
 /// known.
-fn refit(study: &mut Study<'_>, known: Option<&DMatrix<f64>>) -> Result<Fitted> {
-    let mut base = study.fit_roughly(&study.nominal(), FIRST, known)?;
+fn refit(study: &mut Study<'_>, known: Option<&Derivatives>) -> Result<Fitted> {
+    let mut base = study.fit_nominal(FIRST, known)?;
     let rest = study.fit_rest(&base)?;
     if study.drop_visible_zeros(&base, &rest) {
-        base = study.fit_roughly(&study.nominal(), FIRST, known)?;
+        base = study.fit_nominal(FIRST, known)?;
     }
     for iterations in [FIRST, FINAL] {
         let rest = study.fit_rest(&base)?;

@@ -2,7 +2,7 @@
 //! is left.
 
 use super::begin::{Begun, begin};
-use super::candidates::{Before, Tried, polish, screen};
+use super::candidates::{BETTER_PART, Before, Tried, polish, screen};
 use super::decision::{Decision, Round};
 use super::experiment::Rival;
 use super::in_turn::check_in_turn;
@@ -89,7 +89,7 @@ pub(super) fn search(
         }
         let progressed = 0.15 + 0.7 * round as f64 / MAX_EFFECTS as f64;
         progress("screening effects", progressed);
-        let screened = screen(study, subject, roles, &found.current, &fit, &mut recalled)?;
+        let screened = screen(study, subject, roles, &found.current, &fit, (&mut recalled, BETTER_PART))?;
         progress("fitting effects inside the simulation", progressed + 0.05);
         // what is found first unbends parameters
         let nominal = (round == 0).then_some(nominal);

@@ -20,7 +20,21 @@ const MOST_FINER: u32 = 16;
 /// noise, which are simulated ones, would cost more than they tell.
 const CLASS: f64 = 2e-3;
 
-/// A step that is longer than the model's.
+/// What the channel of a run may change by a longer step of which only differences are used, as a share of what it moves where it
+/// moves most: about so much of a difference is then wrong. Derivatives that are lead to the same place, whose residuals are
+/// simulated with the other step, and places are ranked alike.
+const SHARE_OF_MOTION: f64 = 0.05;
+
+/// Steps of the model's own that are longer than those that it has by itself.
+#[derive(Default)]
+pub(super) struct LongerSteps {
+    /// One that recordings cannot tell from it.
+    pub longer: Option<LongerStep>,
+    /// The parameter, and one that is longer still \[s\], with which differences between simulations are nearly the same.
+    pub of_changes: Option<(usize, f64)>,
+}
+
+/// A step that recordings cannot tell from the model's.
 pub(super) struct LongerStep {
     /// The parameter.
     pub variable: usize,
@@ -31,42 +45,54 @@ pub(super) struct LongerStep {
     pub change: f64,
 }
 
-impl LongerStep {
-    /// The longest of twice, four times, ... the model's step that recordings cannot tell from it, up to the most that
-    /// the model accepts. `None` if that is its own, if the user has set it, or if the model does not say which parameter it
-    /// is, as a system of several parts does not. Of check runs only the inputs are looked at: the noise is that of the fit
-    /// runs.
-    pub fn of(bench: &Bench, subject: &Subject, fit_runs: &[&Run], check_runs: &[&Run]) -> Option<Self> {
+impl LongerSteps {
+    /// The longest of twice, four times, ... the model's step, up to the most that the model accepts. None if the user has set it, or if
+    /// the model does not say which parameter it is, as a system of several parts does not. Of check runs only the inputs are looked
+    /// at: the noise is that of the fit runs.
+    pub fn of(bench: &Bench, subject: &Subject, fit_runs: &[&Run], check_runs: &[&Run]) -> Self {
         let variables = &subject.interface.variables;
         let is_step = |v: &usize| variables[*v].meaning.is_some_and(|m| m.role == Some(Role::Step));
         let mut steps = (0..variables.len()).filter(is_step);
-        let (Some(variable), None) = (steps.next(), steps.next()) else { return None };
+        let mut found = Self::default();
+        let (Some(variable), None) = (steps.next(), steps.next()) else { return found };
         if subject.fixed.iter().any(|(v, _)| *v == variable) {
-            return None;
+            return found;
         }
         let (Some(Value::Real(own)), Some(most)) = (&variables[variable].start, variables[variable].max)
         else {
-            return None;
+            return found;
         };
         if !(*own > 0.0 && most.is_finite()) {
-            return None;
+            return found;
         }
         // the longest first; one of the same decimals as the limit is not beyond it
         let doubled = std::iter::successors(Some(2.0 * own), |step| Some(2.0 * step));
         let mut longer: Vec<f64> = doubled.take_while(|step| *step <= most * (1.0 + 1e-9)).collect();
         longer.reverse();
         if longer.is_empty() {
-            return None;
+            return found;
         }
         let runs = [fit_runs, check_runs].concat();
         let simulate = |step: f64| simulated(bench, &runs, Some((variable, step)));
-        let (noises, reference) = (noises(fit_runs), simulate(*own)?);
-        longer.into_iter().find_map(|step| {
-            let change = most_changed(&simulate(step)?, &reference, &noises);
-            (change <= SHARE).then_some(Self { variable, own: *own, step, change })
-        })
+        let noises = noises(fit_runs);
+        let Some(reference) = simulate(*own) else { return found };
+        let spreads = spreads(reference.iter().map(|run| run.iter().map(Vec::as_slice).collect()));
+        for step in longer {
+            let Some(answer) = simulate(step) else { continue };
+            let change = most_changed(&answer, &reference, &noises);
+            if change <= SHARE {
+                found.longer = Some(LongerStep { variable, own: *own, step, change });
+                break;
+            }
+            if found.of_changes.is_none() && most_changed(&answer, &reference, &spreads) <= SHARE_OF_MOTION {
+                found.of_changes = Some((variable, step));
+            }
+        }
+        found
     }
+}
 
+impl LongerStep {
     /// What is said of it.
     pub fn words(&self, subject: &Subject) -> String {
         let Self { variable, own, step, change } = self;
@@ -110,8 +136,8 @@ impl ShorterSteps {
         };
         let to_fit: Vec<&Run> =
             runs.iter().filter(|(_, use_)| *use_ == Use::Fit).map(|(run, _)| run).collect();
-        let noises: Vec<f64> =
-            noises(&to_fit).iter().zip(spreads(&to_fit)).map(|(n, s)| n.max(CLASS * s)).collect();
+        let spreads = spreads(to_fit.iter().map(|r| r.channels.iter().map(|c| &c.values[..]).collect()));
+        let noises: Vec<f64> = noises(&to_fit).iter().zip(spreads).map(|(n, s)| n.max(CLASS * s)).collect();
         let Some(mut now) = answer(runs) else { return Ok(None) };
         let (mut finer, mut found) = (1, None);
         while finer < MOST_FINER {
@@ -155,6 +181,7 @@ fn simulated(bench: &Bench, runs: &[&Run], with: Option<(usize, f64)>) -> Option
         values: Vec::new(),
         attachments: Vec::new(),
         weights: Vec::new(),
+        of_changes: None,
         kept: Mutex::default(),
     };
     problem.simulate(&[with.iter().map(|(_, value)| *value).collect()]).pop().flatten()
@@ -195,20 +222,20 @@ fn noises(runs: &[&Run]) -> Vec<f64> {
     (0..count).map(of).collect()
 }
 
-/// How much each channel moves: as in the run in which it moves most.
-fn spreads(runs: &[&Run]) -> Vec<f64> {
-    let count = runs.iter().map(|r| r.channels.len()).max().unwrap_or(0);
-    let of = |c: usize| {
-        let each = runs.iter().filter_map(|r| Some(deviation(&r.channels.get(c)?.values)));
-        each.fold(0.0, f64::max)
-    };
-    (0..count).map(of).collect()
+/// How much each channel moves: as in the run in which it moves most. Of each run, its channels.
+fn spreads<'a>(runs: impl Iterator<Item = Vec<&'a [f64]>>) -> Vec<f64> {
+    let mut spreads: Vec<f64> = Vec::new();
+    for channels in runs {
+        spreads.resize(spreads.len().max(channels.len()), 0.0);
+        spreads.iter_mut().zip(channels).for_each(|(most, values)| *most = most.max(deviation(values)));
+    }
+    spreads
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{Channel, Drive};
+    use crate::fit::{Channel, Drive, Options, Unknown, least_squares};
     use crate::model::Settings;
     use crate::stats::SplitMix64;
     use std::sync::Arc;
@@ -246,21 +273,62 @@ mod tests {
         let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
         let [noisy, clean, bouncing] =
             [(0.0, 30.0), (0.0, 0.01), (0.02, 30.0)].map(|(by, noise)| run(&subject, &bench, by, noise));
-        let longer = LongerStep::of(&bench, &subject, &[&noisy], &[]).unwrap();
+        let longer_step = |subject: &Subject, fit: &[&Run], check: &[&Run]| {
+            LongerSteps::of(&bench, subject, fit, check).longer
+        };
+        let longer = longer_step(&subject, &[&noisy], &[]).unwrap();
         assert_eq!((longer.own, longer.step), (5e-4, 1e-3));
         // it makes a difference
         assert!(longer.change > 1e-4 && longer.change < SHARE, "{}", longer.change);
         let words = longer.words(&subject);
         assert!(words.contains("step_size = 0.001 s, not 0.0005 s"), "{words}");
-        assert!(LongerStep::of(&bench, &subject, &[&clean], &[]).is_none());
+        assert!(longer_step(&subject, &[&clean], &[]).is_none());
         // of check runs the inputs count, and not their noise
-        assert!(LongerStep::of(&bench, &subject, &[&noisy], &[&clean]).is_some());
-        assert!(LongerStep::of(&bench, &subject, &[&noisy], &[&bouncing]).is_none());
+        assert!(longer_step(&subject, &[&noisy], &[&clean]).is_some());
+        assert!(longer_step(&subject, &[&noisy], &[&bouncing]).is_none());
         // one run in three that is clean is told by the noise of the others
-        assert!(LongerStep::of(&bench, &subject, &[&noisy, &clean, &noisy], &[]).is_some());
-        assert!(LongerStep::of(&bench, &subject, &[&clean, &noisy, &clean], &[]).is_none());
+        assert!(longer_step(&subject, &[&noisy, &clean, &noisy], &[]).is_some());
+        assert!(longer_step(&subject, &[&clean, &noisy, &clean], &[]).is_none());
         subject.fixed.push((longer.variable, Value::Real(5e-4)));
-        assert!(LongerStep::of(&bench, &subject, &[&noisy], &[]).is_none());
+        assert!(longer_step(&subject, &[&noisy], &[]).is_none());
+    }
+
+    #[test]
+    fn derivatives_with_a_longer_step_lead_to_the_same_place() {
+        let subject = Subject::load("ring-brush-flat-track", &Settings::default()).unwrap();
+        let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
+        let [noisy, clean] = [30.0, 0.01].map(|noise| run(&subject, &bench, 0.0, noise));
+        // where recordings cannot tell, all is simulated with it
+        let steps = |run: &Run| LongerSteps::of(&bench, &subject, &[run], &[]);
+        assert!(steps(&noisy).longer.is_some() && steps(&noisy).of_changes.is_none());
+        let LongerSteps { longer: None, of_changes: Some((variable, step)) } = steps(&clean) else {
+            panic!("differences do not take the longer step");
+        };
+        assert_eq!(step, 1e-3);
+        let stiffness = subject.interface.index("bristle_stiffness").unwrap();
+        let Some(Value::Real(nominal)) = subject.interface.variables[stiffness].start else { unreachable!() };
+        let problem = |values: Vec<(usize, f64)>, of_changes| OutputError {
+            bench: &bench,
+            runs: vec![&clean],
+            knobs: vec![Knob::Parameter(stiffness, nominal)],
+            values,
+            attachments: Vec::new(),
+            weights: vec![100.0],
+            of_changes,
+            kept: Mutex::default(),
+        };
+        let (prior, reach) = (f64::INFINITY, f64::INFINITY);
+        let unknown = Unknown { start: 1.1, mean: 1.0, low: 0.5, high: 2.0, step: 1e-3, prior, reach };
+        let options = Options { tolerance: 1e-6, ..Options::default() };
+        let fit = |problem| least_squares(&problem, &[unknown], options).unwrap().x[0];
+        let own = fit(problem(Vec::new(), None));
+        let quick = fit(problem(Vec::new(), Some((variable, step))));
+        // while residuals with that step have another place
+        let other = fit(problem(vec![(variable, step)], None));
+        assert!(
+            (own - 1.0).abs() < 1e-5 && (quick - own).abs() < 0.02 * (other - own).abs(),
+            "{own} {quick} {other}"
+        );
     }
 
     /// A swing of the slip angle on the Magic Formula tire, with noise of the lateral force by so much \[N\], with

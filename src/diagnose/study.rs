@@ -45,6 +45,8 @@ pub struct Study<'a> {
     pub check_runs: Vec<&'a Run>,
     /// Parameters that stay, beside those that the bench sets.
     pub values: Vec<(usize, f64)>,
+    /// A value with which differences between simulations are simulated, for derivatives and for screening: a longer step.
+    pub of_changes: Option<(usize, f64)>,
     /// Parameters that are fitted.
     pub free: Vec<FreeParameter>,
     /// Largest lag of all channels \[s\] that filters of a recorder may make, and no physics.
@@ -78,6 +80,23 @@ pub struct Fitted {
     pub fit: Fit,
     /// What was simulated of the fit runs where it ended.
     pub kept: Option<Kept>,
+}
+
+/// Derivatives of the residuals of the fit runs by the free parameters, where these are nominal.
+pub struct Derivatives {
+    /// Rows as residuals, columns as parameters.
+    matrix: DMatrix<f64>,
+    /// What the channels were weighed with.
+    weights: Vec<f64>,
+}
+
+impl Derivatives {
+    /// With the weights of a study of the same runs.
+    fn of(&self, study: &Study<'_>) -> DMatrix<f64> {
+        let mut matrix = self.matrix.clone();
+        study.weigh_anew(&mut matrix, &self.weights);
+        matrix
+    }
 }
 
 /// What a model leaves of some runs.
@@ -154,6 +173,7 @@ impl Study<'_> {
             values: self.values.clone(),
             attachments: model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect(),
             weights: self.weights.clone(),
+            of_changes: self.of_changes,
             kept: Mutex::default(),
         }
     }
@@ -242,6 +262,15 @@ impl Study<'_> {
     /// How many unknowns a model without effects has.
     pub(super) fn own(&self) -> usize {
         self.free.len() + 1 + self.zeros.len()
+    }
+
+    /// The model as it is given, fitted roughly to the fit runs; derivatives may be known where it begins.
+    ///
+    /// # Errors
+    /// A model that cannot be run.
+    pub fn fit_nominal(&self, iterations: usize, known: Option<&Derivatives>) -> Result<Fitted> {
+        let known = known.map(|known| known.of(self));
+        self.fit_roughly(&self.nominal(), iterations, known.as_ref())
     }
 
     /// The model as it is given, with the recorder's lag and what channels show at zero fitted, which say nothing of the
@@ -474,33 +503,32 @@ impl Study<'_> {
     }
 
     /// The parameters that matter: those with the most effect on the outputs, the most important first. If they are
-    /// too many, those of which others do the same stay. Returns the derivatives of the residuals by those that were chosen,
-    /// from differences as large as tell whether they matter.
+    /// too many, those of which others do the same stay. Returns the derivatives by those that were chosen, from differences as
+    /// large as tell whether they matter.
     ///
     /// # Errors
     /// The model cannot be run with its nominal values.
-    pub fn choose_free(&mut self, candidates: &[FreeParameter]) -> Result<DMatrix<f64>> {
+    pub fn choose_free(&mut self, candidates: &[FreeParameter]) -> Result<Derivatives> {
         self.free = candidates.to_vec();
         let model = self.nominal();
         let problem = self.problem(&model, self.fit_runs.clone());
-        let mut points = vec![model.parameters.clone()];
+        let from = model.parameters.clone();
+        let base = problem.residuals(std::slice::from_ref(&from)).pop().flatten();
+        let base = base.ok_or_else(|| self.why_not(&problem))?;
+        let mut points = Vec::new();
         for (i, p) in self.free.iter().enumerate() {
-            let mut point = model.parameters.clone();
+            let mut point = from.clone();
             // over the prior if the range allows, else over the range
             let room = ((p.high - p.nominal) / p.scale).min(0.05);
             point[i] += if room > 1e-6 { room } else { -0.05 };
             points.push(point);
         }
-        let mut answers = problem.residuals(&points).into_iter();
-        let base = answers.next().flatten();
-        let base = base.ok_or_else(|| self.why_not(&problem))?;
-        let base = DVector::from_vec(base);
         let size = (base.len() as f64).sqrt();
         let mut effects: Vec<(usize, DVector<f64>)> = Vec::new();
-        for (i, answer) in answers.enumerate() {
-            let Some(moved) = answer else { continue };
-            let step = points[i + 1][i] - points[0][i];
-            let effect = (DVector::from_vec(moved) - &base) * (PRIOR / size / step);
+        for (i, change) in problem.changes(&from, &base, &points).into_iter().enumerate() {
+            let Some(change) = change else { continue };
+            let step = points[i][i] - from[i];
+            let effect = DVector::from_vec(change) * (PRIOR / size / step);
             if effect.norm() > MIN_EFFECT || self.free[i].asked {
                 effects.push((i, effect));
             }
@@ -512,11 +540,12 @@ impl Study<'_> {
         let chosen = most_by_themselves(effects.iter().map(|e| e.1.clone()).collect(), most);
         self.free = chosen.iter().map(|k| candidates[effects[*k].0].clone()).collect();
         let derivatives: Vec<DVector<f64>> = chosen.iter().map(|k| &effects[*k].1 * (size / PRIOR)).collect();
-        Ok(if derivatives.is_empty() {
+        let matrix = if derivatives.is_empty() {
             DMatrix::zeros(base.len(), 0)
         } else {
             DMatrix::from_columns(&derivatives)
-        })
+        };
+        Ok(Derivatives { matrix, weights: self.weights.clone() })
     }
 
     /// The error of a run that fails.
@@ -538,20 +567,25 @@ impl Study<'_> {
         let before = self.weights.clone();
         let runs = self.fit_runs.clone();
         self.weigh(&runs, rest);
-        let factors: Vec<f64> = self.weights.iter().zip(&before).map(|(now, before)| now / before).collect();
         let mut fitted = fitted.clone();
+        self.weigh_anew(&mut fitted.fit.jacobian, &before);
+        fitted
+    }
+
+    /// Gives derivatives of the residuals of the fit runs, which have the weights `before`, those of now.
+    fn weigh_anew(&self, derivatives: &mut DMatrix<f64>, before: &[f64]) {
+        let factors: Vec<f64> = self.weights.iter().zip(before).map(|(now, before)| now / before).collect();
         // rows are run by run, channel by channel
         let mut row = 0;
-        for run in &runs {
+        for run in &self.fit_runs {
             for (channel, factor) in run.channels.iter().zip(&factors) {
                 let n = channel.values.len();
-                if row + n <= fitted.fit.jacobian.nrows() {
-                    fitted.fit.jacobian.rows_mut(row, n).scale_mut(*factor);
+                if row + n <= derivatives.nrows() {
+                    derivatives.rows_mut(row, n).scale_mut(*factor);
                 }
                 row += n;
             }
         }
-        fitted
     }
 
     /// Sets weights and redundancy from what a model leaves: every channel counts in multiples of its

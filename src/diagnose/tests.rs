@@ -158,6 +158,7 @@ fn friction_at_the_reference_pressure_is_fitted() {
         fit_runs: all.clone(),
         check_runs: all,
         values: Vec::new(),
+        of_changes: None,
         free: Vec::new(),
         lag: 0.0,
         zeros: Vec::new(),
@@ -216,6 +217,7 @@ fn what_only_changes_outputs_or_the_lag_is_not_simulated_again() {
         values: Vec::new(),
         attachments,
         weights: vec![1.0],
+        of_changes: None,
         kept: std::sync::Mutex::default(),
     };
     let point = vec![0.4, 0.0, 0.02];
@@ -301,6 +303,7 @@ fn a_small_zero_of_a_sensor_is_fitted_and_one_that_shows_is_left_to_an_effect() 
             fit_runs: vec![&run],
             check_runs: vec![&run],
             values: Vec::new(),
+            of_changes: None,
             free: Vec::new(),
             lag: 0.0,
             zeros: super::study::zeros(&[&run]),

@@ -8,6 +8,18 @@ use nalgebra::{DMatrix, DVector};
 pub trait Problem {
     /// One vector of residuals per point, all of one length; `None` where the model cannot be run.
     fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>>;
+
+    /// What the residuals at points near another one, which has these `residuals`, differ from those, for derivatives on the way: a
+    /// problem that has a cheaper way to tell than by all residuals may take that.
+    fn changes(&self, _from: &[f64], residuals: &[f64], points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+        changes(residuals, self.residuals(points))
+    }
+}
+
+/// What residuals differ from others.
+pub(super) fn changes(from: &[f64], to: Vec<Option<Vec<f64>>>) -> Vec<Option<Vec<f64>>> {
+    let change = |to: Vec<f64>| to.iter().zip(from).map(|(a, b)| a - b).collect();
+    to.into_iter().map(|to| to.map(change)).collect()
 }
 
 /// One unknown.
@@ -239,6 +251,10 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
 /// Rounds of [`settle`]: what the first leaves is of second order.
 const SETTLED: usize = 2;
 
+/// A step that lowers the sum by no more than this moves no unknown by more than a tenth of its standard deviation: derivatives where it
+/// ends are those where it began.
+const HARDLY: f64 = 0.01;
+
 /// The end of a fit with derivatives from both sides, and with the steps that they foretell if these lower the sum.
 ///
 /// Derivatives that were updated on the way, or are differences to one side, are wrong by a share of how much each unknown does. That
@@ -254,7 +270,11 @@ pub fn settle(problem: &dyn Problem, unknowns: &[Unknown], mut fit: Fit, redunda
         if here.sum(&to, &residuals, unknowns) >= here.total {
             break;
         }
+        let promised = -change(&here.normal, &here.gradient, &fit.x, unknowns);
         (fit.x, fit.residuals) = (to, residuals);
+        if promised < HARDLY {
+            break;
+        }
     }
     fit.cost = square(&fit.residuals);
     fit.updated = false;
@@ -323,14 +343,14 @@ fn differentiate(
         point
     };
     let points: Vec<Vec<f64>> = (from..x.len()).map(moved).collect();
-    for (i, answer) in (from..x.len()).zip(problem.residuals(&points)) {
+    for (i, answer) in (from..x.len()).zip(problem.changes(x, residuals, &points)) {
         // where the model cannot be run the unknown stays
         let Some(answer) = answer else {
             jacobian.column_mut(i).fill(0.0);
             continue;
         };
-        for (k, (a, b)) in answer.iter().zip(residuals).enumerate() {
-            jacobian[(k, i)] = (a - b) / step(i);
+        for (k, change) in answer.iter().enumerate() {
+            jacobian[(k, i)] = change / step(i);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! [`OutputError`]: what a slave with effects makes of recorded inputs, against what was measured.
 
 use super::bench::{Bench, Drive, Setup, Traces};
-use super::least_squares::Problem;
+use super::least_squares::{Problem, changes};
 use super::replay::replay;
 use crate::Result;
 use crate::effect::{Attachment, Course, Port, Signal, attached_interface};
@@ -90,6 +90,8 @@ pub struct OutputError<'a> {
     pub attachments: Vec<Attachment>,
     /// One weight per channel: residuals are multiplied by it.
     pub weights: Vec<f64>,
+    /// A value with which changes are simulated, of which only differences count: a longer step of the slave's own.
+    pub of_changes: Option<(usize, f64)>,
     /// What was simulated last.
     pub kept: Mutex<Vec<Kept>>,
 }
@@ -138,7 +140,7 @@ impl Key {
     }
 }
 
-impl OutputError<'_> {
+impl<'a> OutputError<'a> {
     /// The setup for a point.
     pub fn setup(&self, point: &[f64]) -> Setup {
         let mut setup = Setup { values: self.values.clone(), attachments: self.attachments.clone() };
@@ -295,6 +297,24 @@ impl OutputError<'_> {
         kept.iter().rev().find(|k| k.key == key).cloned()
     }
 
+    /// The same problem with the value with which changes are simulated.
+    pub fn of_changes(&self) -> Option<Self> {
+        let of_changes = self.of_changes?;
+        let mut values = self.values.clone();
+        values.retain(|(v, _)| *v != of_changes.0);
+        values.push(of_changes);
+        Some(Self {
+            bench: self.bench,
+            runs: self.runs.clone(),
+            knobs: self.knobs.clone(),
+            values,
+            attachments: self.attachments.clone(),
+            weights: self.weights.clone(),
+            of_changes: None,
+            kept: Mutex::default(),
+        })
+    }
+
     /// Simulated minus measured, weighted: run by run, channel by channel.
     pub fn difference(&self, simulated: &[Traces]) -> Vec<f64> {
         let mut residuals = Vec::new();
@@ -310,5 +330,17 @@ impl OutputError<'_> {
 impl Problem for OutputError<'_> {
     fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
         self.simulate(points).into_iter().map(|s| s.map(|s| self.difference(&s))).collect()
+    }
+
+    fn changes(&self, from: &[f64], residuals: &[f64], points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+        let Some(other) = self.of_changes().filter(|_| !points.is_empty()) else {
+            return changes(residuals, self.residuals(points));
+        };
+        let all: Vec<Vec<f64>> = std::iter::once(from.to_vec()).chain(points.iter().cloned()).collect();
+        let mut answers = other.residuals(&all).into_iter();
+        match answers.next().flatten() {
+            Some(base) => changes(&base, answers.collect()),
+            None => changes(residuals, self.residuals(points)),
+        }
     }
 }

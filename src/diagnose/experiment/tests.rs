@@ -79,6 +79,7 @@ fn study<'a>(bench: &'a Bench, runs: &'a [Run]) -> Study<'a> {
         fit_runs: all.clone(),
         check_runs: all,
         values: Vec::new(),
+        of_changes: None,
         free: Vec::new(),
         lag: 0.0,
         zeros: Vec::new(),
