@@ -63,19 +63,23 @@ pub(super) fn begin(
             None => begun.push(other),
         }
     }
-    let best = begun.iter().map(Begun::cost).fold(f64::INFINITY, f64::min);
-    let nearly = best + NEARLY * (current.fit.cost - best).max(0.0);
-    let anew = |b: &Begun| b.anew(study, current, nearly);
-    let begun_anew = side_by_side(study.bench.threads(), &begun, anew);
-    for (own, anew) in begun.iter_mut().zip(begun_anew) {
-        if let Some(anew) = anew.flatten() {
-            *own = anew;
-        }
-    }
+    // a function without a name keeps more than it promised, so that names are held against names
     for named in [true, false] {
         let alike = |b: &Begun| empirical::is(b.screened.placement.effect) != named;
-        let best = begun.iter().filter(|b| alike(b)).map(Begun::cost).fold(f64::INFINITY, f64::min);
-        let most = best + HOPELESS * (current.fit.cost - best).max(0.0);
+        // what those miss that miss this share of what the best one explains
+        let missing = |begun: &[Begun], share: f64| {
+            let best = begun.iter().filter(|b| alike(b)).map(Begun::cost).fold(f64::INFINITY, f64::min);
+            best + share * (current.fit.cost - best).max(0.0)
+        };
+        let nearly = missing(&begun, NEARLY);
+        let anew = |b: &Begun| if alike(b) { b.anew(study, current, nearly) } else { None };
+        let begun_anew = side_by_side(study.bench.threads(), &begun, anew);
+        for (own, anew) in begun.iter_mut().zip(begun_anew) {
+            if let Some(anew) = anew.flatten() {
+                *own = anew;
+            }
+        }
+        let most = missing(&begun, HOPELESS);
         begun.retain(|b| !alike(b) || b.cost() <= most);
     }
     begun
