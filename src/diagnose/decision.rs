@@ -20,6 +20,16 @@ pub(super) enum Decision {
     Unnamed(usize, Finding),
 }
 
+impl Decision {
+    /// The candidate that was chosen, by number.
+    pub fn chosen(&self) -> Option<usize> {
+        match self {
+            Self::Nothing => None,
+            Self::Named(i, ..) | Self::Unnamed(i, _) => Some(*i),
+        }
+    }
+}
+
 /// The candidates of one round, with what they are compared by.
 pub(super) struct Round<'a> {
     pub study: &'a Study<'a>,

@@ -198,11 +198,9 @@ impl Asked<'_> {
         }
         let nominal = study.nominal();
         let check_runs = study.check_runs.clone();
-        let base_model = base.model.clone();
         let found = if faults.iter().any(|f| f.is_fatal() && !f.kind.is_of_some_runs()) {
             Found::nothing(base, base_rest)
         } else {
-            let fallback = base.clone();
             let found = search(&mut study, subject, roles, &nominal, (base, base_rest), progress)?;
             if let Some(drift) = Drift::of(&found, &study, &recorded.all())
                 && let Some(rest) = known.with_clock_put_right(&drift)
@@ -231,11 +229,12 @@ impl Asked<'_> {
                 }
             }
             if faults.iter().any(Fault::is_fatal) {
-                Found::nothing(fallback, found.base_check)
+                Found::nothing(found.base, found.base_check)
             } else {
                 found
             }
         };
+        let base_model = found.base.model;
         let Found { mut current, check: checked, .. } = found;
         let experiment = experiment::propose(&study, roles, &found.rivals, &checked);
         let (mut findings, mut unknown, candidates) = (found.findings, found.unknown, found.candidates);

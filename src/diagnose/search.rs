@@ -8,7 +8,7 @@ use super::experiment::Rival;
 use super::in_turn::check_in_turn;
 use super::left::Left;
 use super::locate;
-use super::numbers::NO_MORE;
+use super::numbers::{MIN_GAIN, NO_MORE};
 use super::pipeline::FINAL;
 use super::recalled::Recalled;
 use super::result::{Candidate, Finding};
@@ -20,9 +20,13 @@ use crate::fit::side_by_side;
 
 /// Effects that are found one after the other.
 const MAX_EFFECTS: usize = 3;
+/// How often a round begins anew because the model without what was found in it had not been fitted to its end.
+const ANEW: usize = 3;
 
 /// What was found.
 pub(super) struct Found {
+    /// The refitted model, without anything that was found.
+    pub base: Fitted,
     /// The model with what was found, fitted.
     pub current: Fitted,
     /// What it leaves of the check runs.
@@ -43,7 +47,8 @@ impl Found {
     /// Nothing is looked for.
     pub(super) fn nothing(base: Fitted, base_check: Rest) -> Self {
         Self {
-            current: base,
+            current: base.clone(),
+            base,
             check: base_check.clone(),
             base_check,
             findings: Vec::new(),
@@ -68,6 +73,17 @@ fn is_noise(study: &Study<'_>, rest: &Rest) -> bool {
     (0..study.weights.len()).all(|c| noise(c).is_some_and(|n| study.error(rest, c) < NO_MORE * n))
 }
 
+/// The model without the last effect of one that was tried, fitted from where that ended, if this is better than where it stands: then it
+/// stands where only its own way had led, and what seems to be missing is what an effect has opened another way for.
+fn without(study: &Study<'_>, tried: &Tried, found: &Found) -> Option<Fitted> {
+    let other = study.fit_without_last(&tried.fitted, FINAL).ok()?;
+    if other.fit.cost >= (1.0 - MIN_GAIN) * found.current.fit.cost {
+        return None;
+    }
+    let check = study.rest(&other.model, &study.check_runs).ok()?;
+    (check.total < found.check.total).then_some(other)
+}
+
 /// Searches, beginning with the refitted model and what it leaves of the check runs. Weights of channels
 /// change on the way.
 pub(super) fn search(
@@ -78,12 +94,12 @@ pub(super) fn search(
     (base, base_check): (Fitted, Rest),
     progress: &mut dyn FnMut(&str, f64),
 ) -> Result<Found> {
-    let base_model = base.model.clone();
     let check_runs = study.check_runs.clone();
     let mut fit = study.fit_rest(&base)?;
     let mut found = Found::nothing(base, base_check);
     let mut recalled = Recalled::default();
-    for round in 0..MAX_EFFECTS {
+    let (mut round, mut anew) = (0, 0);
+    while round < MAX_EFFECTS {
         if round > 1 && is_noise(study, &found.check) {
             break;
         }
@@ -107,7 +123,25 @@ pub(super) fn search(
             base: &found.base_check,
             is_first: round == 0,
         };
-        match judged.decide(subject, &mut found.candidates) {
+        let before_this = found.candidates.len();
+        let decision = judged.decide(subject, &mut found.candidates);
+        if let Some(i) = decision.chosen().filter(|_| anew < ANEW)
+            && let Some(better) = without(study, &tried[i], &found)
+        {
+            found.candidates.truncate(before_this);
+            let rest = study.fit_rest(&better)?;
+            let from = study.weigh_by(&better, &rest);
+            found.current = study.fit_on(&from, FINAL)?;
+            fit = study.fit_rest(&found.current)?;
+            found.check = study.rest(&found.current.model, &check_runs)?;
+            if round == 0 {
+                found.base = found.current.clone();
+            }
+            found.base_check = study.rest(&found.base.model, &check_runs)?;
+            anew += 1;
+            continue;
+        }
+        match decision {
             Decision::Nothing => break,
             Decision::Named(i, finding, others) => {
                 found.findings.push(finding);
@@ -125,7 +159,8 @@ pub(super) fn search(
                 found.current = study.fit_on(&from, FINAL)?;
                 fit = study.fit_rest(&found.current)?;
                 found.check = study.rest(&found.current.model, &check_runs)?;
-                found.base_check = study.rest(&base_model, &check_runs)?;
+                found.base_check = study.rest(&found.base.model, &check_runs)?;
+                round += 1;
             }
             Decision::Unnamed(i, mut finding) => {
                 // the function is of one signal; more may be known of what it should have been of

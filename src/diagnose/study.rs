@@ -356,6 +356,19 @@ impl Study<'_> {
         self.fit_with(model, Some(near), Options { iterations, known, update: true, ..Options::default() })
     }
 
+    /// Fits what is left of a fitted model without its last effect, beginning where that has ended, to the end.
+    ///
+    /// # Errors
+    /// A model that cannot be run.
+    pub fn fit_without_last(&self, fitted: &Fitted, iterations: usize) -> Result<Fitted> {
+        let mut model = fitted.model.clone();
+        model.effects.pop();
+        let known = fitted.fit.jacobian.columns(0, Self::point(&model).len()).into_owned();
+        let options =
+            Options { iterations, known: Some(&known), update: true, to_the_end: true, ..Options::default() };
+        self.fit_with(&model, None, options)
+    }
+
     fn fit_with(&self, model: &Model, near: Option<&Fitted>, options: Options<'_>) -> Result<Fitted> {
         let problem = self.problem(model, self.fit_runs.clone());
         problem.keep(near.and_then(|near| near.kept.clone()));
