@@ -75,8 +75,8 @@ fn is_noise(study: &Study<'_>, rest: &Rest) -> bool {
 
 /// The model without the last effect of one that was tried, fitted from where that ended, if this is better than where it stands: then it
 /// stands where only its own way had led, and what seems to be missing is what an effect has opened another way for.
-fn without(study: &Study<'_>, tried: &Tried, found: &Found) -> Option<Fitted> {
-    let other = study.fit_without_last(&tried.fitted, FINAL).ok()?;
+pub(super) fn without(study: &Study<'_>, tried: &Fitted, found: &Found) -> Option<Fitted> {
+    let other = study.fit_without_last(tried, FINAL).ok()?;
     if other.fit.cost >= (1.0 - MIN_GAIN) * found.current.fit.cost {
         return None;
     }
@@ -126,7 +126,7 @@ pub(super) fn search(
         let before_this = found.candidates.len();
         let decision = judged.decide(subject, &mut found.candidates);
         if let Some(i) = decision.chosen().filter(|_| anew < ANEW)
-            && let Some(better) = without(study, &tried[i], &found)
+            && let Some(better) = without(study, &tried[i].fitted, &found)
         {
             found.candidates.truncate(before_this);
             let rest = study.fit_rest(&better)?;

@@ -1,9 +1,11 @@
 //! Whole diagnoses of small models: what their answers must not depend on, and what is fitted.
 
-use super::study::Study;
+use super::placement::Placement;
+use super::search::{Found, without};
+use super::study::{Fitted, Study};
 use super::*;
 use crate::effect::find as find_effect;
-use crate::effect::{Attachment, Chosen, Signal};
+use crate::effect::{Attachment, Chosen, Port, Signal};
 use crate::fit::{Bench, Channel, Drive, Knob, OutputError, Run, Setup, replay};
 use crate::model::Settings;
 use crate::recording::{Channel as Recorded, Recording, write_csv};
@@ -323,4 +325,68 @@ fn a_small_zero_of_a_sensor_is_fitted_and_one_that_shows_is_left_to_an_effect() 
     // more than three times the noise shows, and so does what is beyond 2 % of the span
     assert!(zeros_with(4.0 * noise).1);
     assert!(zeros_with(-0.05 * span).1);
+}
+
+#[test]
+fn what_a_fit_has_missed_is_no_missing_physics() {
+    let subject = Subject::load("brake-hydraulics", &Settings::default()).unwrap();
+    let find = |name: &str| subject.interface.index(name).unwrap();
+    let (pressure, torque, friction) = (find("driver_pressure"), find("brake_torque"), find("friction"));
+    let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
+    let points = 501;
+    let course = (0..points).map(|k| 4e6 + 1e6 * (0.02 * k as f64).sin()).collect();
+    let inputs = vec![(pressure, course)];
+    let drive = Arc::new(Drive { start: 0.0, step: 2e-3, inputs, begins: Vec::new(), points });
+    let free: Vec<_> = subject.free.iter().filter(|p| p.variable == friction).cloned().collect();
+    let with = |share: f64| {
+        let setup = Setup { values: vec![(friction, share * free[0].nominal)], ..Setup::default() };
+        let traces = bench.run(&[Arc::new(setup)], &[Arc::clone(&drive)], &Arc::from([torque]));
+        traces.into_iter().next().unwrap().unwrap().remove(0)
+    };
+    let noise = 1e-3 * with(1.0).iter().copied().fold(0.0, f64::max);
+    let mut random = SplitMix64::new(8);
+    let values = with(1.2).into_iter().map(|t| t + noise * random.normal()).collect();
+    let run = Run {
+        name: String::new(),
+        time: (0..points).map(|k| drive.time(k)).collect(),
+        drive: Arc::clone(&drive),
+        channels: vec![Channel { variable: torque, values, counts: false }],
+    };
+    let study = Study {
+        bench: &bench,
+        fit_runs: vec![&run],
+        check_runs: vec![&run],
+        values: Vec::new(),
+        of_changes: None,
+        free,
+        lag: 0.0,
+        zeros: Vec::new(),
+        weights: vec![1.0 / noise],
+        redundancy: 1.0,
+    };
+    let found = |current: Fitted| {
+        let rest = study.rest(&current.model, &study.check_runs).unwrap();
+        Found::nothing(current, rest)
+    };
+    // where the fit has not moved at all, a gain of the sensor takes a part of what is wrong with the friction
+    let stuck = study.fit(&study.nominal(), 1).unwrap();
+    let mut model = stuck.model.clone();
+    let effect = find_effect("sensor-gain").unwrap();
+    let gain = Placement {
+        effect,
+        port: Port::Output,
+        targets: vec![torque],
+        drivers: Vec::new(),
+        scales: vec![1.0; effect.parameters.len()],
+        units: vec![None; effect.parameters.len()],
+        bounded: false,
+    };
+    model.effects.push((gain, vec![0.01]));
+    let named = study.fit(&model, 12).unwrap();
+    assert!(named.model.effects[0].1[0] > 0.05 && named.fit.cost < 0.01 * stuck.fit.cost);
+    let put_right = without(&study, &named, &found(stuck)).unwrap();
+    assert!(put_right.model.effects.is_empty() && put_right.fit.cost < 1.01 * named.fit.cost);
+    assert!((put_right.model.parameters[0] * study.free[0].scale / study.free[0].nominal - 1.2).abs() < 1e-3);
+    // a model that was fitted to its end stays
+    assert!(without(&study, &named, &found(put_right)).is_none());
 }
