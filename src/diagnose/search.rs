@@ -58,6 +58,14 @@ impl Found {
         }
     }
 
+    /// Fits on, and gives what that leaves of the fit runs.
+    fn go_on(&mut self, study: &Study<'_>, from: &Fitted) -> Result<Rest> {
+        self.current = study.fit_on(from, FINAL)?;
+        self.check = study.rest(&self.current.model, &study.check_runs)?;
+        self.base_check = study.rest(&self.base.model, &study.check_runs)?;
+        study.fit_rest(&self.current)
+    }
+
     /// Makes all names less sure, by this factor.
     fn doubt(&mut self, factor: f64) {
         for finding in &mut self.findings {
@@ -94,7 +102,6 @@ pub(super) fn search(
     (base, base_check): (Fitted, Rest),
     progress: &mut dyn FnMut(&str, f64),
 ) -> Result<Found> {
-    let check_runs = study.check_runs.clone();
     let mut fit = study.fit_rest(&base)?;
     let mut found = Found::nothing(base, base_check);
     let mut recalled = Recalled::default();
@@ -131,13 +138,10 @@ pub(super) fn search(
             found.candidates.truncate(before_this);
             let rest = study.fit_rest(&better)?;
             let from = study.weigh_by(&better, &rest);
-            found.current = study.fit_on(&from, FINAL)?;
-            fit = study.fit_rest(&found.current)?;
-            found.check = study.rest(&found.current.model, &check_runs)?;
+            fit = found.go_on(study, &from)?;
             if round == 0 {
-                found.base = found.current.clone();
+                (found.base, found.base_check) = (found.current.clone(), found.check.clone());
             }
-            found.base_check = study.rest(&found.base.model, &check_runs)?;
             anew += 1;
             continue;
         }
@@ -156,10 +160,7 @@ pub(super) fn search(
                 if let Some((placement, _)) = from.model.effects.last_mut() {
                     placement.bounded = true;
                 }
-                found.current = study.fit_on(&from, FINAL)?;
-                fit = study.fit_rest(&found.current)?;
-                found.check = study.rest(&found.current.model, &check_runs)?;
-                found.base_check = study.rest(&found.base.model, &check_runs)?;
+                fit = found.go_on(study, &from)?;
                 round += 1;
             }
             Decision::Unnamed(i, mut finding) => {
