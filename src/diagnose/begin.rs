@@ -187,7 +187,11 @@ impl Begun {
     fn anew(&self, study: &Study<'_>, current: &Fitted, nearly: f64) -> Option<Self> {
         let Self { screened, fitted } = self;
         let with = |share: f64| (1.0 - share * screened.gain) * current.fit.cost;
-        if screened.gain < MIN_GAIN || with(1.0) > nearly || self.cost() < with(KEPT_PROMISE) {
+        // what is no sum of amplitudes, or sticks or touches, may keep more than what a few of its shapes and a small amount promised
+        let parameters = screened.placement.effect.parameters;
+        let is_sum = screened.wholes.is_empty() && parameters.iter().all(|p| p.off.is_some());
+        let loses = is_sum && with(1.0) > nearly;
+        if screened.gain < MIN_GAIN || loses || self.cost() < with(KEPT_PROMISE) {
             return None;
         }
         let fitted = study.fit_roughly(&fitted.model, TRY_OUT, None).ok()?;
