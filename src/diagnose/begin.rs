@@ -181,9 +181,9 @@ impl Begun {
         Some(Self { screened: screened.clone(), fitted })
     }
 
-    /// Goes on with derivatives of its own where those of the model without the effect have not led to what screening promised, if
-    /// that would make it one of those that are fitted to the end, which miss no more than `nearly`. What is no effect even if it keeps
-    /// all of it has no derivatives of its own.
+    /// Goes on with derivatives of its own where those of the model without the effect have not led to what screening promised. A sum of
+    /// amplitudes, which cannot keep more than that, has none if it would not even so be one of those that are fitted to the end, which
+    /// miss no more than `nearly`; nor has what would be no effect if it kept all of it.
     fn anew(&self, study: &Study<'_>, current: &Fitted, nearly: f64) -> Option<Self> {
         let Self { screened, fitted } = self;
         let with = |share: f64| (1.0 - share * screened.gain) * current.fit.cost;

@@ -235,7 +235,7 @@ fn spreads<'a>(runs: impl Iterator<Item = Vec<&'a [f64]>>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{Channel, Drive, Options, Unknown, least_squares};
+    use crate::fit::{Channel, Drive, Options, Problem, Unknown, least_squares};
     use crate::model::Settings;
     use crate::stats::SplitMix64;
     use std::sync::Arc;
@@ -317,6 +317,16 @@ mod tests {
             of_changes,
             kept: Mutex::default(),
         };
+        // they are others than those with the model's own step, but nearly the same
+        let slope = |of_changes| {
+            let problem = problem(Vec::new(), of_changes);
+            let here = problem.residuals(&[vec![1.1]]).remove(0).unwrap();
+            problem.changes(&[1.1], &here, &[vec![1.101]]).remove(0).unwrap()
+        };
+        let (by_own, by_quick) = (slope(None), slope(Some((variable, step))));
+        let off = root_mean_square(by_own.iter().zip(&by_quick).map(|(a, b)| a - b));
+        let size = root_mean_square(by_own.iter().copied());
+        assert!(off > 0.0 && off < SHARE_OF_MOTION * size, "{off} of {size}");
         let (prior, reach) = (f64::INFINITY, f64::INFINITY);
         let unknown = Unknown { start: 1.1, mean: 1.0, low: 0.5, high: 2.0, step: 1e-3, prior, reach };
         let options = Options { tolerance: 1e-6, ..Options::default() };

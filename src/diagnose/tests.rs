@@ -174,27 +174,68 @@ fn friction_at_the_reference_pressure_is_fitted() {
     assert!(value < 0.9 && value > 0.7, "{value}");
 }
 
+/// A shipped brake behind a sine of the driver's pressure.
+struct Brake {
+    subject: Subject,
+    bench: Bench,
+    torque: usize,
+    drive: Arc<Drive>,
+}
+
+impl Brake {
+    /// With so many communication points, a millisecond apart, and this amplitude of the pressure \[Pa\].
+    fn behind(points: usize, amplitude: f64) -> Self {
+        let subject = Subject::load("brake-hydraulics", &Settings::default()).unwrap();
+        let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
+        let find = |name: &str| subject.interface.index(name).unwrap();
+        let course = (0..points).map(|k| 4e6 + amplitude * (0.02 * k as f64).sin()).collect();
+        let inputs = vec![(find("driver_pressure"), course)];
+        let drive = Arc::new(Drive { start: 0.0, step: 1e-3, inputs, begins: Vec::new(), points });
+        Self { torque: find("brake_torque"), subject, bench, drive }
+    }
+
+    /// Its torque, with some values set.
+    fn torque(&self, values: Vec<(usize, f64)>) -> Vec<f64> {
+        let setup = Arc::new(Setup { values, ..Setup::default() });
+        let traces = self.bench.run(&[setup], &[Arc::clone(&self.drive)], &Arc::from([self.torque]));
+        traces.into_iter().next().unwrap().unwrap().remove(0)
+    }
+
+    /// A run with these values of the torque.
+    fn run(&self, values: Vec<f64>) -> Run {
+        Run {
+            name: String::new(),
+            time: (0..self.drive.points).map(|k| self.drive.time(k)).collect(),
+            drive: Arc::clone(&self.drive),
+            channels: vec![Channel { variable: self.torque, values, counts: false }],
+        }
+    }
+
+    /// A run that is fitted to and checked with, nothing free, and its torque weighed by this noise.
+    fn study<'a>(&'a self, run: &'a Run, noise: f64) -> Study<'a> {
+        Study {
+            bench: &self.bench,
+            fit_runs: vec![run],
+            check_runs: vec![run],
+            values: Vec::new(),
+            of_changes: None,
+            free: Vec::new(),
+            lag: 0.0,
+            zeros: Vec::new(),
+            weights: vec![1.0 / noise],
+            redundancy: 1.0,
+        }
+    }
+}
+
 #[test]
 fn what_only_changes_outputs_or_the_lag_is_not_simulated_again() {
-    let subject = Subject::load("brake-hydraulics", &Settings::default()).unwrap();
-    let find = |name: &str| subject.interface.index(name).unwrap();
-    let (pressure, torque, friction) = (find("driver_pressure"), find("brake_torque"), find("friction"));
-    let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
     let points = 1001;
-    let course = (0..points).map(|k| 4e6 + 1e6 * (0.02 * k as f64).sin()).collect();
-    let drive = Arc::new(Drive {
-        start: 0.0,
-        step: 1e-3,
-        inputs: vec![(pressure, course)],
-        begins: Vec::new(),
-        points,
-    });
-    let run = Run {
-        name: String::new(),
-        time: (0..points).map(|k| drive.time(k)).collect(),
-        drive: Arc::clone(&drive),
-        channels: vec![Channel { variable: torque, values: vec![0.0; points], counts: false }],
-    };
+    let brake = Brake::behind(points, 1e6);
+    let Brake { subject, bench, torque, drive } = &brake;
+    let (torque, find) = (*torque, |name: &str| subject.interface.index(name).unwrap());
+    let (pressure, friction) = (find("driver_pressure"), find("friction"));
+    let run = brake.run(vec![0.0; points]);
     // one with a memory and the rate of what it changes, behind one that an input drives
     let attachment = |id: &str, drivers: Vec<Signal>, parameters: &[f64]| Attachment {
         effect: find_effect(id).unwrap(),
@@ -225,7 +266,7 @@ fn what_only_changes_outputs_or_the_lag_is_not_simulated_again() {
     let point = vec![0.4, 0.0, 0.02];
     let first = problem.simulate(std::slice::from_ref(&point)).pop().unwrap().unwrap();
     // as the effects do inside the slave, to rounding
-    let inside = bench.run(&[Arc::new(problem.setup(&point))], &[drive], &Arc::from([torque]));
+    let inside = bench.run(&[Arc::new(problem.setup(&point))], &[Arc::clone(drive)], &Arc::from([torque]));
     let inside = &inside[0].as_ref().unwrap()[0];
     let size = inside.iter().copied().fold(0.0, f64::max);
     assert!(first[0][0].iter().zip(inside).all(|(a, b)| (a - b).abs() < 1e-9 * size));
@@ -275,43 +316,18 @@ fn what_is_locked_to_a_wheel_has_its_phase_from_the_recorded_angle() {
 
 #[test]
 fn a_small_zero_of_a_sensor_is_fitted_and_one_that_shows_is_left_to_an_effect() {
-    let subject = Subject::load("brake-hydraulics", &Settings::default()).unwrap();
-    let find = |name: &str| subject.interface.index(name).unwrap();
-    let (pressure, torque) = (find("driver_pressure"), find("brake_torque"));
-    let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
     let points = 1001;
-    let course = (0..points).map(|k| 4e6 + 3e6 * (0.02 * k as f64).sin()).collect();
-    let inputs = vec![(pressure, course)];
-    let drive = Arc::new(Drive { start: 0.0, step: 1e-3, inputs, begins: Vec::new(), points });
-    let simulated = bench
-        .run(&[Arc::new(Setup::default())], &[Arc::clone(&drive)], &Arc::from([torque]))
-        .pop()
-        .unwrap()
-        .unwrap();
-    let span =
-        simulated[0].iter().copied().fold(0.0, f64::max) - simulated[0].iter().copied().fold(1e9, f64::min);
+    let brake = Brake::behind(points, 3e6);
+    let simulated = brake.torque(Vec::new());
+    let (least, most) =
+        (simulated.iter().copied().fold(1e9, f64::min), simulated.iter().copied().fold(0.0, f64::max));
+    let span = most - least;
     let noise = 0.002 * span;
     let zeros_with = |offset: f64| {
-        let mut random = crate::stats::SplitMix64::new(6);
-        let values = simulated[0].iter().map(|t| t + offset + noise * random.normal()).collect();
-        let run = Run {
-            name: String::new(),
-            time: (0..points).map(|k| drive.time(k)).collect(),
-            drive: Arc::clone(&drive),
-            channels: vec![Channel { variable: torque, values, counts: false }],
-        };
-        let mut study = Study {
-            bench: &bench,
-            fit_runs: vec![&run],
-            check_runs: vec![&run],
-            values: Vec::new(),
-            of_changes: None,
-            free: Vec::new(),
-            lag: 0.0,
-            zeros: super::study::zeros(&[&run]),
-            weights: vec![1.0 / noise],
-            redundancy: 1.0,
-        };
+        let mut random = SplitMix64::new(6);
+        let run = brake.run(simulated.iter().map(|t| t + offset + noise * random.normal()).collect());
+        let mut study = brake.study(&run, noise);
+        study.zeros = super::study::zeros(&[&run]);
         let fitted = study.fit(&study.nominal(), 8).unwrap();
         let rest = study.fit_rest(&fitted).unwrap();
         let most = study.zeros[0].1;
@@ -329,41 +345,14 @@ fn a_small_zero_of_a_sensor_is_fitted_and_one_that_shows_is_left_to_an_effect() 
 
 #[test]
 fn what_a_fit_has_missed_is_no_missing_physics() {
-    let subject = Subject::load("brake-hydraulics", &Settings::default()).unwrap();
-    let find = |name: &str| subject.interface.index(name).unwrap();
-    let (pressure, torque, friction) = (find("driver_pressure"), find("brake_torque"), find("friction"));
-    let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
-    let points = 501;
-    let course = (0..points).map(|k| 4e6 + 1e6 * (0.02 * k as f64).sin()).collect();
-    let inputs = vec![(pressure, course)];
-    let drive = Arc::new(Drive { start: 0.0, step: 2e-3, inputs, begins: Vec::new(), points });
-    let free: Vec<_> = subject.free.iter().filter(|p| p.variable == friction).cloned().collect();
-    let with = |share: f64| {
-        let setup = Setup { values: vec![(friction, share * free[0].nominal)], ..Setup::default() };
-        let traces = bench.run(&[Arc::new(setup)], &[Arc::clone(&drive)], &Arc::from([torque]));
-        traces.into_iter().next().unwrap().unwrap().remove(0)
-    };
-    let noise = 1e-3 * with(1.0).iter().copied().fold(0.0, f64::max);
+    let brake = Brake::behind(501, 1e6);
+    let friction = brake.subject.interface.index("friction").unwrap();
+    let free = brake.subject.free.iter().find(|p| p.variable == friction).unwrap();
+    let with = |share: f64| brake.torque(vec![(friction, share * free.nominal)]);
+    let noise = 1e-3 * with(1.0).into_iter().fold(0.0, f64::max);
     let mut random = SplitMix64::new(8);
-    let values = with(1.2).into_iter().map(|t| t + noise * random.normal()).collect();
-    let run = Run {
-        name: String::new(),
-        time: (0..points).map(|k| drive.time(k)).collect(),
-        drive: Arc::clone(&drive),
-        channels: vec![Channel { variable: torque, values, counts: false }],
-    };
-    let study = Study {
-        bench: &bench,
-        fit_runs: vec![&run],
-        check_runs: vec![&run],
-        values: Vec::new(),
-        of_changes: None,
-        free,
-        lag: 0.0,
-        zeros: Vec::new(),
-        weights: vec![1.0 / noise],
-        redundancy: 1.0,
-    };
+    let run = brake.run(with(1.2).into_iter().map(|t| t + noise * random.normal()).collect());
+    let study = Study { free: vec![free.clone()], ..brake.study(&run, noise) };
     let found = |current: Fitted| {
         let rest = study.rest(&current.model, &study.check_runs).unwrap();
         Found::nothing(current, rest)
@@ -375,7 +364,7 @@ fn what_a_fit_has_missed_is_no_missing_physics() {
     let gain = Placement {
         effect,
         port: Port::Output,
-        targets: vec![torque],
+        targets: vec![brake.torque],
         drivers: Vec::new(),
         scales: vec![1.0; effect.parameters.len()],
         units: vec![None; effect.parameters.len()],
@@ -386,7 +375,7 @@ fn what_a_fit_has_missed_is_no_missing_physics() {
     assert!(named.model.effects[0].1[0] > 0.05 && named.fit.cost < 0.01 * stuck.fit.cost);
     let put_right = without(&study, &named, &found(stuck)).unwrap();
     assert!(put_right.model.effects.is_empty() && put_right.fit.cost < 1.01 * named.fit.cost);
-    assert!((put_right.model.parameters[0] * study.free[0].scale / study.free[0].nominal - 1.2).abs() < 1e-3);
+    assert!((put_right.model.parameters[0] * free.scale / free.nominal - 1.2).abs() < 1e-3);
     // a model that was fitted to its end stays
     assert!(without(&study, &named, &found(put_right)).is_none());
 }
