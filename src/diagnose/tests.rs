@@ -250,7 +250,7 @@ fn what_only_changes_outputs_or_the_lag_is_not_simulated_again() {
     let attachments =
         vec![attachment("cross-talk", vec![driven], &[1e-5]), attachment("sensor-lag", vec![], &[0.02])];
     let problem = OutputError {
-        bench: &bench,
+        bench,
         runs: vec![&run],
         knobs: vec![
             Knob::Parameter(friction, 1.0),
