@@ -5,11 +5,13 @@ use super::numbers::{
     BESIDE, FAR, FAR_ALONE, FORETOLD_LEVEL, LEFT_OVER, LEFT_OVER_FAR, LIKELY_LEVEL, MIN_FORETOLD, MUCH,
     NOISE_MARGIN, OFTEN_RIGHT, TOO_FAR,
 };
+use super::precision::within_precision;
 use super::result::Finding;
 use super::roles::Roles;
 use super::study::{Fitted, Rest, Study, negligible};
 use super::subject::Subject;
 use super::wander::wandering;
+use crate::fit::Run;
 
 /// What the named effects leave that is no noise of sensors.
 pub(super) struct Left {
@@ -31,8 +33,27 @@ pub(super) struct Left {
 }
 
 impl Left {
-    /// Looks at what a model leaves of the fit runs and the check runs.
+    /// Looks at what a model leaves of the fit runs and the check runs, and if there is anything, at what it leaves if inputs are no
+    /// more precise than they can be.
     pub(super) fn of(
+        study: &Study<'_>,
+        subject: &Subject,
+        roles: &Roles,
+        current: &Fitted,
+        (fit, check): (&Rest, &Rest),
+    ) -> Self {
+        let left = Self::in_rests(study, subject, roles, current, (fit, check));
+        let precise = |runs: &[&Run], rest: &Rest| within_precision(study, &current.model, runs, rest).ok();
+        if left.counts(0.0)
+            && let Some(fit) = precise(&study.fit_runs, fit)
+            && let Some(check) = precise(&study.check_runs, check)
+        {
+            return Self::in_rests(study, subject, roles, current, (&fit, &check));
+        }
+        left
+    }
+
+    fn in_rests(
         study: &Study<'_>,
         subject: &Subject,
         roles: &Roles,
@@ -58,7 +79,7 @@ impl Left {
             }
         }
         // sensors have noise of their own: what their residuals share has a cause in the machine
-        let all: Vec<&crate::fit::Run> = study.fit_runs.iter().chain(runs).copied().collect();
+        let all: Vec<&Run> = study.fit_runs.iter().chain(runs).copied().collect();
         let simulated = [&fit.simulated[..], &check.simulated[..]].concat();
         let common = locate::common_cause(&all, &simulated);
         let shared = common.as_ref().map_or(0.0, |common| {

@@ -2,7 +2,7 @@
 
 use super::begin::bent;
 use super::hygiene::Fault;
-use super::pipeline::FIRST;
+use super::refit::FIRST;
 use super::study::{Derivatives, Fitted, Model, Study};
 use super::subject::Subject;
 use crate::Result;

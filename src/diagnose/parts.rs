@@ -2,7 +2,7 @@
 //! connected inputs had is replayed from the recordings.
 
 use super::numbers::NOISE_MARGIN;
-use super::pipeline::FINAL;
+use super::refit::FINAL;
 use super::result::{Part, PartChannel};
 use super::study::{Rest, Study};
 use super::subject::{Base, Subject, wired};

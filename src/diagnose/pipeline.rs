@@ -8,12 +8,13 @@ use super::others::told_by_others;
 use super::parts::errors_of_parts;
 use super::placement::Placement;
 use super::reading::{Known, Recorded, fault, shortest_interval, with};
+use super::refit::{FINAL, refit};
 use super::result::{Diagnosis, Estimate, Finding, Use, Verdict};
 use super::roles::Roles;
 use super::runs::Map;
 use super::search::{Found, search};
 use super::steps::LongerSteps;
-use super::study::{Derivatives, Fitted, Model, Study, differences, first_weights, zeros};
+use super::study::{Fitted, Model, Study, differences, first_weights, zeros};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
 use super::{experiment, locate, tables};
@@ -25,11 +26,6 @@ use crate::recording::Recording;
 use crate::simulate::motions_are_followed;
 use crate::stats::sign_flip;
 use std::path::PathBuf;
-
-/// Iterations of the fits before the channels have their weights, and of those after, which end by
-/// themselves before that as a rule.
-pub(super) const FIRST: usize = 8;
-pub(super) const FINAL: usize = 25;
 
 /// What is to be diagnosed.
 #[derive(Debug, Clone, Default)]
@@ -321,22 +317,6 @@ impl Asked<'_> {
         let intervals = intervals(&study, &current);
         Ok(Explained { diagnosis, parameters, attachments, intervals, step, check })
     }
-}
-
-/// Fits the model's own parameters from where they are given, and weighs the channels by what is left of them. Derivatives where it begins may be
-/// known.
-fn refit(study: &mut Study<'_>, known: Option<&Derivatives>) -> Result<Fitted> {
-    let mut base = study.fit_nominal(FIRST, known)?;
-    let rest = study.fit_rest(&base)?;
-    if study.drop_visible_zeros(&base, &rest) {
-        base = study.fit_nominal(FIRST, known)?;
-    }
-    for iterations in [FIRST, FINAL] {
-        let rest = study.fit_rest(&base)?;
-        let from = study.weigh_by(&base, &rest);
-        base = study.fit_on(&from, iterations)?;
-    }
-    Ok(base)
 }
 
 /// The largest step of 1, 2 or 5 times a power of ten that is not longer: shorter ones change nothing that recordings can tell.

@@ -626,7 +626,7 @@ fn room(placement: &Placement, amplitude: usize) -> (f64, f64) {
 
 /// What columns explain of a residual with amounts that have these rooms: squared error taken away, and the amounts. Columns that
 /// the parameters explain all but fully explain nothing by themselves.
-fn explain(
+pub(super) fn explain(
     clean: &[DVector<f64>],
     own: &[DVector<f64>],
     residual: &DVector<f64>,

@@ -436,6 +436,11 @@ impl Study<'_> {
         let simulated = problem.simulate(&[Self::point(model)]).pop().flatten();
         let simulated =
             simulated.ok_or_else(|| Error::numeric("the model cannot be run on the check runs"))?;
+        Ok(self.rest_with(runs, simulated))
+    }
+
+    /// What these simulated channels leave of some runs.
+    pub(super) fn rest_with(&self, runs: &[&Run], simulated: Vec<Traces>) -> Rest {
         let mut blocks = Vec::new();
         for (run, traces) in runs.iter().zip(&simulated) {
             let n = run.time.len();
@@ -451,7 +456,7 @@ impl Study<'_> {
             blocks.extend(sums);
         }
         let total = blocks.iter().flatten().sum();
-        Ok(Rest { simulated, blocks, total })
+        Rest { simulated, blocks, total }
     }
 
     /// How many blocks a run of so many samples is compared over: what is missing makes a residual's memory long; the noise of

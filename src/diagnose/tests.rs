@@ -1,12 +1,14 @@
 //! Whole diagnoses of small models: what their answers must not depend on, and what is fitted.
 
 use super::placement::Placement;
+use super::precision::within_precision;
+use super::refit::from_two_places;
 use super::search::{Found, without};
 use super::study::{Fitted, Study};
 use super::*;
 use crate::effect::find as find_effect;
 use crate::effect::{Attachment, Chosen, Port, Signal};
-use crate::fit::{Bench, Channel, Drive, Knob, OutputError, Run, Setup, replay};
+use crate::fit::{Bench, Channel, Drive, End, Knob, OutputError, Run, Setup, replay};
 use crate::model::Settings;
 use crate::recording::{Channel as Recorded, Recording, write_csv};
 use crate::report::{CheckRun, diagnosis_report};
@@ -378,4 +380,48 @@ fn what_a_fit_has_missed_is_no_missing_physics() {
     assert!((put_right.model.parameters[0] * free.scale / free.nominal - 1.2).abs() < 1e-3);
     // a model that was fitted to its end stays
     assert!(without(&study, &named, &found(put_right)).is_none());
+}
+
+#[test]
+fn a_refit_that_has_used_up_its_iterations_comes_to_its_end() {
+    let brake = Brake::behind(501, 1e6);
+    let friction = brake.subject.interface.index("friction").unwrap();
+    let free = brake.subject.free.iter().find(|p| p.variable == friction).unwrap();
+    let torque = brake.torque(vec![(friction, 1.2 * free.nominal)]);
+    let noise = 1e-3 * torque.iter().copied().fold(0.0, f64::max);
+    let mut random = SplitMix64::new(9);
+    let run = brake.run(torque.into_iter().map(|t| t + noise * random.normal()).collect());
+    let mut study = Study { free: vec![free.clone()], ..brake.study(&run, noise) };
+    // far to the other side of where it is given
+    let mut far = study.nominal();
+    far.parameters[0] *= 0.6;
+    let short = study.fit(&far, 1).unwrap();
+    assert_eq!(short.fit.end, End::Iterations);
+    let share = |fitted: &Fitted| fitted.model.parameters[0] * free.scale / free.nominal;
+    assert!(share(&short) < 1.0);
+    let ended = from_two_places(&mut study, short).unwrap();
+    assert!(ended.fit.end != End::Iterations && (share(&ended) - 1.2).abs() < 1e-3, "{}", share(&ended));
+    // and the channel counts in multiples of its own noise
+    assert!((study.weights[0] * noise - 1.0).abs() < 0.1, "{}", study.weights[0] * noise);
+}
+
+#[test]
+fn what_inputs_may_be_off_by_is_taken_off_and_no_more() {
+    let brake = Brake::behind(501, 1e6);
+    let left = |off: f64| {
+        let mut other = Brake::behind(501, 1e6);
+        let scaled = |(v, values): &(usize, Vec<f64>)| (*v, values.iter().map(|x| x * (1.0 + off)).collect());
+        let inputs = other.drive.inputs.iter().map(scaled).collect();
+        other.drive = Arc::new(Drive { inputs, ..Drive::clone(&other.drive) });
+        let run = brake.run(other.torque(Vec::new()));
+        let study = brake.study(&run, 1.0);
+        let model = study.nominal();
+        let before = study.rest(&model, &[&run]).unwrap();
+        let after = within_precision(&study, &model, &[&run], &before).unwrap();
+        (after.total / before.total).sqrt()
+    };
+    // half of what it may be, in either direction, is all of it; of ten times as much nine tenths stay
+    assert!(left(5e-5) < 0.01 && left(-5e-5) < 0.01);
+    let most = left(1e-3);
+    assert!((most - 0.9).abs() < 0.005, "{most}");
 }

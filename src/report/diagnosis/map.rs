@@ -74,7 +74,7 @@ fn group(kind: CellKind, what: &str, cells: &[&Cell], most: f64, left_out: &mut 
     let power = exponent_of(largest);
     let step = 10_f64.powi(largest.max(f64::MIN_POSITIVE).log10().floor() as i32 - 3);
     let edge = |value: f64| (value / step).round() * step * 10_f64.powi(-power);
-    let heads: Vec<String> = spans.iter().map(|(low, high)| span(edge(*low), edge(*high))).collect();
+    let heads: Vec<String> = spans.iter().map(|(low, high)| span(edge(*low), edge(*high), plain)).collect();
     let title = if unit.is_empty() && power == 0 {
         title
     } else {
@@ -114,8 +114,8 @@ pub(super) fn is_significant(cell: &Cell) -> bool {
     cell.p.is_none_or(|p| p <= SIGNIFICANT)
 }
 
-fn span(low: f64, high: f64) -> String {
-    if low == high { number(low) } else { format!("{} … {}", short(low), short(high)) }
+fn span(low: f64, high: f64, write: fn(f64) -> String) -> String {
+    if low == high { number(low) } else { format!("{} … {}", write(low), write(high)) }
 }
 
 fn shaded(cell: &Cell, head: &str, unit: &str, most: f64) -> HeatCell {
@@ -132,18 +132,28 @@ fn shaded(cell: &Cell, head: &str, unit: &str, most: f64) -> HeatCell {
         shade,
         title: format!(
             "{head}, {} {unit}: {} times the noise, {chance}",
-            span(cell.low, cell.high),
+            span(cell.low, cell.high, short),
             number(cell.level)
         ),
     }
 }
 
-/// Two digits.
+/// With two digits.
 fn short(value: f64) -> String {
+    number(two_digits(value))
+}
+
+/// With two digits and without a power of ten, for what is hardly smaller than its neighbours.
+fn plain(value: f64) -> String {
+    if value.is_finite() { two_digits(value).to_string().replace('-', "−") } else { number(value) }
+}
+
+/// Rounded to two digits.
+fn two_digits(value: f64) -> f64 {
     if !value.is_finite() || value == 0.0 {
-        return number(value);
+        return value;
     }
     let digits = (1.0 - value.abs().log10().floor()).max(0.0);
     let power = 10_f64.powf(digits);
-    number((value * power).round() / power)
+    (value * power).round() / power
 }

@@ -526,4 +526,10 @@ fn small_conditions_are_told_in_a_power_of_ten() {
     let html = diagnosis_report(&diagnosis, &runs(1, 2)).unwrap();
     // bins of 4e-6 rad from -10e-6 rad on
     assert!(html.contains("over slip_angle [10⁻⁶ rad]") && html.contains("−10 … −6"));
+    // an edge that is much smaller than the largest is in the same power of ten
+    for cell in &mut diagnosis.map {
+        (cell.low, cell.high) = (-5.4e-4, 0.014);
+    }
+    let html = diagnosis_report(&diagnosis, &runs(1, 2)).unwrap();
+    assert!(html.contains("over slip_angle [rad]") && html.contains("−0.00054 … 0.014"));
 }
