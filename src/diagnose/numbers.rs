@@ -92,3 +92,6 @@ pub const ZERO: f64 = 0.02;
 pub const VISIBLE_ZERO: f64 = 3.0;
 /// A lag of all channels up to this share of the sampling interval is the recorder's filter, no finding.
 pub const RECORDER_LAG: f64 = 0.3;
+/// No input is known better than to this share of itself in a run: what the best calibrations promise, and more than the last
+/// digit of most files.
+pub const PRECISION: f64 = 1e-4;

@@ -1,5 +1,6 @@
 //! What the limited precision of recorded inputs can make of what is left: a wheel's angle sums up what a speed is off by.
 
+use super::numbers::PRECISION;
 use super::screen::explain;
 use super::study::{Model, Rest, Study};
 use crate::Result;
@@ -7,10 +8,7 @@ use crate::fit::{Drive, Run, Traces};
 use nalgebra::DVector;
 use std::sync::Arc;
 
-/// No input is known better than to this share of itself in a run: what the best calibrations promise, and more than the last
-/// digit of most files.
-const PRECISION: f64 = 1e-4;
-/// The step of derivatives by inputs, as a share of these: ten times that, so that rounding inside a model is far below it.
+/// The step of derivatives by inputs, as a share of these: ten times their precision, so that rounding inside a model is far below it.
 const STEP: f64 = 1e-3;
 
 /// What a model leaves of runs if every input of every run is off by as much, within its precision, as meets the recording best.
