@@ -9,9 +9,11 @@
 use super::locate;
 use super::placement::Placement;
 use super::programmes::{Programme, library, rounded};
+use super::rest::Rest;
 use super::result::{Experiment, Separation};
 use super::roles::Roles;
-use super::study::{Fitted, Model, Rest, Study, negligible};
+use super::study::{Fitted, Model, Study};
+use super::weights::negligible;
 use crate::fit::{Drive, Run, Setup};
 use crate::stats::mean_or_zero;
 use nalgebra::{DMatrix, DVector};

@@ -4,7 +4,8 @@
 use super::candidates::Tried;
 use super::judge::is_confirmed;
 use super::numbers::{LEVEL, MIN_GAIN};
-use super::study::{Fitted, Study, differences};
+use super::rest::differences;
+use super::study::{Fitted, Study};
 use crate::fit::side_by_side;
 use crate::stats::{product, sign_flip};
 

@@ -2,7 +2,7 @@
 //! and those that cannot be told from it. Numbers in, verdict out: it knows no model and no recording.
 
 use super::numbers::{CLOSE, LEAST_SHARE, LEFT_OVER, LEVEL, MIN_GAIN, OFTEN_RIGHT};
-use super::study::{Rest, differences};
+use super::rest::{Rest, differences};
 use crate::stats::{bootstrap_shares, sign_flip};
 
 /// What is known of a candidate.

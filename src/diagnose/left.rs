@@ -6,11 +6,13 @@ use super::numbers::{
     NOISE_MARGIN, OFTEN_RIGHT, TOO_FAR,
 };
 use super::precision::within_precision;
+use super::rest::Rest;
 use super::result::Finding;
 use super::roles::Roles;
-use super::study::{Fitted, Rest, Study, negligible};
+use super::study::{Fitted, Study};
 use super::subject::Subject;
 use super::wander::wandering;
+use super::weights::negligible;
 use crate::fit::Run;
 
 /// What the named effects leave that is no noise of sensors.

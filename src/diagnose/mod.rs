@@ -8,6 +8,7 @@ mod decision;
 mod excerpt;
 mod experiment;
 mod forces;
+mod free;
 mod given;
 pub mod hygiene;
 mod in_turn;
@@ -26,6 +27,7 @@ mod programmes;
 mod reading;
 mod recalled;
 mod refit;
+mod rest;
 mod result;
 mod roles;
 mod runs;
@@ -39,7 +41,9 @@ mod tables;
 #[cfg(test)]
 mod tests;
 mod wander;
+mod weights;
 mod witnesses;
+mod zeros;
 
 pub use pipeline::{CheckTraces, Outcome, Request, diagnose};
 pub use result::*;

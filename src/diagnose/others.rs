@@ -1,9 +1,10 @@
 //! What the other channels of a machine say of one that may be reversed or in another unit: a refit to all of them bends the model towards it.
 
 use super::begin::bent;
+use super::free::Derivatives;
 use super::hygiene::Fault;
 use super::refit::FIRST;
-use super::study::{Derivatives, Fitted, Model, Study};
+use super::study::{Fitted, Model, Study};
 use super::subject::Subject;
 use crate::Result;
 

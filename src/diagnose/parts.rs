@@ -3,8 +3,9 @@
 
 use super::numbers::NOISE_MARGIN;
 use super::refit::FINAL;
+use super::rest::Rest;
 use super::result::{Part, PartChannel};
-use super::study::{Rest, Study};
+use super::study::Study;
 use super::subject::{Base, Subject, wired};
 use crate::cosimulate::{Cut, Port, System, SystemSlave, read_system};
 use crate::fit::{Bench, Drive, Factory, Run};

@@ -1,7 +1,8 @@
 //! What the name of an effect allows its parameters to be.
 
 use super::numbers::AT_LITTLE_COST;
-use super::study::{Fitted, Model, Rest, Study};
+use super::rest::Rest;
+use super::study::{Fitted, Model, Study};
 use super::tables::estimates;
 use crate::effect::catalogue::nested::{Nested, Place};
 

@@ -1,8 +1,9 @@
 //! What the limited precision of recorded inputs can make of what is left: a wheel's angle sums up what a speed is off by.
 
 use super::numbers::PRECISION;
+use super::rest::Rest;
 use super::screen::explain;
-use super::study::{Model, Rest, Study};
+use super::study::{Model, Study};
 use crate::Result;
 use crate::fit::{Drive, Run, Traces};
 use nalgebra::DVector;

@@ -1,6 +1,7 @@
 //! The refit: the model's own parameters, fitted from where they are given.
 
-use super::study::{Derivatives, Fitted, Study};
+use super::free::Derivatives;
+use super::study::{Fitted, Study};
 use crate::Result;
 use crate::fit::End;
 
@@ -10,6 +11,17 @@ pub(super) const FIRST: usize = 8;
 pub(super) const FINAL: usize = 25;
 /// How often a refit goes on that has used up all of its iterations.
 const GO_ON: usize = 3;
+
+impl Study<'_> {
+    /// The model as it is given, fitted roughly to the fit runs; derivatives may be known where it begins.
+    ///
+    /// # Errors
+    /// A model that cannot be run.
+    pub fn fit_nominal(&self, iterations: usize, known: Option<&Derivatives>) -> Result<Fitted> {
+        let known = known.map(|known| known.of(self));
+        self.fit_roughly(&self.nominal(), iterations, known.as_ref())
+    }
+}
 
 /// Fits the model's own parameters from where they are given, and weighs the channels by what is left of them. Derivatives where it begins may be
 /// known.

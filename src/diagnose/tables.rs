@@ -3,9 +3,10 @@
 use super::pipeline::CheckTraces;
 use super::placement::Placement;
 use super::reading::Recorded;
+use super::rest::{Noise, Rest};
 use super::result::{ChannelCheck, Diagnosis, Estimate, Finding, Fitted as FittedParameter, Verdict};
 use super::roles::Roles;
-use super::study::{Fitted, Model, Noise, Rest, Study};
+use super::study::{Fitted, Model, Study};
 use super::subject::Subject;
 use crate::Result;
 use crate::effect::Role;

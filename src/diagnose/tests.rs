@@ -158,7 +158,7 @@ fn friction_at_the_reference_pressure_is_fitted() {
     let all: Vec<&Run> = runs.iter().collect();
     let mut study = Study {
         bench: &bench,
-        weights: super::study::first_weights(&all),
+        weights: super::weights::first_weights(&all),
         fit_runs: all.clone(),
         check_runs: all,
         values: Vec::new(),
@@ -329,7 +329,7 @@ fn a_small_zero_of_a_sensor_is_fitted_and_one_that_shows_is_left_to_an_effect() 
         let mut random = SplitMix64::new(6);
         let run = brake.run(simulated.iter().map(|t| t + offset + noise * random.normal()).collect());
         let mut study = brake.study(&run, noise);
-        study.zeros = super::study::zeros(&[&run]);
+        study.zeros = super::zeros::zeros(&[&run]);
         let fitted = study.fit(&study.nominal(), 8).unwrap();
         let rest = study.fit_rest(&fitted).unwrap();
         let most = study.zeros[0].1;

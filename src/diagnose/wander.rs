@@ -2,7 +2,8 @@
 //! in every part of a run.
 
 use super::locate::Sensitivity;
-use super::study::{Fitted, Rest, Study};
+use super::rest::Rest;
+use super::study::{Fitted, Study};
 use crate::fit::{Run, Traces};
 
 /// Windows of a run that a parameter may have values of its own in.

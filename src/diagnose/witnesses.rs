@@ -1,8 +1,9 @@
 //! Runs that show what the refitted model leaves: some have to be for fitting, and some for checking.
 
 use super::excerpt::{beginning, end};
+use super::rest::Rest;
 use super::result::Use;
-use super::study::{Rest, negligible};
+use super::weights::negligible;
 use crate::fit::Run;
 use crate::stats::quantile_below;
 
