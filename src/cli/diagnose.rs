@@ -1,6 +1,7 @@
 //! `latsch diagnose`: what a model leaves out.
 
 use super::console::share_bar;
+use super::digits::digits;
 use super::{Format, print, print_json_text};
 use latsch::cosimulate::write_corrected;
 use latsch::diagnose::{Base, Map, Outcome, Request, diagnose};
@@ -139,9 +140,14 @@ fn text(outcome: &Outcome) -> String {
     let diagnosis = &outcome.diagnosis;
     let mut lines = vec![diagnosis.summary.clone()];
     for check in &diagnosis.check {
+        let noise = check.noise.filter(|noise| *noise > 0.0);
+        let times = noise.map(|noise| format!(", {} times its noise", digits(check.after / noise, 2)));
+        let [before, after] = [check.before, check.after].map(|error| digits(error, 3));
         lines.push(format!(
-            "  {:<28} error on the check runs {:.4e} -> {:.4e} {}",
-            check.channel, check.before, check.after, check.unit
+            "  {:<28} error on the check runs {before} -> {after} {}{}",
+            check.channel,
+            check.unit,
+            times.unwrap_or_default()
         ));
     }
     for part in &diagnosis.parts {

@@ -1,5 +1,6 @@
 //! `latsch loads`: a simulation beside recordings of the same run, by what matters for damage.
 
+use super::digits::digits;
 use super::{check_outputs, print, warn};
 use latsch::loads::{Band, Conditions, Event, compare, counts, matrices, quantities};
 use latsch::recording::read_recording;
@@ -99,25 +100,19 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// A number with five digits, or as many as stand before the point.
-fn digits(value: f64) -> String {
-    if !value.is_finite() {
-        return "-".into();
-    }
-    let decimals =
-        if value == 0.0 { 0 } else { (4.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize };
-    format!("{value:.decimals$}")
+fn five(value: f64) -> String {
+    digits(value, 5)
 }
 
 fn line(band: &Band, runs: usize) -> String {
-    let [low, high] = band.recorded.map(digits);
-    let simulated = digits(band.simulated);
+    let [low, high] = band.recorded.map(five);
+    let simulated = five(band.simulated);
     if runs == 1 {
         return format!("{simulated:>10} simulated, {low:>10} recorded");
     }
     let judged = match (band.further, band.off()) {
         (Some(ends), Some(off)) => {
-            let [from, to] = ends.map(digits);
+            let [from, to] = ends.map(five);
             let side = if off < 0.0 { "BELOW" } else { "ABOVE" };
             let where_ = if off.abs() <= 1.0 { "within" } else { side };
             format!("; {where_} the {from} to {to} of a further one")

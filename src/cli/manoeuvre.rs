@@ -1,5 +1,6 @@
 //! `latsch manoeuvre`: drives a vehicle through a manoeuvre by which models are validated.
 
+use super::digits::digits;
 use super::{Format, print, print_json, warn};
 use latsch::manoeuvre::{MANOEUVRES, Manoeuvre, Reading, Vehicle, readings_csv};
 use latsch::recording::{read_names, write_recording};
@@ -58,15 +59,7 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn line(reading: &Reading) -> String {
-    let expected = reading.expected.map_or(String::new(), |e| format!("   {} by its closed form", digits(e)));
-    format!("{:44} {:>12} {:8}{expected}", reading.name, digits(reading.value), reading.unit)
-}
-
-/// Five digits, or as many as stand before the point.
-fn digits(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let decimals = (4.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize;
-    format!("{value:.decimals$}")
+    let expected =
+        reading.expected.map_or(String::new(), |e| format!("   {} by its closed form", digits(e, 5)));
+    format!("{:44} {:>12} {:8}{expected}", reading.name, digits(reading.value, 5), reading.unit)
 }

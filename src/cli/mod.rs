@@ -11,6 +11,7 @@ mod cosimulate;
 mod demo;
 mod describe;
 mod diagnose;
+mod digits;
 mod export;
 mod freeze;
 mod given;

@@ -217,8 +217,9 @@ pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, 
     match (diagnosis.verdict, &diagnosis.findings[..]) {
         (Verdict::Recording, _) => at_fault(diagnosis),
         (Verdict::Parameters, _) => format!(
-            "The parameters were off, nothing is missing: refitted on other runs they lower the error of the check runs by {:.0} %. What remains is not explained by anything in the catalogue or by a function of any signal.",
-            root(base, nominal)
+            "The parameters were off, nothing is missing: refitted on other runs they lower the error of the check runs by {:.0} %. {}",
+            root(base, nominal),
+            what_remains(&diagnosis.check)
         ),
         (Verdict::Effect, findings) => format!(
             "The model lacks: {}. With it the error of the check runs is {gain:.0} % lower than after refitting the parameters alone.",
@@ -237,6 +238,21 @@ pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, 
             unknown(first, &all(names), gain, diagnosis.is_mostly_named())
         }
         _ => "Nothing is missing: the model explains the check runs as well as anything that was tried. Its parameters need no change.".into(),
+    }
+}
+
+/// A sentence on what no name explains, where nothing is missing.
+fn what_remains(check: &[ChannelCheck]) -> String {
+    let times = |c: &ChannelCheck| c.noise.filter(|n| *n > 0.0).map(|noise| c.after / noise);
+    let most = check.iter().map(times).collect::<Option<Vec<f64>>>().unwrap_or_default();
+    match most.into_iter().reduce(f64::max) {
+        Some(most) => {
+            format!(
+                "What remains is in no channel more than {:.1} times its noise.",
+                (10.0 * most).ceil() / 10.0
+            )
+        }
+        None => "Nothing in the catalogue and no function of a signal explains more.".into(),
     }
 }
 
@@ -300,4 +316,18 @@ pub(super) fn next_experiment(diagnosis: &Diagnosis) -> String {
         .filter_map(|a| lead(&first.effect, &a.effect).or_else(|| lead(&a.effect, &first.effect)))
         .collect();
     hints.join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_remains_is_told_in_units_of_noise_and_never_less_than_it_is() {
+        let check = |after: f64, noise| ChannelCheck { after, noise, ..ChannelCheck::default() };
+        let told = |check: &[ChannelCheck]| what_remains(check);
+        assert!(told(&[check(1.0, Some(1.0)), check(2.26, Some(2.0))]).contains("more than 1.2 times"));
+        // of a channel whose noise is not known nothing of the kind is said
+        assert!(told(&[check(1.0, Some(1.0)), check(1.0, None)]).starts_with("Nothing in the catalogue"));
+    }
 }
