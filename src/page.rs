@@ -72,13 +72,17 @@ impl Table {
 
     /// The table as HTML.
     pub fn html(&self) -> Html {
+        // a column stands in one line: a unit of 1 among others is no number
+        let has_numbers = |i: usize| {
+            let mut cells =
+                self.rows.iter().filter_map(|row| row.get(i)).filter(|c| !c.is_empty()).peekable();
+            cells.peek().is_some() && cells.all(|c| is_number(c))
+        };
         let mut html = String::from("<div class=\"scroll\"><table>\n");
         if !self.head.is_empty() {
             html.push_str("<thead><tr>");
             for (i, cell) in self.head.iter().enumerate() {
-                let numbers = !self.rows.is_empty()
-                    && self.rows.iter().all(|row| row.get(i).is_some_and(|c| is_number(c)));
-                html.push_str(if numbers { "<th class=\"number\">" } else { "<th>" });
+                html.push_str(if has_numbers(i) { "<th class=\"number\">" } else { "<th>" });
                 html.push_str(&escape(cell));
                 html.push_str("</th>");
             }
@@ -87,8 +91,8 @@ impl Table {
         html.push_str("<tbody>\n");
         for row in &self.rows {
             html.push_str("<tr>");
-            for cell in row {
-                html.push_str(if is_number(cell) { "<td class=\"number\">" } else { "<td>" });
+            for (i, cell) in row.iter().enumerate() {
+                html.push_str(if has_numbers(i) { "<td class=\"number\">" } else { "<td>" });
                 html.push_str(&escape(cell));
                 html.push_str("</td>");
             }
@@ -382,5 +386,7 @@ mod tests {
         let html = Table::new(&["name", "value"]).row(["a", "−1.5"]).html();
         assert!(html.as_str().contains("<td>a</td><td class=\"number\">−1.5</td>"));
         assert!(html.as_str().contains("<th>name</th><th class=\"number\">value</th>"));
+        let mixed = Table::new(&["unit", "value"]).row(["1", "2"]).row(["m", ""]).html();
+        assert!(mixed.as_str().contains("<td>1</td><td class=\"number\">2</td>"));
     }
 }
