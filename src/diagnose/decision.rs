@@ -16,8 +16,14 @@ use crate::stats::mean_or_zero;
 /// What a round has come to, by the number of the candidate.
 pub(super) enum Decision {
     Nothing,
-    /// With the numbers of its alternatives, in their order.
-    Named(usize, Finding, Vec<usize>),
+    Named {
+        number: usize,
+        finding: Finding,
+        /// The numbers of its alternatives, in their order.
+        others: Vec<usize>,
+        /// The best function without a name that takes the same signals, and what would be said of it.
+        function: Option<Box<(usize, Finding)>>,
+    },
     Unnamed(usize, Finding),
 }
 
@@ -26,7 +32,7 @@ impl Decision {
     pub fn chosen(&self) -> Option<usize> {
         match self {
             Self::Nothing => None,
-            Self::Named(i, ..) | Self::Unnamed(i, _) => Some(*i),
+            Self::Named { number, .. } | Self::Unnamed(number, _) => Some(*number),
         }
     }
 }
@@ -66,7 +72,9 @@ impl Round<'_> {
         let finding = self.finding(subject, &chosen);
         if is_named(&self.tried[chosen.number]) {
             let others = chosen.others.iter().map(|(i, _)| *i).collect();
-            Decision::Named(chosen.number, finding, others)
+            let function = verdict.function.map(|f| (f.number, self.finding(subject, &f)));
+            let function = function.filter(|(_, f)| f.depends_on == finding.depends_on).map(Box::new);
+            Decision::Named { number: chosen.number, finding, others, function }
         } else {
             Decision::Unnamed(chosen.number, finding)
         }

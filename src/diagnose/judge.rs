@@ -5,6 +5,9 @@ use super::numbers::{CLOSE, LEAST_SHARE, LEFT_OVER, LEVEL, MIN_GAIN, OFTEN_RIGHT
 use super::rest::{Rest, differences};
 use crate::stats::{bootstrap_shares, sign_flip};
 
+/// What is said of the candidate that is right.
+pub(super) const CHOSEN: &str = "chosen";
+
 /// What is known of a candidate.
 pub(super) struct Evidence<'a> {
     /// An effect with a name; else a function that could be anything.
@@ -48,6 +51,8 @@ pub(super) struct Case<'a> {
 pub(super) struct Verdict {
     /// The candidate that is right, if one is.
     pub chosen: Option<Chosen>,
+    /// The best function without a name, whether or not it is right.
+    pub function: Option<Chosen>,
     /// Of every candidate, why it was chosen or not.
     pub reasons: Vec<String>,
 }
@@ -84,6 +89,7 @@ pub(super) fn judge(case: &Case<'_>) -> Verdict {
     Verdict {
         reasons: (0..case.evidence.len()).map(|i| round.reason(i, chosen, &rivals)).collect(),
         chosen: chosen.map(|chosen| round.weighed(chosen, &rivals)),
+        function: round.function().map(|function| round.weighed(function, &[function])),
     }
 }
 
@@ -155,8 +161,7 @@ impl Round<'_> {
     fn chosen(&self) -> Option<usize> {
         let named = self.best(self.all().filter(|i| self.of(*i).may_be_named()));
         let named = named.map(|n| self.no_more_than_needed(self.within_its_ranges(n)));
-        let unnamed = self.best(self.all().filter(|i| !self.of(*i).is_named && self.of(*i).counts()));
-        let chosen = match (named, unnamed) {
+        let chosen = match (named, self.function()) {
             (Some(n), Some(u)) if self.is_clearly_better(self.of(u), self.of(n)) => u,
             (Some(n), _) => n,
             (None, u) => u?,
@@ -167,6 +172,11 @@ impl Round<'_> {
         let counts =
             self.of(chosen).is_named || self.case.is_first || explained_now > LEFT_OVER * explained_before;
         counts.then_some(chosen)
+    }
+
+    /// The best function without a name that counts.
+    fn function(&self) -> Option<usize> {
+        self.best(self.all().filter(|i| !self.of(*i).is_named && self.of(*i).counts()))
     }
 
     /// The candidate itself, or one as good whose parameters do not run to the ends of their ranges: a mode far above
@@ -219,7 +229,7 @@ impl Round<'_> {
         let scores_better = chosen.is_some_and(|c| self.score(e) < self.score(self.of(c)));
         match e.refuted {
             Some(why) => why.into(),
-            None if chosen == Some(i) => "chosen".into(),
+            None if chosen == Some(i) => CHOSEN.into(),
             None if !e.counts() => e.why_not().unwrap_or_default(),
             None if rivals.contains(&i) => {
                 "as good as the one chosen: these recordings do not separate them".into()

@@ -16,6 +16,7 @@ mod judge;
 mod left;
 pub mod locate;
 mod numbers;
+mod one_function;
 mod others;
 mod parts;
 mod pipeline;

@@ -6,9 +6,11 @@ use super::candidates::{BETTER_PART, Before, Tried, polish, screen};
 use super::decision::{Decision, Round};
 use super::experiment::Rival;
 use super::in_turn::check_in_turn;
+use super::judge::CHOSEN;
 use super::left::Left;
 use super::locate;
 use super::numbers::{MIN_GAIN, NO_MORE};
+use super::one_function::{Law, OneFunction, one_function};
 use super::recalled::Recalled;
 use super::refit::FINAL;
 use super::rest::Rest;
@@ -67,6 +69,27 @@ impl Found {
         study.fit_rest(&self.current)
     }
 
+    /// Ends with a function without a name, which may stand for physics of which the names before it show a part.
+    fn end_with(&mut self, function: Finding, current: Fitted, check: Rest) {
+        let (names, own) = (self.base_check.total - self.check.total, self.check.total - check.total);
+        self.doubt(names.max(0.0) / (names.max(0.0) + own.max(f64::MIN_POSITIVE)));
+        (self.unknown, self.current, self.check) = (Some(function), current, check);
+    }
+
+    /// Ends with a function without a name in place of the names that are no more than it.
+    fn end_with_one(&mut self, one: OneFunction) {
+        for candidate in self.candidates.iter_mut().filter(|c| c.reason == CHOSEN).skip(one.first) {
+            candidate.reason =
+                "one function without a name explains as much as this and another name at its place".into();
+        }
+        self.findings.truncate(one.first);
+        if one.first == 0 {
+            self.rivals.clear();
+        }
+        self.check = one.before;
+        self.end_with(one.finding, one.fitted, one.check);
+    }
+
     /// Makes all names less sure, by this factor.
     fn doubt(&mut self, factor: f64) {
         for finding in &mut self.findings {
@@ -107,6 +130,7 @@ pub(super) fn search(
     let mut found = Found::nothing(base, base_check);
     let mut recalled = Recalled::default();
     let (mut round, mut anew) = (0, 0);
+    let mut laws: Vec<Law> = Vec::new();
     while round < MAX_EFFECTS {
         if round > 1 && is_noise(study, &found.check) {
             break;
@@ -148,7 +172,17 @@ pub(super) fn search(
         }
         match decision {
             Decision::Nothing => break,
-            Decision::Named(i, finding, others) => {
+            Decision::Named { number: i, finding, others, function } => {
+                if let Some(one) = one_function(study, &laws, &tried[i])? {
+                    found.end_with_one(one);
+                    return Ok(found);
+                }
+                laws.push(Law {
+                    placement: tried[i].placement().clone(),
+                    before: found.current.model.clone(),
+                    name: finding.name.clone(),
+                    function: function.map(|f| (f.1, tried[f.0].fitted.model.clone())),
+                });
                 found.findings.push(finding);
                 if found.rivals.is_empty() && !others.is_empty() {
                     let rivals = std::iter::once(i).chain(others).map(|k| &tried[k]);
@@ -171,14 +205,8 @@ pub(super) fn search(
                 let is_new = |signal: &String| !finding.depends_on.contains(signal);
                 let more: Vec<String> = more.into_iter().filter(is_new).collect();
                 finding.depends_on.extend(more);
-                found.unknown = Some(finding);
                 let t = tried.swap_remove(i);
-                // the function may stand for physics of which the names before it show a part
-                let (names, function) =
-                    (found.base_check.total - found.check.total, found.check.total - t.check_rest.total);
-                found.doubt(names.max(0.0) / (names.max(0.0) + function.max(f64::MIN_POSITIVE)));
-                found.check = t.check_rest;
-                found.current = t.fitted;
+                found.end_with(finding, t.fitted, t.check_rest);
                 return Ok(found);
             }
         }

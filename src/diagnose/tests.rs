@@ -1,13 +1,17 @@
 //! Whole diagnoses of small models: what their answers must not depend on, and what is fitted.
 
+use super::candidates::{Before, assess};
+use super::one_function::{Law, one_function};
 use super::placement::Placement;
 use super::precision::within_precision;
 use super::refit::from_two_places;
+use super::result::Finding;
+use super::screen::Screened;
 use super::search::{Found, without};
-use super::study::{Fitted, Study};
+use super::study::{Fitted, Model, Study};
 use super::*;
 use crate::effect::find as find_effect;
-use crate::effect::{Attachment, Chosen, Port, Signal};
+use crate::effect::{Attachment, Chosen, Port, Signal, Source};
 use crate::fit::{Bench, Channel, Drive, End, Knob, OutputError, Run, Setup, replay};
 use crate::model::Settings;
 use crate::recording::{Channel as Recorded, Recording, write_csv};
@@ -424,4 +428,68 @@ fn what_inputs_may_be_off_by_is_taken_off_and_no_more() {
     assert!(left(5e-5) < 0.01 && left(-5e-5) < 0.01);
     let most = left(1e-3);
     assert!((most - 0.9).abs() < 0.005, "{most}");
+}
+
+#[test]
+fn two_names_at_one_place_are_one_function_unless_they_say_more() {
+    let (points, amplitude) = (1001, 3e6);
+    let brake = Brake::behind(points, amplitude);
+    let pressure = brake.drive.inputs[0].0;
+    // the rate of the pressure goes both ways
+    let rate = Signal { variable: pressure, source: Source::Rate, is_turned: false };
+    let (most, size) = (0.02 * amplitude / 1e-3, 0.1 * amplitude);
+    let slope = size / most;
+    let place = |id: &str, port: Port, scales: &[f64]| Placement {
+        effect: find_effect(id).unwrap(),
+        port,
+        targets: vec![pressure],
+        drivers: vec![rate],
+        scales: scales.to_vec(),
+        units: vec![None; scales.len()],
+        bounded: false,
+    };
+    let clearance = || place("clearance", Port::Force, &[slope, most]);
+    let stop = || place("bump-stop", Port::Force, &[slope, slope, most]);
+    let powers = [slope, slope / most, slope / most / most, slope, size, most];
+    let any = || place("empirical-input", Port::Input, &powers);
+    let is_one = |law: &dyn Fn(f64) -> f64| {
+        let mut real = Brake::behind(points, amplitude);
+        let given = &brake.drive.inputs[0].1;
+        let x = |k: usize| if k == 0 { 0.0 } else { (given[k] - given[k - 1]) / 1e-3 / most };
+        let changed = (0..points).map(|k| given[k] + size * law(x(k))).collect();
+        real.drive = Arc::new(Drive { inputs: vec![(pressure, changed)], ..Drive::clone(&real.drive) });
+        let torque = real.torque(Vec::new());
+        let noise = 1e-3 * torque.iter().copied().fold(0.0, f64::max);
+        let mut random = SplitMix64::new(4);
+        let run = brake.run(torque.into_iter().map(|t| t + noise * random.normal()).collect());
+        let study = brake.study(&run, noise);
+        let with = |effects: Vec<(Placement, Vec<f64>)>| Model { effects, ..study.nominal() };
+        let law = Law {
+            placement: clearance(),
+            before: study.nominal(),
+            name: "Clearance".into(),
+            function: Some((Finding::default(), with(vec![(any(), vec![0.0, 0.0, 0.0, 0.0, 0.1, 0.3])]))),
+        };
+        let both = with(vec![(clearance(), vec![0.5, 0.3]), (stop(), vec![0.5, 0.5, 0.7])]);
+        let both = study.fit(&both, 25).unwrap();
+        let rest = study.rest(&study.nominal(), &study.check_runs).unwrap();
+        let screened = Screened {
+            placement: stop(),
+            values: Vec::new(),
+            wholes: Vec::new(),
+            gain: 0.0,
+            places: 1,
+            all_places: 1,
+        };
+        let both = assess(&study, &screened, both, Before { fit: &rest, check: &rest }).unwrap();
+        assert!(both.fit_gain > 0.9, "{}", both.fit_gain);
+        one_function(&study, &[law], &both).unwrap().map(|one| one.finding.evidence)
+    };
+    // a spring that snaps is neither, though both together follow it
+    let snaps = |x: f64| 2.0 * x / 0.8 * (-2.0 * (x / 0.8).powi(2)).exp();
+    let said = is_one(&snaps).unwrap();
+    assert!(said.contains("\u{201c}Clearance\u{201d}") && said.contains("Bump stop"), "{said}");
+    // a gap and a stiff stop on one side, which no smooth function follows
+    let knees = |x: f64| 1.5 * x.clamp(-0.2, 0.2) - 10.0 * (x - 0.8).max(0.0);
+    assert_eq!(is_one(&knees), None);
 }
