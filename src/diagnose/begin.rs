@@ -60,7 +60,11 @@ pub(super) fn begin(
         match begun.iter_mut().find(|b| b.screened.placement.is_same(&other.screened.placement)) {
             Some(same) if same.cost() <= other.cost() => {}
             Some(same) => *same = other,
-            None => begun.push(other),
+            // from the end of the refit, near which it promised less, it may come farther than from where nothing has ended
+            None => {
+                let near = Begun::from_current(study, current, &other.screened);
+                begun.push(near.filter(|near| near.cost() < other.cost()).unwrap_or(other));
+            }
         }
     }
     // a function without a name keeps more than it promised, so that names are held against names

@@ -172,9 +172,29 @@ impl Site<'_> {
         }
         for (port, role) in effect.also {
             let list = if *port == Port::Parameter { &self.tunable } else { &self.driven };
-            let fits = |v: &&usize| self.roles.is(**v, *role);
-            groups.extend(list.iter().filter(fits).map(|v| (*port, vec![*v])));
+            let own: Vec<usize> = list.iter().copied().filter(|v| self.roles.is(*v, *role)).collect();
+            groups.extend(own.iter().map(|v| (*port, vec![*v])));
+            if *port == Port::Parameter && is_relative {
+                groups.extend(self.of_one_law(&own).into_iter().map(|group| (*port, group)));
+            }
         }
+        groups
+    }
+
+    /// Parameters that a cause changes alike because they are of one law, such as a coefficient at no pressure and at some pressure: those
+    /// with the same name but for its last part, and all of them.
+    fn of_one_law(&self, parameters: &[usize]) -> Vec<Vec<usize>> {
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for first in parameters {
+            let own = stem(self.interface, *first);
+            let alike = |v: &usize| !own.is_empty() && stem(self.interface, *v) == own;
+            groups.push(parameters.iter().copied().filter(alike).collect());
+        }
+        groups.push(parameters.to_vec());
+        groups.iter_mut().for_each(|group| group.sort_unstable());
+        groups.retain(|group| group.len() > 1);
+        groups.sort();
+        groups.dedup();
         groups
     }
 
@@ -316,18 +336,24 @@ fn combinations(lists: &[Vec<Signal>], interface: &Interface) -> Vec<Vec<Signal>
             })
             .collect();
     }
-    let stem = |signal: &Signal| {
-        let name = &interface.variables[signal.variable].name;
-        let end = name.rfind(['_', '.']).unwrap_or(0);
-        name[..end].to_owned()
-    };
+    // a slip may be a slip angle, but not where another driver is that one
+    let is_free_of_twins = |c: &Vec<Signal>| (1..c.len()).all(|k| !c[..k].contains(&c[k]));
+    if all.iter().any(is_free_of_twins) {
+        all.retain(is_free_of_twins);
+    }
     let kinship = |combination: &Vec<Signal>| {
-        let stems: Vec<String> = combination.iter().map(stem).collect();
+        let stems: Vec<&str> = combination.iter().map(|signal| stem(interface, signal.variable)).collect();
         stems.windows(2).filter(|w| w[0] == w[1]).count()
     };
     all.sort_by_key(|c| std::cmp::Reverse(kinship(c)));
     all.truncate(if lists.len() > 1 { MAX_COMBINATIONS } else { all.len() });
     all
+}
+
+/// The name of a variable but for its last part.
+fn stem(interface: &Interface, variable: usize) -> &str {
+    let name = &interface.variables[variable].name;
+    &name[..name.rfind(['_', '.']).unwrap_or(0)]
 }
 
 /// The velocities and positions that are of one motion, either way and in any unit, as traced.
@@ -416,7 +442,10 @@ pub fn is_tunable(interface: &Interface, variable: usize) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::subject::Subject;
     use super::*;
+    use crate::effect::forms;
+    use crate::model::Settings;
 
     #[test]
     fn units_are_those_that_engineers_write() {
@@ -437,6 +466,70 @@ mod tests {
             assert_eq!(unit_text(Unit::parse(text).unwrap().exponents), text);
         }
         assert_eq!(unit_text(Unit::parse("Pa").unwrap().exponents), "N/m2");
+    }
+
+    /// Where the forms of an effect may sit on a tire whose four coefficients of friction are free: the parameters that they change together, and
+    /// what drives.
+    fn on_a_tire(id: &str) -> Vec<(Vec<String>, Vec<String>)> {
+        let subject = Subject::load("ring-brush-flat-track", &Settings::default()).unwrap();
+        let interface = &subject.interface;
+        let find = |name: &&str| interface.index(name).unwrap();
+        let tunable = ["sliding_reference", "static_reference", "sliding_zero", "static_zero"];
+        let all = |causality: Causality| -> Vec<usize> {
+            (0..interface.variables.len())
+                .filter(|v| interface.variables[*v].causality == causality)
+                .collect()
+        };
+        let (measured, count) = (all(Causality::Output), interface.variables.len());
+        let site = Site {
+            interface,
+            roles: &Roles::of(interface, &[]).unwrap(),
+            measured: &measured,
+            driven: ["slip", "slip_angle", "path_speed"].iter().map(find).collect(),
+            tunable: tunable
+                .map(|name| format!("friction_{name}"))
+                .iter()
+                .map(|n| find(&n.as_str()))
+                .collect(),
+            natural: Natural {
+                size: vec![1.0; count],
+                rate: vec![(1.0, 1.0); count],
+                time: 1.0,
+                against: BTreeSet::new(),
+                shown: BTreeSet::new(),
+            },
+        };
+        let names = |variables: &[usize]| -> Vec<String> {
+            let mut names: Vec<String> =
+                variables.iter().map(|v| interface.variables[*v].name.replace("friction_", "")).collect();
+            names.sort();
+            names
+        };
+        let place = |p: Placement| {
+            (
+                names(&p.targets),
+                p.drivers.iter().map(|s| interface.variables[s.variable].name.clone()).collect(),
+            )
+        };
+        forms(id).flat_map(|form| site.placements(form)).map(place).collect()
+    }
+
+    #[test]
+    fn parameters_of_one_law_change_alike_and_no_signal_drives_twice() {
+        let places = on_a_tire("speed-dependent-friction");
+        let at = |own: &[&str]| places.iter().filter(|(targets, _)| targets == own).count();
+        // what sliding loses at any pressure, and all friction
+        assert!(
+            at(&["sliding_reference", "sliding_zero"]) > 0 && at(&["static_reference", "static_zero"]) > 0
+        );
+        assert!(at(&["sliding_reference", "sliding_zero", "static_reference", "static_zero"]) > 0);
+        // each by itself as well, and nothing that has no part in common
+        assert!(at(&["sliding_zero"]) > 0 && at(&["sliding_zero", "static_zero"]) == 0);
+        let both = vec!["path_speed".to_owned(), "slip_angle".into(), "slip".into()];
+        assert!(places.iter().any(|(targets, by)| targets.len() == 2 && *by == both));
+        for (_, by) in &places {
+            assert_eq!(by.iter().collect::<BTreeSet<_>>().len(), by.len(), "{by:?}");
+        }
     }
 
     #[test]
