@@ -480,7 +480,7 @@ mod tests {
                 .filter(|v| interface.variables[*v].causality == causality)
                 .collect()
         };
-        let (measured, count) = (all(Causality::Output), interface.variables.len());
+        let measured = all(Causality::Output);
         let site = Site {
             interface,
             roles: &Roles::of(interface, &[]).unwrap(),
@@ -491,13 +491,7 @@ mod tests {
                 .iter()
                 .map(|n| find(&n.as_str()))
                 .collect(),
-            natural: Natural {
-                size: vec![1.0; count],
-                rate: vec![(1.0, 1.0); count],
-                time: 1.0,
-                against: BTreeSet::new(),
-                shown: BTreeSet::new(),
-            },
+            natural: Natural::of_ones(interface.variables.len()),
         };
         let names = |variables: &[usize]| -> Vec<String> {
             let mut names: Vec<String> =

@@ -22,6 +22,20 @@ pub(super) struct Natural {
     pub shown: BTreeSet<usize>,
 }
 
+#[cfg(test)]
+impl Natural {
+    /// Of so many variables that are all of size 1, as all that goes with them.
+    pub fn of_ones(count: usize) -> Self {
+        Self {
+            size: vec![1.0; count],
+            rate: vec![(1.0, 1.0); count],
+            time: 1.0,
+            against: BTreeSet::new(),
+            shown: BTreeSet::new(),
+        }
+    }
+}
+
 /// One change: an effect of this form and size at this place.
 #[derive(Debug, PartialEq, Eq, Hash)]
 struct Change {

@@ -228,7 +228,6 @@ mod tests {
     use crate::model::{Access, Model, Native, Settings, Slave, Table, input, output};
     use crate::real;
     use serde::{Deserialize, Serialize};
-    use std::collections::BTreeSet;
 
     /// A contact that creeps without sliding: bristles that leave it bent lose all of the power.
     #[derive(Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -294,21 +293,14 @@ mod tests {
                 .filter(|v| interface.variables[*v].causality == causality)
                 .collect()
         };
-        let (measured, driven, count) =
-            (all(Causality::Output), all(Causality::Input), interface.variables.len());
+        let (measured, driven) = (all(Causality::Output), all(Causality::Input));
         let site = Site {
             interface,
             roles: &roles,
             measured: &measured,
             driven,
             tunable: Vec::new(),
-            natural: Natural {
-                size: vec![1.0; count],
-                rate: vec![(1.0, 1.0); count],
-                time: 1.0,
-                against: BTreeSet::new(),
-                shown: BTreeSet::new(),
-            },
+            natural: Natural::of_ones(interface.variables.len()),
         };
         let name = |v: &usize| interface.variables[*v].name.clone();
         let place = |p: &super::super::placement::Placement| {
