@@ -185,7 +185,8 @@ impl Begun {
         Some(Self { screened: screened.clone(), fitted })
     }
 
-    /// Goes on with derivatives of its own where those of the model without the effect have not led to what screening promised. A sum of
+    /// Goes on with derivatives by the effect's own parameters where it has come to, if those near its off value have not led to what screening promised:
+    /// those by all others, which take most of the time, are hardly other ones with the effect. A sum of
     /// amplitudes, which cannot keep more than that, has none if it would not even so be one of those that are fitted to the end, which
     /// miss no more than `nearly`; nor has what would be no effect if it kept all of it.
     fn anew(&self, study: &Study<'_>, current: &Fitted, nearly: f64) -> Option<Self> {
@@ -198,7 +199,7 @@ impl Begun {
         if screened.gain < MIN_GAIN || loses || self.cost() < with(KEPT_PROMISE) {
             return None;
         }
-        let fitted = study.fit_roughly(&fitted.model, TRY_OUT, None).ok()?;
+        let fitted = study.fit_near(&fitted.model, TRY_OUT, current).ok()?;
         Some(Self { screened: screened.clone(), fitted })
     }
 

@@ -11,6 +11,7 @@ use crate::fit::{Bench, Channel, Drive, OutputError, Run, Setup, Traces, replay,
 use crate::model::{Causality, Interface};
 use crate::stats::mean_or_zero;
 use nalgebra::{DMatrix, DVector};
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -352,57 +353,41 @@ impl<'a> Screen<'a> {
             columns[*k] = column;
         }
         // the first answer to a change at a place is in proportion: sums of changes are answered by the sums
-        let courses: Vec<Option<DVector<f64>>> = of_setup
+        let courses: HashMap<usize, DVector<f64>> = of_setup
             .iter()
-            .map(|k| {
+            .filter_map(|k| {
                 // a whole is no sum of what others do
                 let small = jobs[*k].1.map(|_| attach(&jobs[*k]))?;
-                self.course(interface, &small, runs.clone(), step_of(&jobs[*k]))
+                Some((*k, self.course(interface, &small, runs.clone(), step_of(&jobs[*k]))?))
             })
             .collect();
-        let mut sums: Vec<Option<Vec<(usize, f64)>>> = vec![None; jobs.len()];
-        let mut places: Vec<(&[usize], Port)> = Vec::new();
-        let place = |k: &usize| {
-            let placement = &placements[jobs[*k].0.placement];
+        let place = |k: usize| {
+            let placement = &placements[jobs[k].0.placement];
             (&placement.targets[..], placement.port)
         };
-        for k in &of_setup {
-            if !places.contains(&place(k)) {
-                places.push(place(k));
-            }
-        }
-        for own in places {
-            let at_place = of_setup.iter().zip(&courses).filter(|(k, _)| place(k) == own);
-            let (numbers, courses): (Vec<usize>, Vec<DVector<f64>>) =
-                at_place.filter_map(|(k, course)| Some((*k, course.clone()?))).unzip();
-            for (k, sum) in numbers.iter().zip(spanned(&courses, how)) {
-                sums[*k] =
-                    sum.map(|terms| terms.into_iter().map(|(t, factor)| (numbers[t], factor)).collect());
-            }
-        }
-        let with = |k: usize| {
+        let with = |k: &usize| {
             let mut setup = self.setup.clone();
-            setup.attachments.extend(attach(&jobs[k]));
-            (setup, step_of(&jobs[k]))
+            setup.attachments.extend(attach(&jobs[*k]));
+            (setup, step_of(&jobs[*k]))
         };
-        let simulate = |numbers: Vec<usize>, columns: &mut Vec<Option<Column>>| {
-            let answers = self.simulated(numbers.iter().map(|k| with(*k)), runs.clone());
-            for (k, column) in numbers.into_iter().zip(answers) {
-                columns[k] = column;
+        // what would be a sum of one that cannot be simulated is held against the others anew
+        let (mut open, mut simulated) = (of_setup, Vec::new());
+        while !open.is_empty() {
+            let sums = sums(&open, &simulated, &courses, place, how);
+            let own: Vec<usize> = open.iter().copied().filter(|k| !sums.contains_key(k)).collect();
+            for (k, column) in own.iter().zip(self.simulated(own.iter().map(with), runs.clone())) {
+                simulated.extend(column.as_ref().map(|_| *k));
+                columns[*k] = column;
             }
-        };
-        let (dependent, own): (Vec<usize>, Vec<usize>) = of_setup.iter().partition(|k| sums[**k].is_some());
-        simulate(own, &mut columns);
-        // what the terms are not known of is simulated, too
-        let mut unknown = Vec::new();
-        for k in dependent {
-            let terms = sums[k].iter().flatten().map(|(t, factor)| Some((columns[*t].as_ref()?, *factor)));
-            match terms.collect::<Option<Vec<_>>>() {
-                Some(terms) => columns[k] = Some(self.sum(&terms, runs.clone())),
-                None => unknown.push(k),
+            open.retain(|k| sums.contains_key(k));
+            for (k, sum) in sums {
+                let terms = sum.iter().map(|(t, factor)| Some((columns[*t].as_ref()?, *factor)));
+                if let Some(terms) = terms.collect::<Option<Vec<_>>>() {
+                    columns[k] = Some(self.sum(&terms, runs.clone()));
+                }
             }
+            open.retain(|k| columns[*k].is_none());
         }
-        simulate(unknown, &mut columns);
         columns
     }
 
@@ -564,6 +549,38 @@ fn best_of_each(placements: &[Placement], probes: &[Probe], explained: &[Explain
     let mut found: Vec<Screened> = best.into_iter().flatten().collect();
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     found
+}
+
+/// Changes that are sums of others at the same place, by number: of those that are `open`, as sums of those that were `simulated` and of
+/// other open ones. [`spanned`] says how close they come.
+fn sums<'p>(
+    open: &[usize],
+    simulated: &[usize],
+    courses: &HashMap<usize, DVector<f64>>,
+    place: impl Fn(usize) -> (&'p [usize], Port),
+    how: f64,
+) -> BTreeMap<usize, Vec<(usize, f64)>> {
+    let mut places: Vec<(&[usize], Port)> = Vec::new();
+    for own in open.iter().map(|k| place(*k)) {
+        if !places.contains(&own) {
+            places.push(own);
+        }
+    }
+    let mut all = BTreeMap::new();
+    for own in places {
+        let at_place = |numbers: &[usize]| -> Vec<(usize, DVector<f64>)> {
+            let there = numbers.iter().filter(|k| place(**k) == own);
+            there.filter_map(|k| Some((*k, courses.get(k)?.clone()))).collect()
+        };
+        let mut there = at_place(simulated);
+        let known = there.len();
+        there.extend(at_place(open));
+        let (numbers, courses): (Vec<usize>, Vec<DVector<f64>>) = there.into_iter().unzip();
+        for (k, sum) in numbers.iter().zip(spanned(&courses, known, how)).skip(known) {
+            all.extend(sum.map(|terms| (*k, terms.into_iter().map(|(t, f)| (numbers[t], f)).collect())));
+        }
+    }
+    all
 }
 
 /// Every so many of the values.

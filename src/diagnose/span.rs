@@ -1,6 +1,7 @@
 //! Which courses are sums of others: what answers in proportion answers them with the same sums.
 
 use nalgebra::DVector;
+use std::ops::Range;
 
 /// A course is a sum of others if it misses less than this share of itself: a change that is predicted ranks effects, it is
 /// no fit. Roughly, a hundredth of its square, to find the sixty that are looked at more closely; and then closely.
@@ -11,8 +12,9 @@ pub(super) const CLOSELY: f64 = 0.02;
 const CANCELLED: f64 = 5.0;
 
 /// Of each course: the numbers of others and factors with which it is their sum; `None` if it is none. Those others are no
-/// sums themselves. `how` closely: the share of itself that a course may miss.
-pub(super) fn spanned(courses: &[DVector<f64>], how: f64) -> Vec<Option<Vec<(usize, f64)>>> {
+/// sums themselves, and the first `known` ones, of which the answers are known, are among them before any other. `how` closely:
+/// the share of itself that a course may miss.
+pub(super) fn spanned(courses: &[DVector<f64>], known: usize, how: f64) -> Vec<Option<Vec<(usize, f64)>>> {
     let sizes: Vec<f64> = courses.iter().map(DVector::norm).collect();
     // what the ones that were taken do not make of each, and with which factors they make the rest
     let mut rests: Vec<DVector<f64>> = courses.to_vec();
@@ -22,10 +24,12 @@ pub(super) fn spanned(courses: &[DVector<f64>], how: f64) -> Vec<Option<Vec<(usi
         if sizes[k] > 0.0 { rests[k].norm() / sizes[k] } else { 0.0 }
     };
     loop {
-        let open = (0..courses.len()).filter(|k| !taken.contains(k));
-        let worst =
-            open.map(|k| (k, missed(&rests, k))).max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
-        let Some((next, _)) = worst.filter(|(_, missed)| *missed > how) else { break };
+        let worst = |among: Range<usize>| {
+            let open = among.filter(|k| !taken.contains(k)).map(|k| (k, missed(&rests, k)));
+            let worst = open.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
+            worst.filter(|(_, missed)| *missed > how)
+        };
+        let Some((next, _)) = worst(0..known).or_else(|| worst(known..courses.len())) else { break };
         // the next one's rest is it less what those before make of it
         let (rest, own) = (rests[next].clone(), factors[next].clone());
         let length = rest.norm_squared();
@@ -71,7 +75,7 @@ mod tests {
             course(|t| 1.0 + 1e-3 * (50.0 * t).sin()),
             course(|t| (50.0 * t).sin()),
         ];
-        let sums = spanned(&courses, CLOSELY);
+        let sums = spanned(&courses, 0, CLOSELY);
         let own = sums.iter().filter(|s| s.is_none()).count();
         assert_eq!(own, 4, "{sums:?}");
         for (course, sum) in courses.iter().zip(&sums) {
@@ -88,8 +92,23 @@ mod tests {
         // two that differ little, and their difference, which is known with their errors only
         let (a, b) = (course(|_| 1.0), course(|t| 1.0 + 0.03 * t.cos()));
         let c = course(|t| 0.03 * t.cos());
-        let sums = spanned(&[a, b, c], CLOSELY);
+        let sums = spanned(&[a, b, c], 0, CLOSELY);
         assert!(sums[0].is_none() && sums[2].is_none(), "{sums:?}");
-        assert!(spanned(&[], CLOSELY).is_empty());
+        assert!(spanned(&[], 0, CLOSELY).is_empty());
+    }
+
+    #[test]
+    fn what_is_known_makes_others_before_these_make_each_other() {
+        let courses = [course(|t| 2.0 + 3.0 * t.sin()), course(f64::sin), course(|_| 1.0)];
+        // by itself the second is missed most, and the third follows from both
+        for known in [0, 1] {
+            let sums = spanned(&courses, known, CLOSELY);
+            assert_eq!(sums.iter().filter(|sum| sum.is_some()).count(), 1, "{sums:?}");
+            assert!(sums[..known].iter().all(Option::is_none));
+        }
+        // two that are known need no third
+        let known = [courses[1].clone(), courses[2].clone(), courses[0].clone()];
+        let sum = spanned(&known, 2, CLOSELY)[2].clone().unwrap();
+        assert!((sum[0].1 - 3.0).abs() < 1e-9 && (sum[1].1 - 2.0).abs() < 1e-9, "{sum:?}");
     }
 }

@@ -244,7 +244,7 @@ impl Study<'_> {
         self.fit_with(model, Some(near), Options { iterations, known, update: true, ..Options::default() })
     }
 
-    /// Fits what is left of a fitted model without its last effect, beginning where that has ended, to the end.
+    /// Fits what is left of a fitted model without its last effect, beginning where that has ended, with its derivatives.
     ///
     /// # Errors
     /// A model that cannot be run.
@@ -252,9 +252,7 @@ impl Study<'_> {
         let mut model = fitted.model.clone();
         model.effects.pop();
         let known = fitted.fit.jacobian.columns(0, Self::point(&model).len()).into_owned();
-        let options =
-            Options { iterations, known: Some(&known), update: true, to_the_end: true, ..Options::default() };
-        self.fit_with(&model, None, options)
+        self.fit_roughly(&model, iterations, Some(&known))
     }
 
     fn fit_with(&self, model: &Model, near: Option<&Fitted>, options: Options<'_>) -> Result<Fitted> {

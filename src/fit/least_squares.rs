@@ -248,12 +248,16 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
     Ok(Fit { x, residuals, jacobian, cost, end, updated: !last_exact, iterations })
 }
 
-/// Rounds of [`settle`]: what the first leaves is of second order.
+/// Steps of [`settle`]: what the first leaves is of second order.
 const SETTLED: usize = 2;
 
-/// A step that lowers the sum by no more than this moves no unknown by more than a tenth of its standard deviation: derivatives where it
-/// ends are those where it began.
+/// A step that promises to lower the sum by no more than this moves no unknown by more than a tenth of its standard deviation: there is
+/// nothing to come after it.
 const HARDLY: f64 = 0.01;
+
+/// A step that promises no more than this moves no unknown by more than its standard deviation: derivatives where it ends are, as far as
+/// intervals need them, those where it began.
+const NEARBY_STEP: f64 = 1.0;
 
 /// The end of a fit with derivatives from both sides, and with the steps that they foretell if these lower the sum.
 ///
@@ -261,8 +265,11 @@ const HARDLY: f64 = 0.01;
 /// leads a fit on, but where several unknowns undo each other it looks as if the data told them apart: the information of
 /// such a direction is what is wrong with its derivatives, and intervals are too narrow.
 pub fn settle(problem: &dyn Problem, unknowns: &[Unknown], mut fit: Fit, redundancy: f64) -> Fit {
+    let mut is_far = true;
     for _ in 0..SETTLED {
-        differentiate_centrally(problem, unknowns, &fit.x, &fit.residuals, &mut fit.jacobian);
+        if is_far {
+            differentiate_centrally(problem, unknowns, &fit.x, &fit.residuals, &mut fit.jacobian);
+        }
         let here = Quadratic::at(&fit.x, &fit.residuals, &fit.jacobian, unknowns, redundancy);
         let to = bounded_step(&here.normal, &here.gradient, &fit.x, unknowns, LEAST_DAMPING);
         let to = within_reach(&fit.x, to, unknowns);
@@ -275,6 +282,7 @@ pub fn settle(problem: &dyn Problem, unknowns: &[Unknown], mut fit: Fit, redunda
         if promised < HARDLY {
             break;
         }
+        is_far = promised > NEARBY_STEP;
     }
     fit.cost = square(&fit.residuals);
     fit.updated = false;
@@ -376,11 +384,12 @@ fn differentiate_centrally(
             })
         })
         .collect();
-    let answers = problem.residuals(&points);
+    let answers = problem.changes(x, residuals, &points);
+    let stays = vec![0.0; residuals.len()];
     for (i, pair) in answers.chunks(2).enumerate() {
-        let known = |k: usize| pair[k].as_deref().map_or((0.0, residuals), |r| (sides(i)[k], r));
-        let [(ahead, above), (behind, below)] = [known(0), known(1)];
         // where the model cannot be run the unknown stays
+        let known = |k: usize| pair[k].as_deref().map_or((0.0, &stays[..]), |change| (sides(i)[k], change));
+        let [(ahead, above), (behind, below)] = [known(0), known(1)];
         let slope = |(a, b): (&f64, &f64)| if ahead == behind { 0.0 } else { (a - b) / (ahead - behind) };
         let column: Vec<f64> = above.iter().zip(below).map(slope).collect();
         jacobian.set_column(i, &DVector::from_vec(column));
