@@ -16,6 +16,7 @@ pub(super) fn beginning(run: &Run, seconds: f64) -> Run {
         inputs: drive.inputs.iter().map(|(v, values)| (*v, first(values, points))).collect(),
         begins: drive.begins.clone(),
         points,
+        coarser: None,
     };
     let channel = |c: &Channel| Channel { values: first(&c.values, samples), ..c.clone() };
     Run {
@@ -53,11 +54,12 @@ pub(super) fn coarser(run: &Run) -> Run {
         inputs: drive.inputs.iter().map(|(v, values)| (*v, thin(values))).collect(),
         begins: drive.begins.clone(),
         points: (drive.points - 1) / parts + 1,
+        coarser: None,
     };
     Run { drive: Arc::new(drive), ..run.clone() }
 }
 
-/// The same run with a quarter of the communication step.
+/// The same run with a quarter of the communication step; the longer ones are kept for what they are enough for.
 pub(super) fn finer(run: &Run) -> Run {
     const PARTS: usize = 4;
     let drive = &run.drive;
@@ -81,8 +83,14 @@ pub(super) fn finer(run: &Run) -> Run {
         inputs: drive.inputs.iter().map(|(v, values)| (*v, refine(values))).collect(),
         begins: drive.begins.clone(),
         points,
+        coarser: drive.coarser.clone().or_else(|| Some(Arc::clone(drive))),
     };
     Run { drive: Arc::new(drive), ..run.clone() }
+}
+
+/// The same run of which its own communication steps tell all.
+pub(super) fn without_coarser(run: &Run) -> Run {
+    Run { drive: Arc::new(Drive { coarser: None, ..Drive::clone(&run.drive) }), ..run.clone() }
 }
 
 #[cfg(test)]
@@ -93,8 +101,14 @@ mod tests {
     fn the_beginning_of_a_run_is_that_of_its_drive_and_samples() {
         let course = |n: usize| (0..n).map(|k| k as f64).collect::<Vec<f64>>();
         // 10 s of it, two communication steps for a sample
-        let drive =
-            Drive { start: 1.0, step: 0.05, inputs: vec![(0, course(201))], begins: Vec::new(), points: 201 };
+        let drive = Drive {
+            start: 1.0,
+            step: 0.05,
+            inputs: vec![(0, course(201))],
+            begins: Vec::new(),
+            points: 201,
+            coarser: None,
+        };
         let time: Vec<f64> = (0..101).map(|k| 1.0 + 0.1 * f64::from(k)).collect();
         let channels = vec![Channel { variable: 1, values: course(101), counts: true }];
         let run = Run { name: "a.csv".into(), drive: Arc::new(drive), time, channels };

@@ -152,6 +152,7 @@ impl<'a> Opened<'a> {
             check_runs: check_runs.iter().collect(),
             values: Vec::new(),
             of_changes: None,
+            is_rough: false,
             free: study.free.iter().filter(|p| own(p.variable)).cloned().collect(),
             zeros: zeros(&study.zeros, &measured),
             weights: measured.iter().map(|c| study.weights[*c]).collect(),
@@ -186,7 +187,7 @@ impl<'a> Opened<'a> {
         let courses = self.inputs.iter().filter_map(|i| Some((i.input, i.course(run, self.whole(run))?)));
         let inputs = run.drive.inputs.iter().cloned().chain(courses).collect();
         Run {
-            drive: Arc::new(Drive { inputs, ..Drive::clone(&run.drive) }),
+            drive: Arc::new(Drive { inputs, coarser: None, ..Drive::clone(&run.drive) }),
             channels: channels.iter().map(|c| run.channels[*c].clone()).collect(),
             ..run.clone()
         }

@@ -1,7 +1,7 @@
 //! The chain from recordings to a verdict.
 
 use super::clock::Drift;
-use super::excerpt::finer;
+use super::excerpt::{finer, without_coarser};
 use super::hygiene::Fault;
 use super::numbers::{LEVEL, NOISE_MARGIN, RECORDER_LAG};
 use super::others::told_by_others;
@@ -14,7 +14,7 @@ use super::result::{Diagnosis, Estimate, Finding, Use, Verdict};
 use super::roles::Roles;
 use super::runs::Map;
 use super::search::{Found, search};
-use super::steps::LongerSteps;
+use super::steps::{LongerSteps, are_alike};
 use super::study::{Fitted, Model, Study};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
@@ -146,6 +146,7 @@ impl Asked<'_> {
             check_runs: recorded.with(Use::Check),
             values: Vec::new(),
             of_changes: None,
+            is_rough: false,
             free: Vec::new(),
             lag: 0.0,
             zeros: Vec::new(),
@@ -244,7 +245,13 @@ impl Asked<'_> {
         if has_effects && subject.own_step().is_none() {
             // effects act at communication points: what is handed on is fitted where shorter steps change nothing
             progress("fitting the corrected model with short steps", 0.9);
-            (fine_fit, fine_check) = (of_fine(&study.fit_runs), of_fine(&study.check_runs));
+            let longer = study.fit_rest(&current)?.simulated;
+            let mut shorter = of_fine(&study.fit_runs);
+            let answer = study.rest(&current.model, &shorter.iter().collect::<Vec<_>>())?.simulated;
+            if !are_alike(&longer, &answer) {
+                shorter.iter_mut().for_each(|run| *run = without_coarser(run));
+            }
+            (fine_fit, fine_check) = (shorter, of_fine(&study.check_runs));
             study.fit_runs = fine_fit.iter().collect();
             study.check_runs = fine_check.iter().collect();
             step = fine_fit.iter().map(|run| run.drive.step).min_by(f64::total_cmp).map(plain_step);

@@ -59,5 +59,5 @@ fn scaled(run: &Run, input: usize) -> Run {
     if let Some((_, values)) = inputs.get_mut(input) {
         values.iter_mut().for_each(|v| *v *= 1.0 + STEP);
     }
-    Run { drive: Arc::new(Drive { inputs, ..Drive::clone(&run.drive) }), ..run.clone() }
+    Run { drive: Arc::new(Drive { inputs, coarser: None, ..Drive::clone(&run.drive) }), ..run.clone() }
 }

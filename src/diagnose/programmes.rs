@@ -390,7 +390,7 @@ fn programme(
     let driven = inputs.iter().map(|i| i.variable).zip(courses).collect();
     Programme {
         words,
-        drive: Arc::new(Drive { start, step, inputs: driven, begins: Vec::new(), points }),
+        drive: Arc::new(Drive { start, step, inputs: driven, begins: Vec::new(), points, coarser: None }),
         beyond,
     }
 }

@@ -4,10 +4,10 @@
 use super::result::Use;
 use super::subject::Subject;
 use crate::Result;
-use crate::fit::{Bench, Knob, OutputError, Run, Traces};
+use crate::fit::{Bench, Drive, Knob, OutputError, Run, Traces};
 use crate::model::{Role, Value};
 use crate::stats::{deviation, median, noise, root_mean_square};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 /// What a longer step may change of a channel in any run, as a share of the channel's noise: a four-hundredth of its square,
 /// half of what the least effect that is fitted has to explain.
@@ -76,7 +76,6 @@ impl LongerSteps {
         let simulate = |step: f64| simulated(bench, &runs, Some((variable, step)));
         let noises = noises(fit_runs);
         let Some(reference) = simulate(*own) else { return found };
-        let spreads = spreads(reference.iter().map(|run| run.iter().map(Vec::as_slice).collect()));
         for step in longer {
             let Some(answer) = simulate(step) else { continue };
             let change = most_changed(&answer, &reference, &noises);
@@ -84,7 +83,7 @@ impl LongerSteps {
                 found.longer = Some(LongerStep { variable, own: *own, step, change });
                 break;
             }
-            if found.of_changes.is_none() && most_changed(&answer, &reference, &spreads) <= SHARE_OF_MOTION {
+            if found.of_changes.is_none() && are_alike(&answer, &reference) {
                 found.of_changes = Some((variable, step));
             }
         }
@@ -138,7 +137,8 @@ impl ShorterSteps {
             runs.iter().filter(|(_, use_)| *use_ == Use::Fit).map(|(run, _)| run).collect();
         let spreads = spreads(to_fit.iter().map(|r| r.channels.iter().map(|c| &c.values[..]).collect()));
         let noises: Vec<f64> = noises(&to_fit).iter().zip(spreads).map(|(n, s)| n.max(CLASS * s)).collect();
-        let Some(mut now) = answer(runs) else { return Ok(None) };
+        let Some(with_usual) = answer(runs) else { return Ok(None) };
+        let mut now = with_usual.clone();
         let (mut finer, mut found) = (1, None);
         while finer < MOST_FINER {
             let halved = prepared(2 * finer)?;
@@ -146,12 +146,19 @@ impl ShorterSteps {
             let change = changed(&now, &next, &noises);
             let usual = found.as_ref().map_or(change, |(shorter, _): &(Self, Used)| shorter.usual);
             if change <= SHARE {
-                return Ok(found.map(|(shorter, runs)| (Self { change, is_enough: true, ..shorter }, runs)));
+                found = found.map(|(shorter, runs)| (Self { change, is_enough: true, ..shorter }, runs));
+                break;
             }
             (finer, now) = (2 * finer, next);
             found = Some((Self { finer, usual, change, is_enough: false }, halved));
         }
-        // as near as it gets
+        // what was found is as near as it gets
+        if let Some((_, shorter)) = found.as_mut().filter(|_| are_alike(&with_usual, &now)) {
+            for ((run, _), (usual, _)) in shorter.iter_mut().zip(runs) {
+                let coarser = Some(Arc::clone(&usual.drive));
+                run.drive = Arc::new(Drive { coarser, ..Drive::clone(&run.drive) });
+            }
+        }
         Ok(found)
     }
 
@@ -182,9 +189,17 @@ fn simulated(bench: &Bench, runs: &[&Run], with: Option<(usize, f64)>) -> Option
         attachments: Vec::new(),
         weights: Vec::new(),
         of_changes: None,
+        is_coarse: false,
         kept: Mutex::default(),
     };
     problem.simulate(&[with.iter().map(|(_, value)| *value).collect()]).pop().flatten()
+}
+
+/// Whether what was simulated with longer steps differs so little from what was with these that it tells as well how outputs change with an
+/// unknown.
+pub(super) fn are_alike(longer: &[Traces], reference: &[Traces]) -> bool {
+    let spreads = spreads(reference.iter().map(|run| run.iter().map(Vec::as_slice).collect()));
+    most_changed(longer, reference, &spreads) <= SHARE_OF_MOTION
 }
 
 /// How much a channel differs from the reference over all runs, as a share of its noise: of the one that does so most.
@@ -235,7 +250,7 @@ fn spreads<'a>(runs: impl Iterator<Item = Vec<&'a [f64]>>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{Channel, Drive, Options, Problem, Unknown, least_squares};
+    use crate::fit::{Channel, Options, Problem, Unknown, least_squares};
     use crate::model::Settings;
     use crate::stats::SplitMix64;
     use std::sync::Arc;
@@ -255,7 +270,14 @@ mod tests {
         let mut run = Run {
             name: String::new(),
             time: (0..points).map(|k| 2e-3 * k as f64).collect(),
-            drive: Arc::new(Drive { start: 0.0, step: 2e-3, inputs, begins: Vec::new(), points }),
+            drive: Arc::new(Drive {
+                start: 0.0,
+                step: 2e-3,
+                inputs,
+                begins: Vec::new(),
+                points,
+                coarser: None,
+            }),
             channels: Vec::new(),
         };
         let watch: Arc<[usize]> = Arc::from([find("force_y")]);
@@ -315,6 +337,7 @@ mod tests {
             attachments: Vec::new(),
             weights: vec![100.0],
             of_changes,
+            is_coarse: false,
             kept: Mutex::default(),
         };
         // they are others than those with the model's own step, but nearly the same
@@ -353,7 +376,7 @@ mod tests {
             (find("slip_angle"), (0..points).map(at).collect()),
         ];
         inputs.sort_by_key(|i| i.0);
-        let drive = Arc::new(Drive { start: 0.0, step, inputs, begins: Vec::new(), points });
+        let drive = Arc::new(Drive { start: 0.0, step, inputs, begins: Vec::new(), points, coarser: None });
         let watch: Arc<[usize]> = Arc::from([find("force_y")]);
         let mut traces = bench.run(&[Arc::default()], &[Arc::clone(&drive)], &watch).pop().unwrap().unwrap();
         let mut random = SplitMix64::new(5);

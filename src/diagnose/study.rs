@@ -33,6 +33,8 @@ pub struct Study<'a> {
     pub values: Vec<(usize, f64)>,
     /// A value with which differences between simulations are simulated, for derivatives and for screening: a longer step.
     pub of_changes: Option<(usize, f64)>,
+    /// Whether all is simulated as roughly as differences are.
+    pub is_rough: bool,
     /// Parameters that are fitted.
     pub free: Vec<FreeParameter>,
     /// Largest lag of all channels \[s\] that filters of a recorder may make, and no physics.
@@ -87,7 +89,7 @@ impl Study<'_> {
             }));
             first = end;
         }
-        OutputError {
+        let problem = OutputError {
             bench: self.bench,
             runs,
             knobs,
@@ -95,8 +97,10 @@ impl Study<'_> {
             attachments: model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect(),
             weights: self.weights.clone(),
             of_changes: self.of_changes,
+            is_coarse: false,
             kept: Mutex::default(),
-        }
+        };
+        problem.of_changes().filter(|_| self.is_rough).unwrap_or(problem)
     }
 
     fn unknowns(&self, model: &Model) -> Vec<Unknown> {
@@ -161,9 +165,9 @@ impl Study<'_> {
         model.parameters.iter().copied().chain(of_effects).collect()
     }
 
-    /// The same without a channel.
+    /// The same without a channel, simulated roughly: for what the others say of it.
     pub fn without_channel(&self, channel: usize) -> Study<'_> {
-        let mut other = self.clone();
+        let mut other = Study { is_rough: true, ..self.clone() };
         other.weights[channel] = 0.0;
         other
     }

@@ -38,7 +38,14 @@ fn record_brake(folder: &Path) {
         let pressure = |t: f64| 4e6 + sines.iter().map(|[a, f, p]| a * (TAU * f * t + p).sin()).sum::<f64>();
         let fine: Vec<f64> = (0..=4000).map(|k| pressure(1e-3 * f64::from(k))).collect();
         let inputs = vec![(find("driver_pressure"), fine)];
-        let drive = Arc::new(Drive { start: 0.0, step: 1e-3, inputs, begins: Vec::new(), points: 4001 });
+        let drive = Arc::new(Drive {
+            start: 0.0,
+            step: 1e-3,
+            inputs,
+            begins: Vec::new(),
+            points: 4001,
+            coarser: None,
+        });
         let setup = Arc::new(Setup { values: vec![(find("friction"), 0.43)], attachments: Vec::new() });
         let watch: Arc<[usize]> = Arc::from([find("brake_torque"), find("driver_pressure")]);
         let traces = bench.run(&[setup], &[drive], &watch).pop().unwrap().unwrap();
@@ -143,7 +150,8 @@ fn friction_at_the_reference_pressure_is_fitted() {
                 (find("slip"), slip),
             ];
             inputs.sort_by_key(|i| i.0);
-            let drive = Arc::new(Drive { start: 0.0, step: 2e-3, inputs, begins: Vec::new(), points });
+            let drive =
+                Arc::new(Drive { start: 0.0, step: 2e-3, inputs, begins: Vec::new(), points, coarser: None });
             let traces =
                 bench.run(&[Arc::new(setup.clone())], &[Arc::clone(&drive)], &watch).pop().unwrap().unwrap();
             let channels = measured.iter().zip(traces).map(|(v, values)| Channel {
@@ -167,6 +175,7 @@ fn friction_at_the_reference_pressure_is_fitted() {
         check_runs: all,
         values: Vec::new(),
         of_changes: None,
+        is_rough: false,
         free: Vec::new(),
         lag: 0.0,
         zeros: Vec::new(),
@@ -196,7 +205,8 @@ impl Brake {
         let find = |name: &str| subject.interface.index(name).unwrap();
         let course = (0..points).map(|k| 4e6 + amplitude * (0.02 * k as f64).sin()).collect();
         let inputs = vec![(find("driver_pressure"), course)];
-        let drive = Arc::new(Drive { start: 0.0, step: 1e-3, inputs, begins: Vec::new(), points });
+        let drive =
+            Arc::new(Drive { start: 0.0, step: 1e-3, inputs, begins: Vec::new(), points, coarser: None });
         Self { torque: find("brake_torque"), subject, bench, drive }
     }
 
@@ -225,6 +235,7 @@ impl Brake {
             check_runs: vec![run],
             values: Vec::new(),
             of_changes: None,
+            is_rough: false,
             free: Vec::new(),
             lag: 0.0,
             zeros: Vec::new(),
@@ -267,6 +278,7 @@ fn what_only_changes_outputs_or_the_lag_is_not_simulated_again() {
         attachments,
         weights: vec![1.0],
         of_changes: None,
+        is_coarse: false,
         kept: std::sync::Mutex::default(),
     };
     let point = vec![0.4, 0.0, 0.02];
@@ -294,7 +306,14 @@ fn what_is_locked_to_a_wheel_has_its_phase_from_the_recorded_angle() {
     let (points, begin) = (501, 2.0);
     let slip = (0..points).map(|k| -0.05 * (0.02 * k as f64).sin()).collect();
     let inputs = vec![(find("path_speed"), vec![10.0; points]), (find("slip"), slip)];
-    let drive = Arc::new(Drive { start: 0.0, step: 2e-3, inputs, begins: vec![(angle, begin)], points });
+    let drive = Arc::new(Drive {
+        start: 0.0,
+        step: 2e-3,
+        inputs,
+        begins: vec![(angle, begin)],
+        points,
+        coarser: None,
+    });
     let watch: Arc<[usize]> = Arc::from([force, angle, speed]);
     let run_one = |attachments: Vec<Attachment>| {
         let setup = Setup { values: Vec::new(), attachments };
@@ -416,7 +435,7 @@ fn what_inputs_may_be_off_by_is_taken_off_and_no_more() {
         let mut other = Brake::behind(501, 1e6);
         let scaled = |(v, values): &(usize, Vec<f64>)| (*v, values.iter().map(|x| x * (1.0 + off)).collect());
         let inputs = other.drive.inputs.iter().map(scaled).collect();
-        other.drive = Arc::new(Drive { inputs, ..Drive::clone(&other.drive) });
+        other.drive = Arc::new(Drive { inputs, coarser: None, ..Drive::clone(&other.drive) });
         let run = brake.run(other.torque(Vec::new()));
         let study = brake.study(&run, 1.0);
         let model = study.nominal();
@@ -457,7 +476,8 @@ fn two_names_at_one_place_are_one_function_unless_they_say_more() {
         let given = &brake.drive.inputs[0].1;
         let x = |k: usize| if k == 0 { 0.0 } else { (given[k] - given[k - 1]) / 1e-3 / most };
         let changed = (0..points).map(|k| given[k] + size * law(x(k))).collect();
-        real.drive = Arc::new(Drive { inputs: vec![(pressure, changed)], ..Drive::clone(&real.drive) });
+        real.drive =
+            Arc::new(Drive { inputs: vec![(pressure, changed)], coarser: None, ..Drive::clone(&real.drive) });
         let torque = real.torque(Vec::new());
         let noise = 1e-3 * torque.iter().copied().fold(0.0, f64::max);
         let mut random = SplitMix64::new(4);

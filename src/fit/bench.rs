@@ -25,6 +25,8 @@ pub struct Drive {
     pub begins: Vec<(usize, f64)>,
     /// Number of communication points.
     pub points: usize,
+    /// The same with longer communication steps, where these are enough to tell how outputs change with an unknown.
+    pub coarser: Option<Arc<Drive>>,
 }
 
 impl Drive {

@@ -47,7 +47,12 @@ impl Run {
     /// A trace on the grid of communication points at the times of the samples less `lag` \[s\], linear in
     /// between.
     pub fn sample(&self, trace: &[f64], lag: f64) -> Vec<f64> {
-        let course = Course { start: self.drive.start, step: self.drive.step, values: trace };
+        self.sample_of(&self.drive, trace, lag)
+    }
+
+    /// The same of a trace on the grid of another drive.
+    fn sample_of(&self, drive: &Drive, trace: &[f64], lag: f64) -> Vec<f64> {
+        let course = Course { start: drive.start, step: drive.step, values: trace };
         self.time.iter().map(|t| course.at(t - lag)).collect()
     }
 }
@@ -92,6 +97,8 @@ pub struct OutputError<'a> {
     pub weights: Vec<f64>,
     /// A value with which changes are simulated, of which only differences count: a longer step of the slave's own.
     pub of_changes: Option<(usize, f64)>,
+    /// Whether it is one of changes: with the longer communication steps of the drives that have such.
+    pub is_coarse: bool,
     /// What was simulated last.
     pub kept: Mutex<Vec<Kept>>,
 }
@@ -192,6 +199,13 @@ impl<'a> OutputError<'a> {
         attached_interface(self.bench.interface(), &self.attachments).is_ok()
     }
 
+    /// What drives each run.
+    fn drives(&self) -> Vec<Arc<Drive>> {
+        let of =
+            |run: &&Run| run.drive.coarser.as_ref().filter(|_| self.is_coarse).unwrap_or(&run.drive).clone();
+        self.runs.iter().map(of).collect()
+    }
+
     /// What has to be simulated for a setup, and the effects that are replayed behind it.
     fn parted(&self, setup: Setup) -> (Setup, Vec<Attachment>) {
         let (outside, attachments) = setup.attachments.into_iter().partition(|a| self.is_outside(a));
@@ -216,7 +230,7 @@ impl<'a> OutputError<'a> {
         let parted: Vec<(Setup, Vec<Attachment>)> =
             points.iter().map(|p| self.parted(self.setup(p))).collect();
         let watch = parted.first().map_or(self.watch(), |(_, outside)| self.watch_for(outside));
-        let drives: Vec<Arc<Drive>> = self.runs.iter().map(|r| Arc::clone(&r.drive)).collect();
+        let drives = self.drives();
         let keys: Vec<Key> = parted.iter().map(|(setup, _)| Key::of(setup)).collect();
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         let mut new: Vec<(&Key, Arc<Setup>)> = Vec::new();
@@ -262,19 +276,19 @@ impl<'a> OutputError<'a> {
 
     /// The channels of every run at its samples, behind effects on outputs.
     fn sampled(&self, kept: &Kept, outside: &[Attachment], lag: f64, zeros: &[f64]) -> Option<Vec<Traces>> {
-        let of = |(run, traces): (&&Run, &Traces)| -> Option<Traces> {
+        let of = |((run, drive), traces): ((&&Run, &Arc<Drive>), &Traces)| -> Option<Traces> {
             let channel = |(c, channel): (usize, &Channel)| {
                 let column = kept.watch.iter().position(|v| *v == channel.variable)?;
                 let mut changed: Option<Vec<f64>> = None;
                 for effect in outside.iter().filter(|a| a.target == channel.variable) {
                     let course = changed.as_deref().unwrap_or(&traces[column]);
-                    let now = replay(effect, course, &run.drive, &kept.watch, traces)?;
+                    let now = replay(effect, course, drive, &kept.watch, traces)?;
                     if now.iter().any(|v| !v.is_finite()) {
                         return None;
                     }
                     changed = Some(now);
                 }
-                let mut values = run.sample(changed.as_deref().unwrap_or(&traces[column]), lag);
+                let mut values = run.sample_of(drive, changed.as_deref().unwrap_or(&traces[column]), lag);
                 let zero = zeros.get(c).copied().unwrap_or_default();
                 values.iter_mut().for_each(|v| *v += zero);
                 channel.same_zero(&mut values);
@@ -282,7 +296,7 @@ impl<'a> OutputError<'a> {
             };
             run.channels.iter().enumerate().map(channel).collect()
         };
-        self.runs.iter().zip(kept.traces.as_ref()?.iter()).map(of).collect()
+        self.runs.iter().zip(&kept.drives).zip(kept.traces.as_ref()?.iter()).map(of).collect()
     }
 
     /// Begins with what another problem has simulated.
@@ -297,12 +311,15 @@ impl<'a> OutputError<'a> {
         kept.iter().rev().find(|k| k.key == key).cloned()
     }
 
-    /// The same problem with the value with which changes are simulated.
+    /// The same problem with the value and the drives with which changes are simulated.
     pub fn of_changes(&self) -> Option<Self> {
-        let of_changes = self.of_changes?;
+        if self.is_coarse || self.of_changes.is_none() && self.runs.iter().all(|r| r.drive.coarser.is_none())
+        {
+            return None;
+        }
         let mut values = self.values.clone();
-        values.retain(|(v, _)| *v != of_changes.0);
-        values.push(of_changes);
+        values.retain(|(v, _)| self.of_changes.is_none_or(|(of_changes, _)| *v != of_changes));
+        values.extend(self.of_changes);
         Some(Self {
             bench: self.bench,
             runs: self.runs.clone(),
@@ -311,6 +328,7 @@ impl<'a> OutputError<'a> {
             attachments: self.attachments.clone(),
             weights: self.weights.clone(),
             of_changes: None,
+            is_coarse: true,
             kept: Mutex::default(),
         })
     }

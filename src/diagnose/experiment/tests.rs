@@ -66,7 +66,7 @@ fn run(step: f64, speed: f64) -> Run {
     let channels = vec![Channel { variable: FORCE, values: travel, counts: false }];
     Run {
         name: String::new(),
-        drive: Arc::new(Drive { start: 0.0, step, inputs, begins: Vec::new(), points }),
+        drive: Arc::new(Drive { start: 0.0, step, inputs, begins: Vec::new(), points, coarser: None }),
         time,
         channels,
     }
@@ -80,6 +80,7 @@ fn study<'a>(bench: &'a Bench, runs: &'a [Run]) -> Study<'a> {
         check_runs: all,
         values: Vec::new(),
         of_changes: None,
+        is_rough: false,
         free: Vec::new(),
         lag: 0.0,
         zeros: Vec::new(),
@@ -357,7 +358,14 @@ fn a_library_keeps_to_what_a_rig_can_do() {
     // recordings without anything in them are no reason to stop
     let mut empty = both;
     (empty.drive, empty.time) = (
-        Arc::new(Drive { start: 0.0, step: 0.0, inputs: vec![(0, vec![])], begins: Vec::new(), points: 0 }),
+        Arc::new(Drive {
+            start: 0.0,
+            step: 0.0,
+            inputs: vec![(0, vec![])],
+            begins: Vec::new(),
+            points: 0,
+            coarser: None,
+        }),
         vec![],
     );
     assert!(programmes(&empty).is_empty() && library(&interface, &Roles::default(), &[]).is_empty());
