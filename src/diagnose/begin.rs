@@ -36,11 +36,12 @@ pub(super) struct Begun {
     fitted: Fitted,
 }
 
-/// Begins to fit the most promising of the screened effects beside what is known already. `nominal` is the
+/// Begins to fit the most promising of the screened effects beside what is known already, in a study that simulates what is near
+/// that. `nominal` is the
 /// model as it is given; nothing begins there if it is none. Effects that explain much less than the best are
 /// left out.
 pub(super) fn begin(
-    study: &Study<'_>,
+    (study, near): (&Study<'_>, &Study<'_>),
     subject: &Subject,
     roles: &Roles,
     current: &Fitted,
@@ -49,12 +50,12 @@ pub(super) fn begin(
     round: usize,
 ) -> Vec<Begun> {
     let chosen = choose(screened, round);
-    let mut begun = in_order(study, &chosen, |s| Begun::from_current(study, current, s));
+    let mut begun = in_order(study, &chosen, |s| Begun::from_current(near, current, s));
     let promised = chosen.iter().map(|s| s.gain).fold(0.0, f64::max);
     let reached = begun.iter().map(Begun::cost).fold(f64::INFINITY, f64::min);
     let is_kept = reached <= (1.0 - KEPT_PROMISE * promised) * current.fit.cost;
     let more = nominal.map_or(Vec::new(), |n| {
-        from_nominal(study, subject, roles, current, n, (&chosen, recalled), (round, is_kept))
+        from_nominal((study, near), subject, roles, current, n, (&chosen, recalled), (round, is_kept))
     });
     for other in more {
         match begun.iter_mut().find(|b| b.screened.placement.is_same(&other.screened.placement)) {
@@ -62,8 +63,8 @@ pub(super) fn begin(
             Some(same) => *same = other,
             // from the end of the refit, near which it promised less, it may come farther than from where nothing has ended
             None => {
-                let near = Begun::from_current(study, current, &other.screened);
-                begun.push(near.filter(|near| near.cost() < other.cost()).unwrap_or(other));
+                let own = Begun::from_current(near, current, &other.screened);
+                begun.push(own.filter(|own| own.cost() < other.cost()).unwrap_or(other));
             }
         }
     }
@@ -76,7 +77,7 @@ pub(super) fn begin(
             best + share * (current.fit.cost - best).max(0.0)
         };
         let nearly = missing(&begun, NEARLY);
-        let anew = |b: &Begun| if alike(b) { b.anew(study, current, nearly) } else { None };
+        let anew = |b: &Begun| if alike(b) { b.anew(near, current, nearly) } else { None };
         let begun_anew = side_by_side(study.bench.threads(), &begun, anew);
         for (own, anew) in begun.iter_mut().zip(begun_anew) {
             if let Some(anew) = anew.flatten() {
@@ -92,7 +93,7 @@ pub(super) fn begin(
 /// Begins at nominal parameters: with what is screened there if the refit has bent any, because what such a refit leaves says
 /// little of what bent it; else with the same effects, if fits from where it ended have not kept what was promised.
 fn from_nominal(
-    study: &Study<'_>,
+    (study, near): (&Study<'_>, &Study<'_>),
     subject: &Subject,
     roles: &Roles,
     current: &Fitted,
@@ -108,7 +109,7 @@ fn from_nominal(
     let Ok(there) = study.fit(&model, 1) else { return Vec::new() };
     // far from the end, but where the derivatives are known
     let begin = |s: &Screened| {
-        let fitted = study.fit_near(&with(&there, s, small(s)), TRY_OUT + 1, &there).ok()?;
+        let fitted = near.fit_near(&with(&there, s, small(s)), TRY_OUT + 1, &there).ok()?;
         Some(Begun { screened: s.clone(), fitted })
     };
     if !is_bent {
@@ -207,12 +208,12 @@ impl Begun {
         self.fitted.fit.cost
     }
 
-    /// Goes on with the fit, and looks at what it leaves.
-    pub fn finish(&self, study: &Study<'_>, before: Before<'_>) -> Option<Tried> {
+    /// Goes on with the fit in the study in which it has begun, and looks at what it leaves.
+    pub fn finish(&self, (study, near): (&Study<'_>, &Study<'_>), before: Before<'_>) -> Option<Tried> {
         let Self { screened, fitted } = self;
-        let fitted = study.fit_near(&fitted.model, TRY_OUT, fitted).unwrap_or_else(|_| fitted.clone());
-        let fitted = widened(study, fitted);
-        let fitted = plausible(study, &fitted, before.fit).unwrap_or(fitted);
+        let fitted = near.fit_near(&fitted.model, TRY_OUT, fitted).unwrap_or_else(|_| fitted.clone());
+        let fitted = widened(near, fitted);
+        let fitted = plausible(near, &fitted, before.fit).unwrap_or(fitted);
         assess(study, screened, fitted, before)
     }
 }

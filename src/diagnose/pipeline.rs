@@ -15,7 +15,7 @@ use super::roles::Roles;
 use super::runs::Map;
 use super::search::{Found, search};
 use super::steps::{LongerSteps, are_alike};
-use super::study::{Fitted, Model, Study};
+use super::study::{Fitted, Model, Simulated, Study};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
 use super::weights::first_weights;
@@ -146,7 +146,7 @@ impl Asked<'_> {
             check_runs: recorded.with(Use::Check),
             values: Vec::new(),
             of_changes: None,
-            is_rough: false,
+            simulated: Simulated::Precisely,
             free: Vec::new(),
             lag: 0.0,
             zeros: Vec::new(),

@@ -149,9 +149,12 @@ pub(super) fn search(
         progress("fitting effects inside the simulation", progressed + 0.05);
         // what is found first unbends parameters
         let nominal = (round == 0).then_some(nominal);
-        let begun = begin(study, subject, roles, &found.current, nominal, (&screened, &mut recalled), round);
+        let near = study.near(&found.current);
+        let studies = (&*study, &near);
+        let begun =
+            begin(studies, subject, roles, &found.current, nominal, (&screened, &mut recalled), round);
         let before = Before { fit: &fit, check: &found.check };
-        let finish = |begun: &Begun| begun.finish(study, before);
+        let finish = |begun: &Begun| begun.finish(studies, before);
         let mut tried: Vec<Tried> =
             side_by_side(study.bench.threads(), &begun, finish).into_iter().flatten().flatten().collect();
         polish(study, &mut tried, before);

@@ -190,6 +190,7 @@ fn simulated(bench: &Bench, runs: &[&Run], with: Option<(usize, f64)>) -> Option
         weights: Vec::new(),
         of_changes: None,
         is_coarse: false,
+        beside: None,
         kept: Mutex::default(),
     };
     problem.simulate(&[with.iter().map(|(_, value)| *value).collect()]).pop().flatten()
@@ -338,6 +339,7 @@ mod tests {
             weights: vec![100.0],
             of_changes,
             is_coarse: false,
+            beside: None,
             kept: Mutex::default(),
         };
         // they are others than those with the model's own step, but nearly the same

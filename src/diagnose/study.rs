@@ -4,9 +4,11 @@ use super::placement::Placement;
 use super::subject::FreeParameter;
 use crate::Result;
 use crate::effect::Parameter;
-use crate::fit::{Bench, Fit, Kept, Knob, Options, OutputError, Run, Unknown, least_squares, settle};
+use crate::fit::{
+    Bench, Fit, Kept, Knob, Options, OutputError, Problem, Run, Unknown, least_squares, settle,
+};
 use nalgebra::DMatrix;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 /// A step of a fit goes at most so many standard deviations of what is known beforehand: bent valleys are
 /// followed, not jumped over.
@@ -19,6 +21,17 @@ const ZERO_PRIOR: f64 = 0.5;
 const RECORDER: usize = 5;
 /// The effect that says so.
 const BIAS: &str = "sensor-bias";
+
+/// How closely a study simulates.
+#[derive(Debug, Clone)]
+pub enum Simulated {
+    /// With the steps of its runs.
+    Precisely,
+    /// With the longer steps that are enough for differences between simulations.
+    Roughly,
+    /// With these, and this beside the residuals of the fit runs: what is left out where a fit stands.
+    Beside(Arc<[f64]>),
+}
 
 /// A model with its recordings.
 #[derive(Clone)]
@@ -33,8 +46,8 @@ pub struct Study<'a> {
     pub values: Vec<(usize, f64)>,
     /// A value with which differences between simulations are simulated, for derivatives and for screening: a longer step.
     pub of_changes: Option<(usize, f64)>,
-    /// Whether all is simulated as roughly as differences are.
-    pub is_rough: bool,
+    /// How closely all is simulated.
+    pub simulated: Simulated,
     /// Parameters that are fitted.
     pub free: Vec<FreeParameter>,
     /// Largest lag of all channels \[s\] that filters of a recorder may make, and no physics.
@@ -98,9 +111,31 @@ impl Study<'_> {
             weights: self.weights.clone(),
             of_changes: self.of_changes,
             is_coarse: false,
+            beside: None,
             kept: Mutex::default(),
         };
-        problem.of_changes().filter(|_| self.is_rough).unwrap_or(problem)
+        match &self.simulated {
+            Simulated::Precisely => problem,
+            Simulated::Roughly => problem.of_changes().unwrap_or(problem),
+            Simulated::Beside(beside) => match problem.of_changes() {
+                Some(rough) => OutputError { beside: Some(Arc::clone(beside)), ..rough },
+                None => problem,
+            },
+        }
+    }
+
+    /// The same, to try what is near a fitted model: simulated as roughly as differences are, with what this leaves out where the model stands.
+    pub fn near(&self, fitted: &Fitted) -> Self {
+        let precise = self.problem(&fitted.model, self.fit_runs.clone());
+        precise.keep(fitted.kept.clone());
+        let point = [Self::point(&fitted.model)];
+        let residuals = |problem: &OutputError<'_>| problem.residuals(&point).pop().flatten();
+        let beside = precise.of_changes().and_then(|rough| {
+            let (precise, rough) = (residuals(&precise)?, residuals(&rough)?);
+            Some(precise.iter().zip(&rough).map(|(p, r)| p - r).collect())
+        });
+        let simulated = beside.map_or_else(|| self.simulated.clone(), Simulated::Beside);
+        Self { simulated, ..self.clone() }
     }
 
     fn unknowns(&self, model: &Model) -> Vec<Unknown> {
@@ -167,7 +202,7 @@ impl Study<'_> {
 
     /// The same without a channel, simulated roughly: for what the others say of it.
     pub fn without_channel(&self, channel: usize) -> Study<'_> {
-        let mut other = Study { is_rough: true, ..self.clone() };
+        let mut other = Study { simulated: Simulated::Roughly, ..self.clone() };
         other.weights[channel] = 0.0;
         other
     }

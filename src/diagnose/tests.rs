@@ -8,7 +8,7 @@ use super::refit::from_two_places;
 use super::result::Finding;
 use super::screen::Screened;
 use super::search::{Found, without};
-use super::study::{Fitted, Model, Study};
+use super::study::{Fitted, Model, Simulated, Study};
 use super::*;
 use crate::effect::find as find_effect;
 use crate::effect::{Attachment, Chosen, Port, Signal, Source};
@@ -175,7 +175,7 @@ fn friction_at_the_reference_pressure_is_fitted() {
         check_runs: all,
         values: Vec::new(),
         of_changes: None,
-        is_rough: false,
+        simulated: Simulated::Precisely,
         free: Vec::new(),
         lag: 0.0,
         zeros: Vec::new(),
@@ -235,7 +235,7 @@ impl Brake {
             check_runs: vec![run],
             values: Vec::new(),
             of_changes: None,
-            is_rough: false,
+            simulated: Simulated::Precisely,
             free: Vec::new(),
             lag: 0.0,
             zeros: Vec::new(),
@@ -279,6 +279,7 @@ fn what_only_changes_outputs_or_the_lag_is_not_simulated_again() {
         weights: vec![1.0],
         of_changes: None,
         is_coarse: false,
+        beside: None,
         kept: std::sync::Mutex::default(),
     };
     let point = vec![0.4, 0.0, 0.02];

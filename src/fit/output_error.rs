@@ -99,6 +99,8 @@ pub struct OutputError<'a> {
     pub of_changes: Option<(usize, f64)>,
     /// Whether it is one of changes: with the longer communication steps of the drives that have such.
     pub is_coarse: bool,
+    /// What is added to all residuals, if anything.
+    pub beside: Option<Arc<[f64]>>,
     /// What was simulated last.
     pub kept: Mutex<Vec<Kept>>,
 }
@@ -329,6 +331,7 @@ impl<'a> OutputError<'a> {
             weights: self.weights.clone(),
             of_changes: None,
             is_coarse: true,
+            beside: None,
             kept: Mutex::default(),
         })
     }
@@ -347,7 +350,13 @@ impl<'a> OutputError<'a> {
 
 impl Problem for OutputError<'_> {
     fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
-        self.simulate(points).into_iter().map(|s| s.map(|s| self.difference(&s))).collect()
+        let residuals = |simulated: Vec<Traces>| {
+            let mut residuals = self.difference(&simulated);
+            let beside = self.beside.iter().flat_map(|beside| beside.iter());
+            residuals.iter_mut().zip(beside).for_each(|(residual, more)| *residual += more);
+            residuals
+        };
+        self.simulate(points).into_iter().map(|simulated| simulated.map(residuals)).collect()
     }
 
     fn changes(&self, from: &[f64], residuals: &[f64], points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
