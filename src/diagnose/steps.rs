@@ -398,21 +398,26 @@ mod tests {
         // four samples in a period: a straight line between two is far from the sine
         let subject = Subject::load("magic-formula-flat-track", &Settings::default()).unwrap();
         let bench = Bench::new(&subject.factory, &subject.fixed, 2).unwrap();
-        let finer = |noise: f64| {
+        let finer = |usual: f64, noise: f64| {
             let with =
-                |finer: u32| Ok(vec![(swing(&subject, &bench, 0.02 / f64::from(finer), noise), Use::Fit)]);
-            ShorterSteps::of(&bench, &with(1).unwrap(), with).unwrap().map_or(1, |(shorter, runs)| {
-                assert_eq!(runs[0].0.drive.step, 0.02 / f64::from(shorter.finer));
+                |finer: u32| Ok(vec![(swing(&subject, &bench, usual / f64::from(finer), noise), Use::Fit)]);
+            ShorterSteps::of(&bench, &with(1).unwrap(), with).unwrap().map_or((1, None), |(shorter, runs)| {
+                let drive = &runs[0].0.drive;
+                assert_eq!(drive.step, usual / f64::from(shorter.finer));
                 assert!(
                     shorter.is_enough && shorter.change <= SHARE && shorter.usual > SHARE,
                     "{}",
                     shorter.words()
                 );
-                shorter.finer
+                (shorter.finer, drive.coarser.as_ref().map(|coarser| coarser.step))
             })
         };
-        let each = [1000.0, 100.0, 10.0].map(finer);
+        let each = [1000.0, 100.0, 10.0].map(|noise| finer(0.02, noise).0);
         assert!(each[0] == 1 && each.is_sorted() && each[2] > 1, "{each:?}");
+        // the usual ones still tell how outputs change with an unknown, unless they are far from telling the outputs
+        assert_eq!(finer(0.02, 10.0).1, Some(0.02));
+        let (finer, coarser) = finer(0.04, 10.0);
+        assert!(finer > 1 && coarser.is_none());
     }
 
     #[test]

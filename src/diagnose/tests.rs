@@ -12,11 +12,12 @@ use super::study::{Fitted, Model, Simulated, Study};
 use super::*;
 use crate::effect::find as find_effect;
 use crate::effect::{Attachment, Chosen, Port, Signal, Source};
-use crate::fit::{Bench, Channel, Drive, End, Knob, OutputError, Run, Setup, replay};
+use crate::fit::{Bench, Channel, Drive, End, Knob, OutputError, Problem, Run, Setup, replay};
 use crate::model::Settings;
 use crate::recording::{Channel as Recorded, Recording, write_csv};
 use crate::report::{CheckRun, diagnosis_report};
 use crate::stats::SplitMix64;
+use nalgebra::DVector;
 use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
@@ -187,6 +188,23 @@ fn friction_at_the_reference_pressure_is_fitted() {
     let value = fitted.model.parameters[place.unwrap()];
     // from 1.0 at least half of the way: friction at no pressure does a part of the same
     assert!(value < 0.9 && value > 0.7, "{value}");
+
+    // near it, longer steps and what they leave out there tell as much as the model's own; by themselves they do not
+    study.of_changes = Some((find("step_size"), 1e-3));
+    let rough = Study { simulated: Simulated::Roughly, ..study.clone() };
+    let near = study.near(&fitted);
+    let all = study.fit_runs.clone();
+    let at = |study: &Study<'_>, moved: f64| {
+        let mut point = Study::point(&fitted.model);
+        point[place.unwrap()] += moved;
+        DVector::from_vec(study.problem(&fitted.model, all.clone()).residuals(&[point]).remove(0).unwrap())
+    };
+    let off = |other: &Study<'_>, moved: f64| (at(other, moved) - at(&study, moved)).norm();
+    let left_out = off(&rough, 0.0);
+    assert!(left_out > 0.0 && off(&near, 0.0) < 1e-9 * left_out, "{left_out}");
+    let (wrong, change) = (off(&near, 0.02), (at(&study, 0.02) - at(&study, 0.0)).norm());
+    // a wheel that nearly locks is where steps matter most
+    assert!(wrong < 0.1 * change && wrong < 0.5 * off(&rough, 0.02), "{wrong} of {change}");
 }
 
 /// A shipped brake behind a sine of the driver's pressure.
