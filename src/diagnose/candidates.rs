@@ -225,6 +225,8 @@ fn natural(
 /// The best placement of the best effects: named ones and empirical functions; fewer after the first round.
 pub(super) fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
     let mut chosen: Vec<Screened> = Vec::new();
+    let is_new =
+        |chosen: &[Screened], o: &Screened| !chosen.iter().any(|c| c.placement.is_same(&o.placement));
     for (named, limits) in [(true, NAMED), (false, UNNAMED)] {
         let (limit, least) = (limits[round.min(1)], MIN_PROMISE[round.min(1)]);
         let mut count = 0;
@@ -234,8 +236,7 @@ pub(super) fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
             if count == limit || s.gain < 0.1 * best || s.gain < least {
                 break;
             }
-            let is_new = |o: &Screened| !chosen.iter().any(|c| c.placement.is_same(&o.placement));
-            if !is_new(s) {
+            if !is_new(&chosen, s) {
                 continue;
             }
             // other places of the same effect only if they are about as good
@@ -249,11 +250,14 @@ pub(super) fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
                 let same = |o: &&Screened| {
                     nested.is_simpler(o.placement.effect) && o.placement.targets == place.targets
                 };
-                let is_new = |o: &&Screened| !chosen.iter().any(|c| c.placement.is_same(&o.placement));
-                let found = screened.iter().find(same).filter(is_new).cloned();
+                let found = screened.iter().find(same).filter(|o| is_new(&chosen, o)).cloned();
                 chosen.extend(found);
             }
+            // and what it may be a part of, as sliding along one axis is of sliding along both
+            let found = screened.iter().find(|o| o.placement.is_fuller(place));
+            let found = found.filter(|o| is_new(&chosen, o)).cloned();
             chosen.push(s.clone());
+            chosen.extend(found);
             count += 1;
         }
     }

@@ -54,6 +54,15 @@ impl Placement {
             && self.drivers == other.drivers
     }
 
+    /// True if the other one is a part of it: the same effect at the same place, driven by some of its signals only.
+    pub fn is_fuller(&self, other: &Self) -> bool {
+        self.effect.id == other.effect.id
+            && self.port == other.port
+            && self.targets == other.targets
+            && self.drivers.len() > other.drivers.len()
+            && other.drivers.iter().all(|signal| self.drivers.contains(signal))
+    }
+
     /// Where a fit may look for a parameter.
     pub fn limits(&self, parameter: &Parameter) -> (f64, f64) {
         let ((low, high), (least, most)) = (parameter.search, parameter.plausible);
