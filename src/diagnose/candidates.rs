@@ -240,7 +240,9 @@ pub(super) fn choose(screened: &[Screened], round: usize) -> Vec<Screened> {
                 continue;
             }
             // other places of the same effect only if they are about as good
-            let mut same = chosen.iter().filter(|c| c.placement.effect.id == s.placement.effect.id);
+            let has_part = |c: &Screened| chosen.iter().any(|o| c.placement.is_fuller(&o.placement));
+            let mut same =
+                chosen.iter().filter(|c| c.placement.effect.id == s.placement.effect.id && !has_part(c));
             if same.clone().count() > 1 || same.next().is_some_and(|first| s.gain < 0.6 * first.gain) {
                 continue;
             }
@@ -334,4 +336,52 @@ fn spoils(before: &[f64], after: &[f64], study: &Study<'_>) -> Option<String> {
     let variable = study.check_runs.first()?.channels.get(worst)?.variable;
     let name = &study.bench.interface().variables[variable].name;
     Some(format!("makes {name} worse by {:.0} %", 100.0 * ((after[worst] / before[worst]).sqrt() - 1.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effect::{Port, Signal};
+
+    /// An effect at a parameter, driven by these signals, that promises so much.
+    fn promised(id: &str, target: usize, drivers: &[usize], gain: f64) -> Screened {
+        let is_form = |e: &&Effect| e.id == id && e.drivers.len() == drivers.len();
+        let effect = catalogue::EFFECTS.iter().find(is_form).unwrap();
+        let count = effect.parameters.len();
+        Screened {
+            placement: Placement {
+                effect,
+                port: Port::Parameter,
+                targets: vec![target],
+                drivers: drivers.iter().map(|v| Signal::value(*v)).collect(),
+                scales: vec![1.0; count],
+                units: vec![None; count],
+                bounded: false,
+            },
+            values: vec![0.0; count],
+            wholes: Vec::new(),
+            gain,
+            places: 1,
+            all_places: 1,
+        }
+    }
+
+    #[test]
+    fn sliding_along_both_axes_is_fitted_beside_sliding_along_one() {
+        let of = |target: usize, drivers: &[usize], gain: f64| {
+            promised("speed-dependent-friction", target, drivers, gain)
+        };
+        // two places of an effect are enough, unless what is driven by more signals has one of them as a part
+        let screened = [
+            of(7, &[1, 2], 0.15),
+            of(8, &[1, 2], 0.14),
+            of(9, &[1, 2], 0.13),
+            of(9, &[1, 2, 3], 0.12),
+            of(8, &[1, 4, 5], 0.12),
+            of(7, &[1, 2, 3], 0.11),
+        ];
+        let chosen = choose(&screened, 0);
+        let kept: Vec<f64> = chosen.iter().map(|s| s.gain).collect();
+        assert_eq!(kept, [0.15, 0.11, 0.14]);
+    }
 }
