@@ -186,9 +186,10 @@ impl Begun {
         Some(Self { screened: screened.clone(), fitted })
     }
 
-    /// Goes on with derivatives by the effect's own parameters where it has come to, if those near its off value have not led to what screening promised:
-    /// those by all others, which take most of the time, are hardly other ones with the effect. A sum of
-    /// amplitudes, which cannot keep more than that, has none if it would not even so be one of those that are fitted to the end, which
+    /// Goes on with derivatives where it has come to, if those near its off value have not led to what screening promised: by all that is
+    /// unknown, because beside what sticks or touches or has a shape the others do something else; a sum of amplitudes changes
+    /// little of that, and needs those by its own parameters only. Such a sum, which cannot keep more than was promised, has none
+    /// if it would not even so be one of those that are fitted to the end, which
     /// miss no more than `nearly`; nor has what would be no effect if it kept all of it.
     fn anew(&self, study: &Study<'_>, current: &Fitted, nearly: f64) -> Option<Self> {
         let Self { screened, fitted } = self;
@@ -200,7 +201,11 @@ impl Begun {
         if screened.gain < MIN_GAIN || loses || self.cost() < with(KEPT_PROMISE) {
             return None;
         }
-        let fitted = study.fit_near(&fitted.model, TRY_OUT, current).ok()?;
+        let fitted = if is_sum {
+            study.fit_near(&fitted.model, TRY_OUT, current).ok()?
+        } else {
+            study.fit_roughly(&fitted.model, TRY_OUT, None).ok()?
+        };
         Some(Self { screened: screened.clone(), fitted })
     }
 
