@@ -130,8 +130,8 @@ pub(super) fn screen(
         .filter(|(i, _)| !held.contains(i))
         .map(|(i, (u, x))| (i, u.step_at(*x)))
         .collect();
-    let problem = study.problem(&current.model, runs.clone());
-    let problem = problem.of_changes().unwrap_or(problem);
+    let rough = study.roughly();
+    let problem = rough.problem(&current.model, runs.clone());
     let model = &current.model;
     let screen =
         Screen::new(&problem, &simulated, model, &point, &steps, Arc::clone(&watch), &study.weights, stride)

@@ -5,7 +5,7 @@ use super::numbers::NOISE_MARGIN;
 use super::refit::FINAL;
 use super::rest::Rest;
 use super::result::{Part, PartChannel};
-use super::study::{Simulated, Study};
+use super::study::{Closeness, Study};
 use super::subject::{Base, Subject, wired};
 use crate::cosimulate::{Cut, Port, System, SystemSlave, read_system};
 use crate::fit::{Bench, Drive, Factory, Run};
@@ -152,7 +152,7 @@ impl<'a> Opened<'a> {
             check_runs: check_runs.iter().collect(),
             values: Vec::new(),
             of_changes: None,
-            simulated: Simulated::Precisely,
+            closeness: Closeness::Precisely,
             free: study.free.iter().filter(|p| own(p.variable)).cloned().collect(),
             zeros: zeros(&study.zeros, &measured),
             weights: measured.iter().map(|c| study.weights[*c]).collect(),

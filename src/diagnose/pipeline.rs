@@ -15,7 +15,7 @@ use super::roles::Roles;
 use super::runs::Map;
 use super::search::{Found, search};
 use super::steps::{LongerSteps, are_alike};
-use super::study::{Fitted, Model, Simulated, Study};
+use super::study::{Closeness, Fitted, Model, Study};
 use super::subject::Subject;
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
 use super::weights::first_weights;
@@ -146,7 +146,7 @@ impl Asked<'_> {
             check_runs: recorded.with(Use::Check),
             values: Vec::new(),
             of_changes: None,
-            simulated: Simulated::Precisely,
+            closeness: Closeness::Precisely,
             free: Vec::new(),
             lag: 0.0,
             zeros: Vec::new(),
@@ -342,7 +342,7 @@ fn plain_step(step: f64) -> f64 {
 fn words_on(simulated: f64, runs: &[&Run]) -> String {
     let recorded: f64 = runs.iter().map(|run| run.drive.length()).sum();
     format!(
-        "Simulated for this: {simulated:.0} s, {:.0} times the {recorded:.0} s of recordings.",
+        "Closeness for this: {simulated:.0} s, {:.0} times the {recorded:.0} s of recordings.",
         simulated / recorded.max(f64::MIN_POSITIVE)
     )
 }

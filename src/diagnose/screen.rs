@@ -3,7 +3,7 @@
 
 use super::placement::Placement;
 use super::recalled::Recalled;
-use super::span::{CLOSELY, ROUGHLY, spanned};
+use super::span::{CLOSELY, ROUGHLY, sums};
 use super::study::Model;
 use crate::Result;
 use crate::effect::{Attachment, Parameter, Port, empirical};
@@ -11,7 +11,7 @@ use crate::fit::{Bench, Channel, Drive, OutputError, Run, Setup, Traces, replay,
 use crate::model::{Causality, Interface};
 use crate::stats::mean_or_zero;
 use nalgebra::{DMatrix, DVector};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -549,38 +549,6 @@ fn best_of_each(placements: &[Placement], probes: &[Probe], explained: &[Explain
     let mut found: Vec<Screened> = best.into_iter().flatten().collect();
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     found
-}
-
-/// Changes that are sums of others at the same place, by number: of those that are `open`, as sums of those that were `simulated` and of
-/// other open ones. [`spanned`] says how close they come.
-fn sums<'p>(
-    open: &[usize],
-    simulated: &[usize],
-    courses: &HashMap<usize, DVector<f64>>,
-    place: impl Fn(usize) -> (&'p [usize], Port),
-    how: f64,
-) -> BTreeMap<usize, Vec<(usize, f64)>> {
-    let mut places: Vec<(&[usize], Port)> = Vec::new();
-    for own in open.iter().map(|k| place(*k)) {
-        if !places.contains(&own) {
-            places.push(own);
-        }
-    }
-    let mut all = BTreeMap::new();
-    for own in places {
-        let at_place = |numbers: &[usize]| -> Vec<(usize, DVector<f64>)> {
-            let there = numbers.iter().filter(|k| place(**k) == own);
-            there.filter_map(|k| Some((*k, courses.get(k)?.clone()))).collect()
-        };
-        let mut there = at_place(simulated);
-        let known = there.len();
-        there.extend(at_place(open));
-        let (numbers, courses): (Vec<usize>, Vec<DVector<f64>>) = there.into_iter().unzip();
-        for (k, sum) in numbers.iter().zip(spanned(&courses, known, how)).skip(known) {
-            all.extend(sum.map(|terms| (*k, terms.into_iter().map(|(t, f)| (numbers[t], f)).collect())));
-        }
-    }
-    all
 }
 
 /// Every so many of the values.

@@ -112,11 +112,11 @@ fn is_noise(study: &Study<'_>, rest: &Rest) -> bool {
 /// stands where only its own way had led, and what seems to be missing is what an effect has opened another way for.
 pub(super) fn without(study: &Study<'_>, tried: &Fitted, found: &Found) -> Option<Fitted> {
     let here = found.current.fit.cost;
-    let mut other = study.fit_without_last(tried, FINAL).ok()?;
-    if (other.fit.cost - here).abs() <= BACK * here {
+    let roughly = study.fit_without_last(tried, FINAL).ok()?;
+    if (roughly.fit.cost - here).abs() <= BACK * here {
         return None;
     }
-    other = study.fit_on(&other, FINAL).ok()?;
+    let other = study.fit_on(&roughly, FINAL).ok()?;
     if other.fit.cost >= (1.0 - MIN_GAIN) * here {
         return None;
     }

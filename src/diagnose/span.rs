@@ -1,6 +1,7 @@
 //! Which courses are sums of others: what answers in proportion answers them with the same sums.
 
 use nalgebra::DVector;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
 /// A course is a sum of others if it misses less than this share of itself: a change that is predicted ranks effects, it is
@@ -11,10 +12,42 @@ pub(super) const CLOSELY: f64 = 0.02;
 /// proportion do not.
 const CANCELLED: f64 = 5.0;
 
+/// Of the `open` courses, by number, those that are sums of others at the same place: of `known` ones, of which the answers are known, and of
+/// other open ones. `how` closely: the share of itself that a course may miss.
+pub(super) fn sums<P: PartialEq>(
+    open: &[usize],
+    known: &[usize],
+    courses: &HashMap<usize, DVector<f64>>,
+    place: impl Fn(usize) -> P,
+    how: f64,
+) -> BTreeMap<usize, Vec<(usize, f64)>> {
+    let mut places: Vec<P> = Vec::new();
+    for own in open.iter().map(|k| place(*k)) {
+        if !places.contains(&own) {
+            places.push(own);
+        }
+    }
+    let mut all = BTreeMap::new();
+    for own in places {
+        let at_place = |numbers: &[usize]| -> Vec<(usize, DVector<f64>)> {
+            let there = numbers.iter().filter(|k| place(**k) == own);
+            there.filter_map(|k| Some((*k, courses.get(k)?.clone()))).collect()
+        };
+        let mut there = at_place(known);
+        let count = there.len();
+        there.extend(at_place(open));
+        let (numbers, courses): (Vec<usize>, Vec<DVector<f64>>) = there.into_iter().unzip();
+        for (k, sum) in numbers.iter().zip(spanned(&courses, count, how)).skip(count) {
+            all.extend(sum.map(|terms| (*k, terms.into_iter().map(|(t, f)| (numbers[t], f)).collect())));
+        }
+    }
+    all
+}
+
 /// Of each course: the numbers of others and factors with which it is their sum; `None` if it is none. Those others are no
 /// sums themselves, and the first `known` ones, of which the answers are known, are among them before any other. `how` closely:
 /// the share of itself that a course may miss.
-pub(super) fn spanned(courses: &[DVector<f64>], known: usize, how: f64) -> Vec<Option<Vec<(usize, f64)>>> {
+fn spanned(courses: &[DVector<f64>], known: usize, how: f64) -> Vec<Option<Vec<(usize, f64)>>> {
     let sizes: Vec<f64> = courses.iter().map(DVector::norm).collect();
     // what the ones that were taken do not make of each, and with which factors they make the rest
     let mut rests: Vec<DVector<f64>> = courses.to_vec();
@@ -98,17 +131,17 @@ mod tests {
     }
 
     #[test]
-    fn what_is_known_makes_others_before_these_make_each_other() {
-        let courses = [course(|t| 2.0 + 3.0 * t.sin()), course(f64::sin), course(|_| 1.0)];
-        // by itself the second is missed most, and the third follows from both
-        for known in [0, 1] {
-            let sums = spanned(&courses, known, CLOSELY);
-            assert_eq!(sums.iter().filter(|sum| sum.is_some()).count(), 1, "{sums:?}");
-            assert!(sums[..known].iter().all(Option::is_none));
-        }
-        // two that are known need no third
-        let known = [courses[1].clone(), courses[2].clone(), courses[0].clone()];
-        let sum = spanned(&known, 2, CLOSELY)[2].clone().unwrap();
-        assert!((sum[0].1 - 3.0).abs() < 1e-9 && (sum[1].1 - 2.0).abs() < 1e-9, "{sum:?}");
+    fn what_is_known_makes_others_and_only_at_its_own_place() {
+        let courses = [course(f64::sin), course(|t| 2.0 + 3.0 * t.sin()), course(|_| 1.0)];
+        // beside the first the third is missed most, so that the second is a sum; unless that one is known
+        assert!(spanned(&courses, 0, CLOSELY)[1].is_some());
+        let sum = spanned(&courses, 2, CLOSELY)[2].clone().unwrap();
+        assert!((sum[0].1 + 1.5).abs() < 1e-9 && (sum[1].1 - 0.5).abs() < 1e-9, "{sum:?}");
+
+        let numbered: HashMap<usize, DVector<f64>> = courses.into_iter().enumerate().collect();
+        let at = |place: fn(usize) -> usize| sums(&[2], &[0, 1], &numbered, place, CLOSELY);
+        let there = at(|_| 0);
+        assert_eq!(there[&2].iter().map(|term| term.0).collect::<Vec<_>>(), [0, 1]);
+        assert!(at(|k| k).is_empty());
     }
 }

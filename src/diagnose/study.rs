@@ -24,7 +24,7 @@ const BIAS: &str = "sensor-bias";
 
 /// How closely a study simulates.
 #[derive(Debug, Clone)]
-pub enum Simulated {
+pub enum Closeness {
     /// With the steps of its runs.
     Precisely,
     /// With the longer steps that are enough for differences between simulations.
@@ -47,7 +47,7 @@ pub struct Study<'a> {
     /// A value with which differences between simulations are simulated, for derivatives and for screening: a longer step.
     pub of_changes: Option<(usize, f64)>,
     /// How closely all is simulated.
-    pub simulated: Simulated,
+    pub closeness: Closeness,
     /// Parameters that are fitted.
     pub free: Vec<FreeParameter>,
     /// Largest lag of all channels \[s\] that filters of a recorder may make, and no physics.
@@ -114,10 +114,10 @@ impl Study<'_> {
             beside: None,
             kept: Mutex::default(),
         };
-        match &self.simulated {
-            Simulated::Precisely => problem,
-            Simulated::Roughly => problem.of_changes().unwrap_or(problem),
-            Simulated::Beside(beside) => match problem.of_changes() {
+        match &self.closeness {
+            Closeness::Precisely => problem,
+            Closeness::Roughly => problem.of_changes().unwrap_or(problem),
+            Closeness::Beside(beside) => match problem.of_changes() {
                 Some(rough) => OutputError { beside: Some(Arc::clone(beside)), ..rough },
                 None => problem,
             },
@@ -134,8 +134,13 @@ impl Study<'_> {
             let (precise, rough) = (residuals(&precise)?, residuals(&rough)?);
             Some(precise.iter().zip(&rough).map(|(p, r)| p - r).collect())
         });
-        let simulated = beside.map_or_else(|| self.simulated.clone(), Simulated::Beside);
-        Self { simulated, ..self.clone() }
+        let closeness = beside.map_or_else(|| self.closeness.clone(), Closeness::Beside);
+        Self { closeness, ..self.clone() }
+    }
+
+    /// The same, simulated as roughly as differences are.
+    pub fn roughly(&self) -> Self {
+        Self { closeness: Closeness::Roughly, ..self.clone() }
     }
 
     fn unknowns(&self, model: &Model) -> Vec<Unknown> {
@@ -202,7 +207,7 @@ impl Study<'_> {
 
     /// The same without a channel, simulated roughly: for what the others say of it.
     pub fn without_channel(&self, channel: usize) -> Study<'_> {
-        let mut other = Study { simulated: Simulated::Roughly, ..self.clone() };
+        let mut other = self.roughly();
         other.weights[channel] = 0.0;
         other
     }

@@ -8,7 +8,7 @@ use super::refit::from_two_places;
 use super::result::Finding;
 use super::screen::Screened;
 use super::search::{Found, without};
-use super::study::{Fitted, Model, Simulated, Study};
+use super::study::{Closeness, Fitted, Model, Study};
 use super::*;
 use crate::effect::find as find_effect;
 use crate::effect::{Attachment, Chosen, Port, Signal, Source};
@@ -121,7 +121,7 @@ fn the_speed_of_the_machine_and_the_number_of_threads_change_no_answer() {
         ..Request::default()
     };
     let (json, page, diagnosis) = written(&request(1));
-    assert!(page.contains("Simulated for this: ") && diagnosis.simulated > 100.0, "{}", diagnosis.simulated);
+    assert!(page.contains("Closeness for this: ") && diagnosis.simulated > 100.0, "{}", diagnosis.simulated);
     let (again, same_page, _) = under_load(|| written(&request(3)));
     assert_eq!(json, again);
     assert!(page == same_page, "the pages differ");
@@ -176,7 +176,7 @@ fn friction_at_the_reference_pressure_is_fitted() {
         check_runs: all,
         values: Vec::new(),
         of_changes: None,
-        simulated: Simulated::Precisely,
+        closeness: Closeness::Precisely,
         free: Vec::new(),
         lag: 0.0,
         zeros: Vec::new(),
@@ -191,7 +191,7 @@ fn friction_at_the_reference_pressure_is_fitted() {
 
     // near it, longer steps and what they leave out there tell as much as the model's own; by themselves they do not
     study.of_changes = Some((find("step_size"), 1e-3));
-    let rough = Study { simulated: Simulated::Roughly, ..study.clone() };
+    let rough = study.roughly();
     let near = study.near(&fitted);
     let all = study.fit_runs.clone();
     let at = |study: &Study<'_>, moved: f64| {
@@ -253,7 +253,7 @@ impl Brake {
             check_runs: vec![run],
             values: Vec::new(),
             of_changes: None,
-            simulated: Simulated::Precisely,
+            closeness: Closeness::Precisely,
             free: Vec::new(),
             lag: 0.0,
             zeros: Vec::new(),

@@ -1,6 +1,8 @@
 //! Least squares with bounds: Levenberg and Marquardt's method on differences, with the points of a
 //! Jacobian evaluated together, and with Broyden's update of columns that are known nearly enough.
 
+use super::derivatives::{broyden, differentiate};
+use super::quadratic::{LEAST_DAMPING, Quadratic, square};
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector};
 
@@ -142,17 +144,9 @@ impl Fit {
     }
 }
 
-/// Steps are damped at least so much, relative to the information on each unknown: then two that do the same have a step,
-/// too.
-const LEAST_DAMPING: f64 = 1e-9;
-
 /// Derivatives that were computed where the sum of squares was larger by no more than this share, and updated since, count as
 /// computed: the fit has hardly moved.
 const NEARBY: f64 = 0.01;
-
-fn square(values: &[f64]) -> f64 {
-    values.iter().map(|v| v * v).sum()
-}
 
 /// The unknowns with the least sum of squares within their bounds.
 ///
@@ -194,17 +188,16 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
             computed = cost;
         }
         let here = Quadratic::at(&x, &residuals, &jacobian, unknowns, options.redundancy);
-        let Quadratic { total, normal, gradient, .. } = &here;
-        let total = *total;
+        let total = here.total;
         // less damping than what was good before, then more and more
         let mut better: Option<(f64, Vec<f64>, Vec<f64>, f64)> = None;
         let factors = [0.1, 1.0, 10.0, 100.0, 1e4, 1e6, 1e8];
         // derivatives that may be wrong are not worth short steps
         for factor in &factors[..if exact { factors.len() } else { 4 }] {
             let tried = f64::clamp(damping * factor, LEAST_DAMPING, 1e9);
-            let point = within_reach(&x, bounded_step(normal, gradient, &x, unknowns, tried), unknowns);
+            let point = here.step(tried);
             let Some(r) = problem.residuals(std::slice::from_ref(&point)).pop().flatten() else { continue };
-            let reached = here.sum(&point, &r, unknowns);
+            let reached = here.sum(&point, &r);
             let best = better.as_ref().map_or(total, |b| b.3);
             if reached < best {
                 better = Some((tried, point, r, reached));
@@ -215,7 +208,7 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         }
         let Some((tried, point, r, reached)) = better else {
             if exact {
-                let promised = -change(normal, gradient, &x, unknowns);
+                let promised = here.promised(&here.step(0.0));
                 end = if promised < options.tolerance * total { End::Gradient } else { End::Step };
                 break;
             }
@@ -248,232 +241,10 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
     Ok(Fit { x, residuals, jacobian, cost, end, updated: !last_exact, iterations })
 }
 
-/// Steps of [`settle`]: what the first leaves is of second order.
-const SETTLED: usize = 2;
-
-/// A step that promises to lower the sum by no more than this moves no unknown by more than a tenth of its standard deviation: there is
-/// nothing to come after it.
-const HARDLY: f64 = 0.01;
-
-/// A step that promises no more than this moves no unknown by more than its standard deviation: derivatives where it ends are, as far as
-/// intervals need them, those where it began.
-const NEARBY_STEP: f64 = 1.0;
-
-/// The end of a fit with derivatives from both sides, and with the steps that they foretell if these lower the sum.
-///
-/// Derivatives that were updated on the way, or are differences to one side, are wrong by a share of how much each unknown does. That
-/// leads a fit on, but where several unknowns undo each other it looks as if the data told them apart: the information of
-/// such a direction is what is wrong with its derivatives, and intervals are too narrow.
-pub fn settle(problem: &dyn Problem, unknowns: &[Unknown], mut fit: Fit, redundancy: f64) -> Fit {
-    let mut is_far = true;
-    for _ in 0..SETTLED {
-        if is_far {
-            differentiate_centrally(problem, unknowns, &fit.x, &fit.residuals, &mut fit.jacobian);
-        }
-        let here = Quadratic::at(&fit.x, &fit.residuals, &fit.jacobian, unknowns, redundancy);
-        let to = bounded_step(&here.normal, &here.gradient, &fit.x, unknowns, LEAST_DAMPING);
-        let to = within_reach(&fit.x, to, unknowns);
-        let Some(residuals) = problem.residuals(std::slice::from_ref(&to)).pop().flatten() else { break };
-        if here.sum(&to, &residuals, unknowns) >= here.total {
-            break;
-        }
-        let promised = -change(&here.normal, &here.gradient, &fit.x, unknowns);
-        (fit.x, fit.residuals) = (to, residuals);
-        if promised < HARDLY {
-            break;
-        }
-        is_far = promised > NEARBY_STEP;
-    }
-    fit.cost = square(&fit.residuals);
-    fit.updated = false;
-    fit
-}
-
-/// The sum of squares near a point, in units of the residuals' variance there, with what is known beforehand.
-struct Quadratic {
-    variance: f64,
-    /// The sum there,
-    total: f64,
-    /// half of its second derivatives,
-    normal: DMatrix<f64>,
-    /// and of its first.
-    gradient: DVector<f64>,
-}
-
-impl Quadratic {
-    fn at(
-        x: &[f64],
-        residuals: &[f64],
-        jacobian: &DMatrix<f64>,
-        unknowns: &[Unknown],
-        redundancy: f64,
-    ) -> Self {
-        let mean = square(residuals) / residuals.len().max(1) as f64;
-        let variance = mean.max(f64::MIN_POSITIVE) * redundancy;
-        let mut normal = jacobian.tr_mul(jacobian) / variance;
-        let mut gradient = jacobian.tr_mul(&DVector::from_column_slice(residuals)) / variance;
-        for (i, u) in unknowns.iter().enumerate() {
-            normal[(i, i)] += u.prior.powi(-2);
-            gradient[i] += (x[i] - u.mean) / u.prior.powi(2);
-        }
-        let mut here = Self { variance, total: 0.0, normal, gradient };
-        here.total = here.sum(x, residuals, unknowns);
-        here
-    }
-
-    /// The sum elsewhere.
-    fn sum(&self, x: &[f64], residuals: &[f64], unknowns: &[Unknown]) -> f64 {
-        let prior: f64 = unknowns.iter().zip(x).map(|(u, x)| ((x - u.mean) / u.prior).powi(2)).sum();
-        square(residuals) / self.variance + prior
-    }
-}
-
-/// What the whole step within the bounds would add to the sum if the derivatives told all.
-fn change(normal: &DMatrix<f64>, gradient: &DVector<f64>, x: &[f64], unknowns: &[Unknown]) -> f64 {
-    let to = within_reach(x, bounded_step(normal, gradient, x, unknowns, LEAST_DAMPING), unknowns);
-    let step = DVector::from_iterator(x.len(), to.iter().zip(x).map(|(a, b)| a - b));
-    2.0 * gradient.dot(&step) + (normal * &step).dot(&step)
-}
-
-/// Columns of the Jacobian from the given one on, by differences.
-fn differentiate(
-    problem: &dyn Problem,
-    unknowns: &[Unknown],
-    x: &[f64],
-    residuals: &[f64],
-    jacobian: &mut DMatrix<f64>,
-    from: usize,
-) {
-    let step = |i: usize| unknowns[i].step_at(x[i]);
-    let moved = |i: usize| {
-        let mut point = x.to_vec();
-        point[i] += step(i);
-        point
-    };
-    let points: Vec<Vec<f64>> = (from..x.len()).map(moved).collect();
-    for (i, answer) in (from..x.len()).zip(problem.changes(x, residuals, &points)) {
-        // where the model cannot be run the unknown stays
-        let Some(answer) = answer else {
-            jacobian.column_mut(i).fill(0.0);
-            continue;
-        };
-        for (k, change) in answer.iter().enumerate() {
-            jacobian[(k, i)] = change / step(i);
-        }
-    }
-}
-
-/// The Jacobian by differences to both sides, or to one where the other is beyond a bound or cannot be run.
-fn differentiate_centrally(
-    problem: &dyn Problem,
-    unknowns: &[Unknown],
-    x: &[f64],
-    residuals: &[f64],
-    jacobian: &mut DMatrix<f64>,
-) {
-    let sides = |i: usize| {
-        let step = unknowns[i].step_at(x[i]);
-        [step, -step].map(|s| (x[i] + s).clamp(unknowns[i].low, unknowns[i].high) - x[i])
-    };
-    let points: Vec<Vec<f64>> = (0..x.len())
-        .flat_map(|i| {
-            sides(i).map(|step| {
-                let mut point = x.to_vec();
-                point[i] += step;
-                point
-            })
-        })
-        .collect();
-    let answers = problem.changes(x, residuals, &points);
-    let stays = vec![0.0; residuals.len()];
-    for (i, pair) in answers.chunks(2).enumerate() {
-        // where the model cannot be run the unknown stays
-        let known = |k: usize| pair[k].as_deref().map_or((0.0, &stays[..]), |change| (sides(i)[k], change));
-        let [(ahead, above), (behind, below)] = [known(0), known(1)];
-        let slope = |(a, b): (&f64, &f64)| if ahead == behind { 0.0 } else { (a - b) / (ahead - behind) };
-        let column: Vec<f64> = above.iter().zip(below).map(slope).collect();
-        jacobian.set_column(i, &DVector::from_vec(column));
-    }
-}
-
-/// Broyden's update: the least change of the Jacobian that gives what the step has done, where the steps
-/// of differences measure the unknowns.
-fn broyden(jacobian: &mut DMatrix<f64>, unknowns: &[Unknown], step: &[f64], before: &[f64], after: &[f64]) {
-    let direction: Vec<f64> = step.iter().zip(unknowns).map(|(s, u)| s * u.step.powi(2)).collect();
-    let length: f64 = direction.iter().zip(step).map(|(d, s)| d * s).sum();
-    if length.is_nan() || length <= 0.0 {
-        return;
-    }
-    let predicted = &*jacobian * DVector::from_column_slice(step);
-    for (k, (a, b)) in after.iter().zip(before).enumerate() {
-        let missed = (a - b - predicted[k]) / length;
-        for (i, d) in direction.iter().enumerate() {
-            jacobian[(k, i)] += missed * d;
-        }
-    }
-}
-
-/// A damped Gauss-Newton step; unknowns that would leave their bounds stop there and the others are
-/// computed again.
-fn bounded_step(
-    normal: &DMatrix<f64>,
-    gradient: &DVector<f64>,
-    x: &[f64],
-    unknowns: &[Unknown],
-    damping: f64,
-) -> Vec<f64> {
-    let n = x.len();
-    let mut fixed: Vec<Option<f64>> = vec![None; n];
-    for _ in 0..=n {
-        let free: Vec<usize> = (0..n).filter(|i| fixed[*i].is_none()).collect();
-        if free.is_empty() {
-            break;
-        }
-        let a = DMatrix::from_fn(free.len(), free.len(), |i, j| {
-            let v = normal[(free[i], free[j])];
-            if i == j { v * (1.0 + damping) + 1e-300 } else { v }
-        });
-        let b = DVector::from_fn(free.len(), |i, _| {
-            let known: f64 = (0..n).filter_map(|j| fixed[j].map(|d| normal[(free[i], j)] * d)).sum();
-            -gradient[free[i]] - known
-        });
-        let Some(step) = a.cholesky().map(|c| c.solve(&b)) else { return x.to_vec() };
-        let mut moved = false;
-        for (i, s) in free.iter().zip(step.iter()) {
-            let to = x[*i] + s;
-            let bound = to.clamp(unknowns[*i].low, unknowns[*i].high);
-            if bound != to {
-                fixed[*i] = Some(bound - x[*i]);
-                moved = true;
-            }
-        }
-        if !moved {
-            for (i, s) in free.iter().zip(step.iter()) {
-                fixed[*i] = Some(*s);
-            }
-            break;
-        }
-    }
-    x.iter()
-        .zip(&fixed)
-        .zip(unknowns)
-        .map(|((x, d), u)| (x + d.unwrap_or(0.0)).clamp(u.low, u.high))
-        .collect()
-}
-
-/// A step shortened to where no unknown goes beyond its reach.
-fn within_reach(from: &[f64], to: Vec<f64>, unknowns: &[Unknown]) -> Vec<f64> {
-    let steps = from.iter().zip(&to).zip(unknowns);
-    let share = steps.map(|((a, b), u)| u.reach / (b - a).abs()).fold(1.0, f64::min);
-    if share >= 1.0 {
-        return to;
-    }
-    from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::settle;
 
     /// Residuals of an exponential, with a hole where the rate is negative.
     struct Decay {

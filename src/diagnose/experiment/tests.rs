@@ -1,7 +1,7 @@
 //! Rivals on a plain spring, where it is known by hand how far they differ.
 
 use super::*;
-use crate::diagnose::study::Simulated;
+use crate::diagnose::study::Closeness;
 use crate::effect::{Port, Signal, Source, find};
 use crate::fit::{Bench, Channel, Factory};
 use crate::model::{Interface, Model as Native, Settings, Slave, Table, input, output, parameter};
@@ -81,7 +81,7 @@ fn study<'a>(bench: &'a Bench, runs: &'a [Run]) -> Study<'a> {
         check_runs: all,
         values: Vec::new(),
         of_changes: None,
-        simulated: Simulated::Precisely,
+        closeness: Closeness::Precisely,
         free: Vec::new(),
         lag: 0.0,
         zeros: Vec::new(),
