@@ -1,5 +1,6 @@
 //! `latsch identify`: sequential identification.
 
+use super::digits::digits;
 use super::planned::{numbers, plan, slave};
 use super::{Format, check_outputs, files_in, print, print_json};
 use clap::ValueEnum;
@@ -88,7 +89,7 @@ pub fn run(args: &Args) -> Result<()> {
         .map_err(|e| Error::file(format!("{} cannot be written: {e}", output.display())))?;
     match args.format {
         Format::Json => print_json(&serde_json::to_value(&answer).map_err(json)?),
-        Format::Text => print(&told(&answer)),
+        Format::Text => print(&told(&answer, stand.interface())),
     }
 }
 
@@ -153,7 +154,7 @@ fn parameter_file(answer: &Answer, interface: &Interface) -> String {
     text
 }
 
-fn told(answer: &Answer) -> String {
+fn told(answer: &Answer, interface: &Interface) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "{:44} {:>12} {:>11}", "parameter", "value", "+- (90 %)");
     for row in &answer.parameters {
@@ -181,7 +182,8 @@ fn told(answer: &Answer) -> String {
         );
     }
     for (name, offset) in answer.offsets.iter().chain(&answer.zeros) {
-        let _ = writeln!(text, "offset of {name}: {offset:.3e}");
+        let unit = interface.index(name).and_then(|k| interface.variables[k].unit.as_deref()).unwrap_or("1");
+        let _ = writeln!(text, "offset of {name}: {} {unit}", digits(*offset, 4));
     }
     for misfit in &answer.misfits {
         let _ = writeln!(text, "contradiction: {}", misfit.words());
