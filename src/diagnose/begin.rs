@@ -27,6 +27,11 @@ const PROMISING: f64 = 0.5;
 const WIDER: usize = 3;
 const TIMES: f64 = 10.0;
 
+/// What a fit near a model leaves beyond what it says, as a share of what it says to explain, from which on it is not believed: what is
+/// fitted to the end misses three times as much. And how often it goes on near where it has come to.
+const ASTRAY: f64 = 0.1;
+const NEARER: usize = 2;
+
 /// An effect that misses more than this share of what the best one explains is given up.
 const HOPELESS: f64 = 0.6;
 
@@ -213,13 +218,30 @@ impl Begun {
         self.fitted.fit.cost
     }
 
-    /// Goes on with the fit in the study in which it has begun, and looks at what it leaves.
+    /// Goes on with the fit in the study in which it has begun, and looks at what it leaves. Where that is more than this study
+    /// says, because parameters have moved far, it goes on near there.
     pub fn finish(&self, (study, near): (&Study<'_>, &Study<'_>), before: Before<'_>) -> Option<Tried> {
         let Self { screened, fitted } = self;
-        let fitted = near.fit_near(&fitted.model, TRY_OUT, fitted).unwrap_or_else(|_| fitted.clone());
-        let fitted = widened(near, fitted);
-        let fitted = plausible(near, &fitted, before.fit).unwrap_or(fitted);
-        assess(study, screened, fitted, before)
+        let ended = |near: &Study<'_>, from: &Fitted| {
+            let fitted = near.fit_near(&from.model, TRY_OUT, from).unwrap_or_else(|_| from.clone());
+            let fitted = widened(near, fitted);
+            let fitted = plausible(near, &fitted, before.fit).unwrap_or(fitted);
+            assess(study, screened, fitted, before)
+        };
+        let is_astray = |tried: &Tried| {
+            let said = tried.fitted.fit.cost;
+            tried.fit_rest.total - said > ASTRAY * (before.fit.total - said)
+        };
+        let mut tried = ended(near, fitted)?;
+        for _ in 0..NEARER {
+            if !is_astray(&tried) {
+                break;
+            }
+            let here = ended(&study.near(&tried.fitted), &tried.fitted);
+            let Some(here) = here.filter(|here| here.fit_rest.total < tried.fit_rest.total) else { break };
+            tried = here;
+        }
+        Some(tried)
     }
 }
 

@@ -2,10 +2,11 @@
 
 use super::excerpt::coarser;
 use super::forces::Forces;
-use super::numbers::SPOILT;
+use super::numbers::{CLOSE, SPOILT};
 use super::placement::{Placement, Site, is_tunable, own_time, shown_twice, sizes};
 use super::plausible::{implausible, plausible};
 use super::recalled::{Natural, Recalled};
+use super::refit::FINAL;
 use super::rest::{Rest, differences};
 use super::roles::Roles;
 use super::screen::{FIRST, Screen, Screened};
@@ -13,7 +14,7 @@ use super::study::{Fitted, Model, Study};
 use super::subject::Subject;
 use crate::effect::catalogue::nested::simpler;
 use crate::effect::{Effect, Role, Source, catalogue, empirical};
-use crate::fit::{Channel, Drive, Run, Traces, side_by_side};
+use crate::fit::{Channel, Drive, End, Run, Traces, side_by_side};
 use crate::model::{Causality, Interface};
 use crate::stats::{amplitude, root_mean_square, sign_flip};
 use crate::{Error, Result};
@@ -31,8 +32,9 @@ pub(super) const BETTER_PART: f64 = 0.5;
 /// An effect that promises less of the squared error of the fit runs is not fitted.
 const MIN_PROMISE: [f64; 2] = [0.005, 0.015];
 
-/// Iterations of a fit to the end.
+/// Iterations of a fit to the end; and how often one goes on that has used up all of them.
 const POLISH: usize = 10;
+const GO_ON: usize = 3;
 /// An effect that misses less than this share of what the best one explains is fitted to the end.
 pub(super) const NEARLY: f64 = 0.3;
 
@@ -280,25 +282,45 @@ impl Tried {
     }
 }
 
-/// Fits those that are nearly the best to the end.
+/// Fits those that are nearly the best to the end; of these, those that are as good as the best go on as long as they have used up all
+/// of their iterations, because a name that is still on its way down a valley is neither better nor worse than another.
 pub(super) fn polish(study: &Study<'_>, tried: &mut [Tried], before: Before<'_>) {
+    fit_on(study, tried, before, (NEARLY, POLISH), |_| true);
+    for _ in 0..GO_ON {
+        if !fit_on(study, tried, before, (CLOSE, FINAL), |t| t.fitted.fit.end == End::Iterations) {
+            break;
+        }
+    }
+}
+
+/// Goes on with the fits of those that miss no more than a share of what the best one explains. False if none of them came farther.
+fn fit_on(
+    study: &Study<'_>,
+    tried: &mut [Tried],
+    before: Before<'_>,
+    (share, iterations): (f64, usize),
+    of: impl Fn(&Tried) -> bool + Sync,
+) -> bool {
     let both = |t: &Tried| t.fit_rest.total + t.check_rest.total;
     let best = tried.iter().map(both).fold(f64::INFINITY, f64::min);
     let explained = (before.fit.total + before.check.total - best).max(0.0);
     let better = |t: &Tried| {
-        if both(t) > best + NEARLY * explained {
+        if !of(t) || both(t) > best + share * explained {
             return None;
         }
-        let fitted = study.fit_on(&t.fitted, POLISH).ok()?;
+        let fitted = study.fit_on(&t.fitted, iterations).ok()?;
         let fitted = plausible(study, &fitted, before.fit).unwrap_or(fitted);
         assess(study, &t.screened, fitted, before).filter(|b| b.fit_rest.total <= t.fit_rest.total)
     };
     let better = side_by_side(study.bench.threads(), tried, better);
+    let mut came_farther = false;
     for (t, better) in tried.iter_mut().zip(better) {
         if let Some(better) = better.flatten() {
+            came_farther |= better.fit_rest.total < t.fit_rest.total;
             *t = better;
         }
     }
+    came_farther
 }
 
 pub(super) fn assess(

@@ -42,9 +42,10 @@ pub(super) fn runs_out(study: &Study<'_>, fitted: &Fitted) -> bool {
     let Some((placement, _)) = fitted.model.effects.last() else { return false };
     let parameters = placement.effect.parameters.iter().zip(&placement.scales);
     estimates(study, fitted).iter().zip(parameters).any(|(estimate, (p, scale))| {
-        let (low, high) = p.search;
-        let ends = [(estimate.low, low), (estimate.high, high)];
-        ends.iter().any(|(estimate, end)| p.off != Some(*end) && estimate.is_none_or(|e| e == end * scale))
+        let (low, high) = placement.limits(p);
+        let reaches = |end: f64, reached: Option<bool>| p.off != Some(end) && reached.unwrap_or(true);
+        reaches(low, estimate.low.map(|e| e <= low * scale))
+            || reaches(high, estimate.high.map(|e| e >= high * scale))
     })
 }
 

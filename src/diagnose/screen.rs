@@ -95,8 +95,15 @@ impl Probe {
     }
 }
 
-/// What a probe explains: share of the squared residual, and amounts of its amplitudes.
-type Explained = Option<(f64, Vec<f64>)>;
+/// What a probe explains.
+struct Explained {
+    /// Share of the squared residual, with amounts of any size,
+    gain: f64,
+    /// with amounts that are looked for,
+    inside: f64,
+    /// and these, of its amplitudes.
+    amounts: Vec<f64>,
+}
 
 /// The linear problem of some runs.
 struct Linear {
@@ -206,7 +213,7 @@ impl<'a> Screen<'a> {
         let first = best_of_each(placements, &probes, &explained);
         let mut forms: Vec<Vec<(f64, usize)>> = vec![Vec::new(); placements.len()];
         for (k, (probe, explained)) in probes.iter().zip(&explained).enumerate() {
-            forms[probe.placement].extend(explained.iter().map(|(gain, _)| (*gain, k)));
+            forms[probe.placement].extend(explained.iter().map(|e| (e.gain, k)));
         }
         let best = |named: bool| {
             let same = first.iter().filter(move |s| empirical::is(s.placement.effect) != named);
@@ -278,7 +285,7 @@ impl<'a> Screen<'a> {
         placements: &[Placement],
         probes: &[Probe],
         columns: &[Option<Column>],
-    ) -> Vec<Explained> {
+    ) -> Vec<Option<Explained>> {
         let count = columns.iter().flatten().map(Vec::len).next().unwrap_or(0);
         let Linear { basis, residual } = self.linear(count);
         let total = residual.norm_squared().max(f64::MIN_POSITIVE);
@@ -290,18 +297,22 @@ impl<'a> Screen<'a> {
                 (probe, own)
             })
             .collect();
-        let of = |(probe, own): &(&Probe, &[Option<Column>])| -> Explained {
+        let of = |(probe, own): &(&Probe, &[Option<Column>])| -> Option<Explained> {
             let own: Vec<DVector<f64>> =
                 own.iter().map(|c| Some(joined(c.as_ref()?, count))).collect::<Option<_>>()?;
             let clean: Vec<DVector<f64>> = own.iter().map(|c| c - &basis * basis.tr_mul(c)).collect();
             if let ([change], true) = (&clean[..], probe.is_whole()) {
-                let gain = total - (&residual - change).norm_squared();
-                return (gain > 0.0).then_some((gain / total, Vec::new()));
+                let gain = 1.0 - (&residual - change).norm_squared() / total;
+                return (gain > 0.0).then_some(Explained { gain, inside: gain, amounts: Vec::new() });
             }
-            let rooms: Vec<(f64, f64)> =
-                probe.amplitudes.iter().map(|i| room(&placements[probe.placement], *i)).collect();
-            let (gain, amounts) = explain(&clean, &own, &residual, &rooms)?;
-            Some((gain / total, amounts))
+            let placement = &placements[probe.placement];
+            let explain = |room: fn(&Placement, usize) -> (f64, f64)| {
+                let rooms: Vec<(f64, f64)> = probe.amplitudes.iter().map(|i| room(placement, *i)).collect();
+                explain(&clean, &own, &residual, &rooms)
+            };
+            let (gain, _) = explain(room)?;
+            let (inside, amounts) = explain(searched)?;
+            Some(Explained { gain: gain / total, inside: inside / total, amounts })
         };
         side_by_side(self.bench.threads(), &own, of).into_iter().map(Option::flatten).collect()
     }
@@ -520,33 +531,38 @@ fn wholes(placement: &Placement, shape: &[f64]) -> Vec<Vec<f64>> {
     (0..count).map(at).collect()
 }
 
-/// The best form of each placement, the best placement first.
-fn best_of_each(placements: &[Placement], probes: &[Probe], explained: &[Explained]) -> Vec<Screened> {
-    let mut best: Vec<Option<Screened>> = vec![None; placements.len()];
-    let mut wholes: Vec<Vec<(f64, &[f64])>> = vec![Vec::new(); placements.len()];
+/// What the best form of each placement explains, with the form that explains most within where amplitudes are looked for; the best
+/// placement first. A form that is near none of what an effect does, such as a Maxwell element that yields at once, explains as much as a
+/// better one if it is many times as large, and no fit begins well there.
+fn best_of_each(
+    placements: &[Placement],
+    probes: &[Probe],
+    explained: &[Option<Explained>],
+) -> Vec<Screened> {
+    let mut forms: Vec<Vec<(&Probe, &Explained)>> = vec![Vec::new(); placements.len()];
     for (probe, explained) in probes.iter().zip(explained) {
-        let Some((gain, amounts)) = explained else { continue };
-        let placement = &placements[probe.placement];
+        forms[probe.placement].extend(explained.iter().map(|e| (probe, e)));
+    }
+    let of = |(placement, forms): (&Placement, &Vec<(&Probe, &Explained)>)| {
+        let first = |a: f64, b: f64| b.total_cmp(&a);
+        let (probe, inside) = forms.iter().min_by(|a, b| first(a.1.inside, b.1.inside))?;
         let mut values = probe.shape.clone();
-        for (i, amount) in probe.amplitudes.iter().zip(amounts) {
-            let (low, high) = placement.effect.parameters[*i].search;
-            values[*i] = (placement.effect.parameters[*i].off.unwrap_or(0.0) + amount).clamp(low, high);
+        for (i, amount) in probe.amplitudes.iter().zip(&inside.amounts) {
+            values[*i] = placement.effect.parameters[*i].off.unwrap_or(0.0) + amount;
         }
-        if probe.is_whole() {
-            wholes[probe.placement].push((*gain, &probe.shape));
-        }
-        let best = &mut best[probe.placement];
-        if best.as_ref().is_none_or(|b| b.gain < *gain) {
-            let (placement, wholes) = (placement.clone(), Vec::new());
-            *best = Some(Screened { placement, values, wholes, gain: *gain, places: 1, all_places: 1 });
-        }
-    }
-    for (best, wholes) in best.iter_mut().zip(&mut wholes) {
-        let Some(best) = best else { continue };
-        wholes.sort_by(|a, b| b.0.total_cmp(&a.0));
-        best.wholes = wholes.iter().map(|(_, shape)| shape.to_vec()).collect();
-    }
-    let mut found: Vec<Screened> = best.into_iter().flatten().collect();
+        let mut wholes: Vec<(f64, &[f64])> =
+            (forms.iter().filter(|(p, _)| p.is_whole())).map(|(p, e)| (e.gain, &p.shape[..])).collect();
+        wholes.sort_by(|a, b| first(a.0, b.0));
+        Some(Screened {
+            placement: placement.clone(),
+            values,
+            wholes: wholes.iter().map(|(_, shape)| shape.to_vec()).collect(),
+            gain: forms.iter().map(|(_, e)| e.gain).fold(0.0, f64::max),
+            places: 1,
+            all_places: 1,
+        })
+    };
+    let mut found: Vec<Screened> = placements.iter().zip(&forms).filter_map(of).collect();
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     found
 }
@@ -609,6 +625,14 @@ fn room(placement: &Placement, amplitude: usize) -> (f64, f64) {
     (if low < 0.0 { f64::NEG_INFINITY } else { 0.0 }, if high > 0.0 { f64::INFINITY } else { 0.0 })
 }
 
+/// The same, within where the amplitude is looked for.
+fn searched(placement: &Placement, amplitude: usize) -> (f64, f64) {
+    let parameter = &placement.effect.parameters[amplitude];
+    let off = parameter.off.unwrap_or(0.0);
+    let (low, high) = room(placement, amplitude);
+    (low.max(parameter.search.0 - off), high.min(parameter.search.1 - off))
+}
+
 /// What columns explain of a residual with amounts that have these rooms: squared error taken away, and the amounts. Columns that
 /// the parameters explain all but fully explain nothing by themselves.
 pub(super) fn explain(
@@ -648,4 +672,52 @@ pub(super) fn explain(
         all[*i] = *amount;
     }
     (gain.is_finite() && gain > 0.0).then_some((gain, all))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fit_begins_with_the_form_that_explains_most_within_what_is_looked_for() {
+        let effect = crate::effect::find("maxwell-element").unwrap();
+        let (most, shapes) = (effect.parameters[0].search.1, effect.parameters[1].probes.len());
+        let placement = Placement {
+            effect,
+            port: Port::Force,
+            targets: vec![0],
+            drivers: Vec::new(),
+            scales: vec![1.0; 2],
+            units: vec![None; 2],
+            bounded: false,
+        };
+        let probe = |time: f64| Probe { placement: 0, shape: vec![0.0, time], amplitudes: vec![0] };
+        // what yields at once is a damper: it explains as much as any, if it is stiffer than anything that is looked for
+        let probes: Vec<Probe> = effect.parameters[1].probes.iter().map(|t| probe(*t)).collect();
+        let of = |(k, _): (usize, &Probe)| {
+            let inside = if k == 0 { 0.2 } else { 0.7 - 0.1 * k as f64 };
+            let amounts = vec![if k == 0 { most } else { 0.5 }];
+            Some(Explained { gain: 0.7 - 0.01 * k as f64, inside, amounts })
+        };
+        let explained: Vec<Option<Explained>> = probes.iter().enumerate().map(of).collect();
+        let [best] = &best_of_each(&[placement], &probes, &explained)[..] else { panic!("one placement") };
+        assert!(shapes > 2 && best.gain == 0.7, "{}", best.gain);
+        assert_eq!(best.values, [0.5, effect.parameters[1].probes[1]]);
+    }
+
+    #[test]
+    fn amounts_that_are_looked_for_keep_to_the_sign_and_to_the_search() {
+        let column = DVector::from_vec(vec![1.0, 2.0, -1.0]);
+        let explain = |share: f64, room: (f64, f64)| {
+            let residual = &column * share;
+            let own = std::slice::from_ref(&column);
+            explain(own, own, &residual, &[room]).map(|(gain, a)| (gain, a[0]))
+        };
+        // 5 is twice what is looked for: of the square 1 - (1 - 1/2)^2 is explained
+        let (gain, amount) = explain(5.0, (0.0, 2.5)).unwrap();
+        assert!((amount - 2.5).abs() < 1e-9 && (gain / (25.0 * 6.0) - 0.75).abs() < 1e-9, "{gain}");
+        let (gain, amount) = explain(5.0, (0.0, f64::INFINITY)).unwrap();
+        assert!((amount - 5.0).abs() < 1e-6 && (gain / 150.0 - 1.0).abs() < 1e-6);
+        assert!(explain(-5.0, (0.0, f64::INFINITY)).is_none());
+    }
 }
