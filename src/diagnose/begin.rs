@@ -76,11 +76,8 @@ pub(super) fn begin(
     // a function without a name keeps more than it promised, so that names are held against names
     for named in [true, false] {
         let alike = |b: &Begun| empirical::is(b.screened.placement.effect) != named;
-        // what those miss that miss this share of what the best one explains
-        let missing = |begun: &[Begun], share: f64| {
-            let best = begun.iter().filter(|b| alike(b)).map(Begun::cost).fold(f64::INFINITY, f64::min);
-            best + share * (current.fit.cost - best).max(0.0)
-        };
+        let missing =
+            |begun: &[Begun], share: f64| Begun::missing(begun.iter().filter(|b| alike(b)), share, current);
         let nearly = missing(&begun, NEARLY);
         let anew = |b: &Begun| if alike(b) { b.anew(near, current, nearly) } else { None };
         let begun_anew = side_by_side(study.bench.threads(), &begun, anew);
@@ -218,9 +215,31 @@ impl Begun {
         self.fitted.fit.cost
     }
 
-    /// Goes on with the fit in the study in which it has begun, and looks at what it leaves. Where that is more than this study
-    /// says, because parameters have moved far, it goes on near there.
-    pub fn finish(&self, (study, near): (&Study<'_>, &Study<'_>), before: Before<'_>) -> Option<Tried> {
+    /// What those leave that miss this share of what the best of some explains.
+    fn missing<'a>(some: impl Iterator<Item = &'a Self>, share: f64, current: &Fitted) -> f64 {
+        let best = some.map(Self::cost).fold(f64::INFINITY, f64::min);
+        best + share * (current.fit.cost - best).max(0.0)
+    }
+
+    /// Goes on with the fits in the study in which they have begun, and looks at what they leave. Where that is more than this study
+    /// says, because parameters have moved far, those go on near there that would be fitted to the end if they left what it says.
+    pub fn finish(
+        begun: &[Self],
+        studies: (&Study<'_>, &Study<'_>),
+        current: &Fitted,
+        before: Before<'_>,
+    ) -> Vec<Tried> {
+        let nearly = Self::missing(begun.iter(), NEARLY, current);
+        let finish = |begun: &Self| begun.finish_one(studies, before, nearly);
+        side_by_side(studies.0.bench.threads(), begun, finish).into_iter().flatten().flatten().collect()
+    }
+
+    fn finish_one(
+        &self,
+        (study, near): (&Study<'_>, &Study<'_>),
+        before: Before<'_>,
+        nearly: f64,
+    ) -> Option<Tried> {
         let Self { screened, fitted } = self;
         let ended = |near: &Study<'_>, from: &Fitted| {
             let fitted = near.fit_near(&from.model, TRY_OUT, from).unwrap_or_else(|_| from.clone());
@@ -230,7 +249,7 @@ impl Begun {
         };
         let is_astray = |tried: &Tried| {
             let said = tried.fitted.fit.cost;
-            tried.fit_rest.total - said > ASTRAY * (before.fit.total - said)
+            said <= nearly && tried.fit_rest.total - said > ASTRAY * (before.fit.total - said)
         };
         let mut tried = ended(near, fitted)?;
         for _ in 0..NEARER {

@@ -39,6 +39,11 @@ pub(super) fn refit(study: &mut Study<'_>, known: Option<&Derivatives>) -> Resul
     if base.fit.end == End::Iterations {
         base = from_two_places(study, base)?;
     }
+    let rest = study.fit_rest(&base)?;
+    // what did not stand out from the errors of a fit on its way may do so at its end
+    if study.drop_visible_zeros(&base, &rest) {
+        return refit(study, known);
+    }
     Ok(base)
 }
 

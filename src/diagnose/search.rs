@@ -2,7 +2,7 @@
 //! is left.
 
 use super::begin::{Begun, begin};
-use super::candidates::{BETTER_PART, Before, Tried, polish, screen};
+use super::candidates::{BETTER_PART, Before, polish, screen};
 use super::decision::{Decision, Round};
 use super::experiment::Rival;
 use super::in_turn::check_in_turn;
@@ -19,7 +19,6 @@ use super::roles::Roles;
 use super::study::{Fitted, Model, Study};
 use super::subject::Subject;
 use crate::Result;
-use crate::fit::side_by_side;
 
 /// Effects that are found one after the other.
 const MAX_EFFECTS: usize = 3;
@@ -154,9 +153,7 @@ pub(super) fn search(
         let begun =
             begin(studies, subject, roles, &found.current, nominal, (&screened, &mut recalled), round);
         let before = Before { fit: &fit, check: &found.check };
-        let finish = |begun: &Begun| begun.finish(studies, before);
-        let mut tried: Vec<Tried> =
-            side_by_side(study.bench.threads(), &begun, finish).into_iter().flatten().flatten().collect();
+        let mut tried = Begun::finish(&begun, studies, &found.current, before);
         polish(study, &mut tried, before);
         check_in_turn(study, &mut tried, &found.current);
         let judged = Round {
