@@ -12,7 +12,7 @@ use crate::fault::Tables;
 use crate::flat_track::NAME;
 use crate::machines::{Kind, size, spread};
 use crate::random::Random;
-use crate::recording::{Recorded, sensed};
+use crate::recording::{Recorded, file_name, sensed};
 use crate::sensor::{Noise, Quantum, quantum};
 use crate::simulate::Ideal;
 use crate::sizing::{Refit, strongest};
@@ -240,10 +240,6 @@ const OUTPUTS: [(&str, &str); CHANNELS] = [
 ];
 /// Steps of the encoder per revolution.
 const ENCODER: f64 = 1024.0;
-
-fn file_name(run: usize) -> String {
-    format!("run{:02}.csv", run + 1)
-}
 
 fn record(drawn: &Drawn, number: usize, fault: &str, random: &mut Random) -> Option<Recorded> {
     let session = drawn.world.session(&drawn.runs, FINE);

@@ -65,7 +65,7 @@ fn true_parameters_of_a_null_leave_noise_alone() {
     for c in 0..FORCES {
         let (mut square, mut count) = (0.0, 0.0);
         for (run, ideal) in session.iter().enumerate() {
-            let recorded = &columns(file(&format!("recordings/run{:02}.csv", run + 1)))[7 + c];
+            let recorded = &columns(file(&format!("recordings/run-{:02}.csv", run + 1)))[7 + c];
             assert_eq!(recorded.len(), ideal.outputs[c].len());
             square += recorded
                 .iter()

@@ -8,7 +8,7 @@ use crate::answer::{Answer, Effect, Parameter, Reference, ReferenceRun};
 use crate::catalogue::{alike_on, family};
 use crate::machines::{Kind, size, spread};
 use crate::random::Random;
-use crate::recording::{Recorded, sensed};
+use crate::recording::{Recorded, file_name, sensed};
 use crate::sensor::{Noise, Quantum, quantum};
 use crate::simulate::Ideal;
 use crate::sizing::{Refit, strongest};
@@ -189,10 +189,6 @@ impl Drawn {
 
 /// Steps of the encoder per revolution.
 const ENCODER: f64 = 1024.0;
-
-pub(crate) fn file_name(run: usize) -> String {
-    format!("run{:02}.csv", run + 1)
-}
 
 fn record(drawn: &Drawn, number: usize, random: &mut Random) -> Option<Recorded> {
     let rig = drawn.world.rig;
