@@ -342,7 +342,7 @@ fn plain_step(step: f64) -> f64 {
 fn words_on(simulated: f64, runs: &[&Run]) -> String {
     let recorded: f64 = runs.iter().map(|run| run.drive.length()).sum();
     format!(
-        "Closeness for this: {simulated:.0} s, {:.0} times the {recorded:.0} s of recordings.",
+        "Simulated for this: {simulated:.0} s, {:.0} times the {recorded:.0} s of recordings.",
         simulated / recorded.max(f64::MIN_POSITIVE)
     )
 }

@@ -121,7 +121,7 @@ fn the_speed_of_the_machine_and_the_number_of_threads_change_no_answer() {
         ..Request::default()
     };
     let (json, page, diagnosis) = written(&request(1));
-    assert!(page.contains("Closeness for this: ") && diagnosis.simulated > 100.0, "{}", diagnosis.simulated);
+    assert!(page.contains("Simulated for this: ") && diagnosis.simulated > 100.0, "{}", diagnosis.simulated);
     let (again, same_page, _) = under_load(|| written(&request(3)));
     assert_eq!(json, again);
     assert!(page == same_page, "the pages differ");
