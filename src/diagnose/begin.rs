@@ -28,7 +28,7 @@ const WIDER: usize = 3;
 const TIMES: f64 = 10.0;
 
 /// What a fit near a model leaves beyond what it says, as a share of what it says to explain, from which on it is not believed: what is
-/// fitted to the end misses three times as much. And how often it goes on near where it has come to.
+/// fitted to the end misses three times as much. And how often it goes on near where it has come to: once was enough in what was looked at.
 const ASTRAY: f64 = 0.1;
 const NEARER: usize = 2;
 
@@ -37,8 +37,8 @@ const HOPELESS: f64 = 0.6;
 
 /// A screened effect whose fit has begun.
 pub(super) struct Begun {
-    screened: Screened,
-    fitted: Fitted,
+    pub screened: Screened,
+    pub fitted: Fitted,
 }
 
 /// Begins to fit the most promising of the screened effects beside what is known already, in a study that simulates what is near

@@ -6,7 +6,7 @@ use super::numbers::{CLOSE, SPOILT};
 use super::placement::{Placement, Site, is_tunable, own_time, shown_twice, sizes};
 use super::plausible::{implausible, plausible};
 use super::recalled::{Natural, Recalled};
-use super::refit::FINAL;
+use super::refit::{FINAL, GO_ON};
 use super::rest::{Rest, differences};
 use super::roles::Roles;
 use super::screen::{FIRST, Screen, Screened};
@@ -32,9 +32,8 @@ pub(super) const BETTER_PART: f64 = 0.5;
 /// An effect that promises less of the squared error of the fit runs is not fitted.
 const MIN_PROMISE: [f64; 2] = [0.005, 0.015];
 
-/// Iterations of a fit to the end; and how often one goes on that has used up all of them.
+/// Iterations of a fit to the end.
 const POLISH: usize = 10;
-const GO_ON: usize = 3;
 /// An effect that misses less than this share of what the best one explains is fitted to the end.
 pub(super) const NEARLY: f64 = 0.3;
 

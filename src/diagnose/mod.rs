@@ -14,6 +14,7 @@ pub mod hygiene;
 mod in_turn;
 mod judge;
 mod left;
+mod linear;
 pub mod locate;
 mod numbers;
 mod one_function;

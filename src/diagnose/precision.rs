@@ -1,8 +1,8 @@
 //! What the limited precision of recorded inputs can make of what is left: a wheel's angle sums up what a speed is off by.
 
+use super::linear::explain;
 use super::numbers::PRECISION;
 use super::rest::Rest;
-use super::screen::explain;
 use super::study::{Model, Study};
 use crate::Result;
 use crate::fit::{Drive, Run, Traces};

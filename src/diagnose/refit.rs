@@ -9,8 +9,8 @@ use crate::fit::End;
 /// themselves before that as a rule.
 pub(super) const FIRST: usize = 8;
 pub(super) const FINAL: usize = 25;
-/// How often a refit goes on that has used up all of its iterations.
-const GO_ON: usize = 3;
+/// How often a fit goes on that has used up all of its iterations.
+pub(super) const GO_ON: usize = 3;
 
 impl Study<'_> {
     /// The model as it is given, fitted roughly to the fit runs; derivatives may be known where it begins.

@@ -1,18 +1,18 @@
 //! Cheap screening of many effects: how much of the residual each can explain at its off value, beyond
 //! what the model's own parameters can.
 
+mod columns;
+
+use super::linear::{Linear, explain};
 use super::placement::Placement;
 use super::recalled::Recalled;
-use super::span::{CLOSELY, ROUGHLY, sums};
+use super::span::{CLOSELY, ROUGHLY};
 use super::study::Model;
-use crate::Result;
-use crate::effect::{Attachment, Parameter, Port, empirical};
-use crate::fit::{Bench, Channel, Drive, OutputError, Run, Setup, Traces, replay, side_by_side};
-use crate::model::{Causality, Interface};
-use crate::stats::mean_or_zero;
-use nalgebra::{DMatrix, DVector};
-use std::collections::HashMap;
-use std::ops::Range;
+use crate::effect::{Parameter, empirical};
+use crate::fit::{Bench, Drive, OutputError, Run, Setup, Traces, side_by_side};
+use crate::model::Interface;
+use columns::thin;
+use nalgebra::DVector;
 use std::sync::Arc;
 
 /// Rows of the linear problem at most.
@@ -25,9 +25,6 @@ const MAX_REPLAYED: usize = 240;
 /// Named and nameless placements, each, that are screened with all runs, and the shapes of each.
 const KEPT: usize = 30;
 const KEPT_SHAPES: usize = 2;
-/// Sweeps over amounts that have to stay within their rooms: of the few amplitudes that effects have all but the last digits are
-/// there by then.
-const SWEEPS: usize = 30;
 /// Runs that all placements are screened with.
 pub(super) const FIRST: usize = 2;
 
@@ -103,14 +100,6 @@ struct Explained {
     inside: f64,
     /// and these, of its amplitudes.
     amounts: Vec<f64>,
-}
-
-/// The linear problem of some runs.
-struct Linear {
-    /// Orthonormal columns that span what the fitted parameters can explain; rows as the residual.
-    basis: DMatrix<f64>,
-    /// The residual, less what the parameters can explain.
-    residual: DVector<f64>,
 }
 
 impl<'a> Screen<'a> {
@@ -270,15 +259,6 @@ impl<'a> Screen<'a> {
         probes
     }
 
-    /// The linear problem of the first runs.
-    fn linear(&self, count: usize) -> Linear {
-        let residual = joined(&self.residual, count);
-        let parameters: Vec<DVector<f64>> = self.parameters.iter().map(|c| joined(c, count)).collect();
-        let basis = orthonormal(residual.len(), &parameters);
-        let residual = &residual - &basis * basis.tr_mul(&residual);
-        Linear { basis, residual }
-    }
-
     /// What each probe explains of the runs that its columns have.
     fn explained(
         &self,
@@ -287,7 +267,9 @@ impl<'a> Screen<'a> {
         columns: &[Option<Column>],
     ) -> Vec<Option<Explained>> {
         let count = columns.iter().flatten().map(Vec::len).next().unwrap_or(0);
-        let Linear { basis, residual } = self.linear(count);
+        let parameters: Vec<DVector<f64>> = self.parameters.iter().map(|c| joined(c, count)).collect();
+        let linear = Linear::new(joined(&self.residual, count), &parameters);
+        let residual = &linear.residual;
         let total = residual.norm_squared().max(f64::MIN_POSITIVE);
         let mut first = 0;
         let own: Vec<(&Probe, &[Option<Column>])> = (probes.iter())
@@ -300,15 +282,15 @@ impl<'a> Screen<'a> {
         let of = |(probe, own): &(&Probe, &[Option<Column>])| -> Option<Explained> {
             let own: Vec<DVector<f64>> =
                 own.iter().map(|c| Some(joined(c.as_ref()?, count))).collect::<Option<_>>()?;
-            let clean: Vec<DVector<f64>> = own.iter().map(|c| c - &basis * basis.tr_mul(c)).collect();
+            let clean: Vec<DVector<f64>> = own.iter().map(|c| linear.clean(c)).collect();
             if let ([change], true) = (&clean[..], probe.is_whole()) {
-                let gain = 1.0 - (&residual - change).norm_squared() / total;
+                let gain = 1.0 - (residual - change).norm_squared() / total;
                 return (gain > 0.0).then_some(Explained { gain, inside: gain, amounts: Vec::new() });
             }
             let placement = &placements[probe.placement];
             let explain = |room: fn(&Placement, usize) -> (f64, f64)| {
                 let rooms: Vec<(f64, f64)> = probe.amplitudes.iter().map(|i| room(placement, *i)).collect();
-                explain(&clean, &own, &residual, &rooms)
+                explain(&clean, &own, residual, &rooms)
             };
             let (gain, _) = explain(room)?;
             let (inside, amounts) = explain(searched)?;
@@ -316,204 +298,12 @@ impl<'a> Screen<'a> {
         };
         side_by_side(self.bench.threads(), &own, of).into_iter().map(Option::flatten).collect()
     }
+}
 
-    /// True for an effect on outputs that nothing inside the model gets and that no output drives which another effect
-    /// changes: traces tell all about it, behind the effects that are there.
-    fn is_replayed(&self, placement: &Placement) -> bool {
-        let changed = |v: usize| {
-            self.model.effects.iter().any(|(p, _)| p.port == Port::Output && p.targets.contains(&v))
-        };
-        let behind = placement.drivers.iter().any(|signal| changed(signal.variable));
-        let inside = placement.targets.iter().any(|v| self.bench.is_passed_on(*v));
-        placement.port == Port::Output && !behind && !inside
-    }
-
-    /// Change of the weighted outputs of some runs per unit of one amplitude: of each probe, for each of its amplitudes.
-    /// What is known of these is taken as it is; `how` closely others are made of each other, [`spanned`] says.
-    fn columns(
-        &self,
-        interface: &Interface,
-        placements: &[Placement],
-        probes: &[Probe],
-        runs: Range<usize>,
-        (how, known): (f64, Vec<Option<Column>>),
-    ) -> Vec<Option<Column>> {
-        let jobs: Vec<(&Probe, Option<usize>)> = probes.iter().flat_map(Probe::jobs).collect();
-        let step_of = |(probe, amplitude): &(&Probe, Option<usize>)| {
-            let parameters = placements[probe.placement].effect.parameters;
-            amplitude.map_or(1.0, |i| parameters[i].probes.first().copied().unwrap_or(0.01))
-        };
-        let attach = |job: &(&Probe, Option<usize>)| {
-            let mut values = job.0.shape.clone();
-            if let Some(amplitude) = job.1 {
-                values[amplitude] += step_of(job);
-            }
-            placements[job.0.placement].attach(&values)
-        };
-        let mut columns = known;
-        columns.resize(jobs.len(), None);
-        let (replayed, of_setup): (Vec<usize>, Vec<usize>) =
-            (0..jobs.len()).partition(|k| self.is_replayed(&placements[jobs[*k].0.placement]));
-        let of_setup: Vec<usize> = of_setup.into_iter().filter(|k| columns[*k].is_none()).collect();
-        let replay_one = |k: &usize| {
-            let job = &jobs[*k];
-            self.replayed(interface, &attach(job), runs.clone(), step_of(job))
-        };
-        let done = side_by_side(self.bench.threads(), &replayed, replay_one);
-        for (k, column) in replayed.iter().zip(done) {
-            columns[*k] = column;
-        }
-        // the first answer to a change at a place is in proportion: sums of changes are answered by the sums
-        let courses: HashMap<usize, DVector<f64>> = of_setup
-            .iter()
-            .filter_map(|k| {
-                // a whole is no sum of what others do
-                let small = jobs[*k].1.map(|_| attach(&jobs[*k]))?;
-                Some((*k, self.course(interface, &small, runs.clone(), step_of(&jobs[*k]))?))
-            })
-            .collect();
-        let place = |k: usize| {
-            let placement = &placements[jobs[k].0.placement];
-            (&placement.targets[..], placement.port)
-        };
-        let with = |k: &usize| {
-            let mut setup = self.setup.clone();
-            setup.attachments.extend(attach(&jobs[*k]));
-            (setup, step_of(&jobs[*k]))
-        };
-        // what would be a sum of one that cannot be simulated is held against the others anew
-        let (mut open, mut simulated) = (of_setup, Vec::new());
-        while !open.is_empty() {
-            let sums = sums(&open, &simulated, &courses, place, how);
-            let own: Vec<usize> = open.iter().copied().filter(|k| !sums.contains_key(k)).collect();
-            for (k, column) in own.iter().zip(self.simulated(own.iter().map(with), runs.clone())) {
-                simulated.extend(column.as_ref().map(|_| *k));
-                columns[*k] = column;
-            }
-            open.retain(|k| sums.contains_key(k));
-            for (k, sum) in sums {
-                let terms = sum.iter().map(|(t, factor)| Some((columns[*t].as_ref()?, *factor)));
-                if let Some(terms) = terms.collect::<Option<Vec<_>>>() {
-                    columns[k] = Some(self.sum(&terms, runs.clone()));
-                }
-            }
-            open.retain(|k| columns[*k].is_none());
-        }
-        columns
-    }
-
-    /// What an effect changes at its targets along the runs, per unit of an amplitude, as the traces tell: effects that are
-    /// off hardly change what drives them. `None` where a course is not known.
-    fn course(
-        &self,
-        interface: &Interface,
-        attachments: &[Attachment],
-        runs: Range<usize>,
-        step: f64,
-    ) -> Option<DVector<f64>> {
-        let mut all = Vec::new();
-        for (run, traces) in self.runs[runs.clone()].iter().zip(&self.traces[runs]) {
-            let behind =
-                |effect: &Attachment, course: &[f64]| replay(effect, course, &run.drive, &self.watch, traces);
-            for attachment in attachments {
-                let traced = self.watch.iter().position(|v| *v == attachment.target);
-                let held = || self.setup.values.iter().find(|(v, _)| *v == attachment.target);
-                let mut target = match traced {
-                    Some(column) => traces[column].clone(),
-                    None => vec![held()?.1; run.drive.points],
-                };
-                // outputs are traced behind the effects that are there already
-                if attachment.port(interface) != Port::Output {
-                    for known in self.setup.attachments.iter().filter(|a| a.target == attachment.target) {
-                        target = behind(known, &target)?;
-                    }
-                }
-                let changed = behind(attachment, &target)?;
-                all.extend(changed.iter().zip(&target).map(|(a, b)| (a - b) / step));
-            }
-        }
-        let course = thin(&all, all.len().div_ceil(MAX_ROWS).max(1));
-        course.iter().all(|v| v.is_finite()).then_some(course)
-    }
-
-    /// A sum of columns.
-    fn sum(&self, terms: &[(&Column, f64)], runs: Range<usize>) -> Column {
-        let of = |run: usize| {
-            let mut sum: Option<DVector<f64>> = None;
-            for (column, factor) in terms {
-                match &mut sum {
-                    Some(sum) => sum.axpy(*factor, &column[run], 1.0),
-                    None => sum = Some(&column[run] * *factor),
-                }
-            }
-            // of what changes nothing
-            sum.unwrap_or_else(|| &self.residual[runs.start + run] * 0.0)
-        };
-        (0..runs.len()).map(of).collect()
-    }
-
-    /// Change of the weighted outputs of some runs per step, of each setup with its step.
-    fn simulated(
-        &self,
-        setups: impl Iterator<Item = (Setup, f64)>,
-        runs: Range<usize>,
-    ) -> Vec<Option<Column>> {
-        let own = &self.runs[runs.clone()];
-        let drives: Vec<Arc<Drive>> = own.iter().map(|r| Arc::clone(&r.drive)).collect();
-        let measured: Arc<[usize]> =
-            self.runs.first().map_or(Arc::from([]), |r| r.channels.iter().map(|c| c.variable).collect());
-        let (setups, steps): (Vec<Arc<Setup>>, Vec<f64>) =
-            setups.map(|(setup, step)| (Arc::new(setup), step)).unzip();
-        let mut columns = Vec::new();
-        // not all at once: traces take memory
-        for (chunk, steps) in setups.chunks(32).zip(steps.chunks(32)) {
-            let answers = self.bench.run(chunk, &drives, &measured);
-            for (answers, step) in answers.chunks(own.len().max(1)).zip(steps) {
-                let change = |((run, traces), base): ((&&Run, &Result<Traces>), &Traces)| {
-                    let traces = traces.as_ref().ok()?;
-                    let mut change = Vec::new();
-                    for ((channel, trace), weight) in run.channels.iter().zip(traces).zip(self.weights) {
-                        let column = self.watch.iter().position(|v| *v == channel.variable)?;
-                        change.extend(difference(run, channel, trace, &base[column], *weight));
-                    }
-                    Some(thin(&change, self.stride) / *step)
-                };
-                columns.push(own.iter().zip(answers).zip(&self.traces[runs.clone()]).map(change).collect());
-            }
-        }
-        columns
-    }
-
-    /// The change that an effect on an output makes, from the traces: nothing has to be simulated.
-    fn replayed(
-        &self,
-        interface: &Interface,
-        attachments: &[Attachment],
-        runs: Range<usize>,
-        step: f64,
-    ) -> Column {
-        debug_assert!(
-            attachments.iter().all(|a| interface.variables[a.target].causality != Causality::Input)
-        );
-        let of = |(run, traces): (&&Run, &Traces)| {
-            let mut change = Vec::new();
-            for (channel, weight) in run.channels.iter().zip(self.weights) {
-                let target = self.watch.iter().position(|v| *v == channel.variable).map(|c| &traces[c][..]);
-                let own = attachments.iter().find(|a| a.target == channel.variable);
-                let changed = own
-                    .zip(target)
-                    .and_then(|(a, target)| replay(a, target, &run.drive, &self.watch, traces));
-                match changed.zip(target) {
-                    Some((changed, target)) => {
-                        change.extend(difference(run, channel, &changed, target, *weight));
-                    }
-                    None => change.extend(std::iter::repeat_n(0.0, channel.values.len())),
-                }
-            }
-            thin(&change, self.stride) / step
-        };
-        self.runs[runs.clone()].iter().zip(&self.traces[runs]).map(of).collect()
-    }
+/// The first runs of a column, one below the other.
+fn joined(column: &Column, count: usize) -> DVector<f64> {
+    let runs = &column[..count.min(column.len())];
+    DVector::from_iterator(runs.iter().map(DVector::len).sum(), runs.iter().flat_map(|r| r.iter().copied()))
 }
 
 /// Parameters of an effect as a whole: its amplitudes at each of the sizes that they say may be tried, with one shape.
@@ -567,49 +357,6 @@ fn best_of_each(
     found
 }
 
-/// Every so many of the values.
-fn thin(values: &[f64], stride: usize) -> DVector<f64> {
-    DVector::from_iterator(values.len().div_ceil(stride), values.iter().step_by(stride).copied())
-}
-
-/// The first runs of a column, one below the other.
-fn joined(column: &Column, count: usize) -> DVector<f64> {
-    let runs = &column[..count.min(column.len())];
-    DVector::from_iterator(runs.iter().map(DVector::len).sum(), runs.iter().flat_map(|r| r.iter().copied()))
-}
-
-/// Weighted change of a channel at its samples.
-fn difference(run: &Run, channel: &Channel, after: &[f64], before: &[f64], weight: f64) -> Vec<f64> {
-    let before = run.sample(before, 0.0);
-    let mut change: Vec<f64> = run.sample(after, 0.0).iter().zip(before).map(|(a, b)| a - b).collect();
-    if channel.counts {
-        let mean = mean_or_zero(&change);
-        change.iter_mut().for_each(|c| *c -= mean);
-    }
-    change.iter_mut().for_each(|c| *c *= weight);
-    change
-}
-
-/// Orthonormal columns with the same span.
-fn orthonormal(rows: usize, columns: &[DVector<f64>]) -> DMatrix<f64> {
-    let mut basis: Vec<DVector<f64>> = Vec::new();
-    for column in columns {
-        let size = column.norm();
-        let mut rest = column.clone();
-        // twice is enough
-        for _ in 0..2 {
-            for b in &basis {
-                rest -= b * b.dot(&rest);
-            }
-        }
-        if rest.norm() > 1e-8 * size && size > 0.0 {
-            let norm = rest.norm();
-            basis.push(rest / norm);
-        }
-    }
-    if basis.is_empty() { DMatrix::zeros(rows, 0) } else { DMatrix::from_columns(&basis) }
-}
-
 /// How far an amplitude may go from where the effect is off to be what its name says: what only the reverse would explain, or
 /// more of it than there can be, is not promised. A natural size is a guess, and limits nothing but the sign.
 fn room(placement: &Placement, amplitude: usize) -> (f64, f64) {
@@ -633,50 +380,10 @@ fn searched(placement: &Placement, amplitude: usize) -> (f64, f64) {
     (low.max(parameter.search.0 - off), high.min(parameter.search.1 - off))
 }
 
-/// What columns explain of a residual with amounts that have these rooms: squared error taken away, and the amounts. Columns that
-/// the parameters explain all but fully explain nothing by themselves.
-pub(super) fn explain(
-    clean: &[DVector<f64>],
-    own: &[DVector<f64>],
-    residual: &DVector<f64>,
-    rooms: &[(f64, f64)],
-) -> Option<(f64, Vec<f64>)> {
-    let n = clean.len();
-    let kept: Vec<usize> =
-        (0..n).filter(|i| clean[*i].norm() > 1e-3 * own[*i].norm() && own[*i].norm() > 0.0).collect();
-    if kept.is_empty() {
-        return None;
-    }
-    let matrix = DMatrix::from_fn(kept.len(), kept.len(), |i, j| {
-        let v = clean[kept[i]].dot(&clean[kept[j]]);
-        if i == j { v * (1.0 + 1e-9) } else { v }
-    });
-    let right = DVector::from_fn(kept.len(), |i, _| clean[kept[i]].dot(residual));
-    let mut amounts = matrix.clone().cholesky()?.solve(&right);
-    let within = |amounts: &DVector<f64>, i: usize| {
-        let (low, high) = rooms[kept[i]];
-        amounts[i].clamp(low, high)
-    };
-    if (0..kept.len()).any(|i| within(&amounts, i) != amounts[i]) {
-        // one amount after the other, each the best within its room: the function is convex
-        for _ in 0..SWEEPS {
-            for i in 0..kept.len() {
-                amounts[i] += (right[i] - matrix.row(i).transpose().dot(&amounts)) / matrix[(i, i)];
-                amounts[i] = within(&amounts, i);
-            }
-        }
-    }
-    let gain = 2.0 * amounts.dot(&right) - amounts.dot(&(&matrix * &amounts));
-    let mut all = vec![0.0; n];
-    for (i, amount) in kept.iter().zip(amounts.iter()) {
-        all[*i] = *amount;
-    }
-    (gain.is_finite() && gain > 0.0).then_some((gain, all))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effect::Port;
 
     #[test]
     fn a_fit_begins_with_the_form_that_explains_most_within_what_is_looked_for() {
@@ -703,21 +410,5 @@ mod tests {
         let [best] = &best_of_each(&[placement], &probes, &explained)[..] else { panic!("one placement") };
         assert!(shapes > 2 && best.gain == 0.7, "{}", best.gain);
         assert_eq!(best.values, [0.5, effect.parameters[1].probes[1]]);
-    }
-
-    #[test]
-    fn amounts_that_are_looked_for_keep_to_the_sign_and_to_the_search() {
-        let column = DVector::from_vec(vec![1.0, 2.0, -1.0]);
-        let explain = |share: f64, room: (f64, f64)| {
-            let residual = &column * share;
-            let own = std::slice::from_ref(&column);
-            explain(own, own, &residual, &[room]).map(|(gain, a)| (gain, a[0]))
-        };
-        // 5 is twice what is looked for: of the square 1 - (1 - 1/2)^2 is explained
-        let (gain, amount) = explain(5.0, (0.0, 2.5)).unwrap();
-        assert!((amount - 2.5).abs() < 1e-9 && (gain / (25.0 * 6.0) - 0.75).abs() < 1e-9, "{gain}");
-        let (gain, amount) = explain(5.0, (0.0, f64::INFINITY)).unwrap();
-        assert!((amount - 5.0).abs() < 1e-6 && (gain / 150.0 - 1.0).abs() < 1e-6);
-        assert!(explain(-5.0, (0.0, f64::INFINITY)).is_none());
     }
 }

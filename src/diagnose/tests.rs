@@ -1,5 +1,6 @@
 //! Whole diagnoses of small models: what their answers must not depend on, and what is fitted.
 
+use super::begin::Begun;
 use super::candidates::{Before, assess};
 use super::one_function::{Law, one_function};
 use super::placement::Placement;
@@ -531,4 +532,57 @@ fn two_names_at_one_place_are_one_function_unless_they_say_more() {
     // a gap and a stiff stop on one side, which no smooth function follows
     let knees = |x: f64| 1.5 * x.clamp(-0.2, 0.2) - 10.0 * (x - 0.8).max(0.0);
     assert_eq!(is_one(&knees), None);
+}
+
+#[test]
+fn a_fit_that_longer_steps_have_led_astray_goes_on_near_where_it_has_come_to() {
+    let brake = Brake::behind(501, 1e6);
+    let friction = brake.subject.interface.index("friction").unwrap();
+    let free = brake.subject.free.iter().find(|p| p.variable == friction).unwrap();
+    let every_tenth = |(v, values): &(usize, Vec<f64>)| (*v, values.iter().step_by(10).copied().collect());
+    let inputs = brake.drive.inputs.iter().map(every_tenth).collect();
+    let coarser = Drive { step: 1e-2, points: 51, inputs, ..Drive::clone(&brake.drive) };
+    let drive = Arc::new(Drive { coarser: Some(Arc::new(coarser)), ..Drive::clone(&brake.drive) });
+    let of_values = |values: Vec<f64>| Run { drive: Arc::clone(&drive), ..brake.run(values) };
+    let placement = Placement {
+        effect: find_effect("sensor-gain").unwrap(),
+        port: Port::Output,
+        targets: vec![brake.torque],
+        drivers: Vec::new(),
+        scales: vec![1.0],
+        units: vec![None],
+        bounded: false,
+    };
+    let with = |gain: f64| Model { parameters: vec![0.0], effects: vec![(placement.clone(), vec![gain])] };
+
+    // beside what longer steps leave out of twice the friction, a gain of a thousandth says to explain all that is measured
+    let blank = of_values(vec![0.0; 501]);
+    let at =
+        |share: f64| Study { values: vec![(friction, share * free.nominal)], ..brake.study(&blank, 1.0) };
+    let closeness = |study: &Study<'_>| study.near(&study.fit(&study.nominal(), 1).unwrap()).closeness;
+    let astray = closeness(&at(1.2));
+    let near = Study { closeness: astray.clone(), ..at(0.6) };
+    let problem = near.problem(&with(1e-3), near.fit_runs.clone());
+    let measured = of_values(problem.residuals(&[Study::point(&with(1e-3))]).remove(0).unwrap());
+    let study = Study { fit_runs: vec![&measured], check_runs: vec![&measured], ..at(0.6) };
+    let near = Study { closeness: astray, ..study.clone() };
+
+    let current = study.fit(&study.nominal(), 1).unwrap();
+    let (fit, check) =
+        (study.fit_rest(&current).unwrap(), study.rest(&current.model, &study.check_runs).unwrap());
+    let fitted = near.fit_near(&with(1e-4), 8, &current).unwrap();
+    let really = study.fit_rest(&fitted).unwrap().total;
+    let best = study.fit(&with(1e-4), 20).unwrap();
+    assert!(fitted.fit.cost < 0.01 * really && best.fit.cost < 0.99 * really, "{} {really}", fitted.fit.cost);
+    let values = vec![1e-3];
+    let screened = Screened { placement, values, wholes: Vec::new(), gain: 0.5, places: 1, all_places: 1 };
+    let before = Before { fit: &fit, check: &check };
+    let tried = Begun::finish(&[Begun { screened, fitted }], (&study, &near), &current, before).remove(0);
+    assert!(
+        (tried.fit_rest.total / best.fit.cost - 1.0).abs() < 1e-6,
+        "{} and {}, {really}",
+        tried.fit_rest.total,
+        best.fit.cost
+    );
+    assert!((tried.fitted.fit.cost / tried.fit_rest.total - 1.0).abs() < 0.01, "{}", tried.fitted.fit.cost);
 }
