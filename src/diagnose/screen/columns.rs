@@ -26,7 +26,7 @@ impl Screen<'_> {
     }
 
     /// Change of the weighted outputs of some runs per unit of one amplitude: of each probe, for each of its amplitudes.
-    /// What is known of these is taken as it is; `how` closely others are made of each other, [`spanned`] says.
+    /// What is known of these is taken as it is; `how` closely others are made of each other, [`sums`] says.
     pub(super) fn columns(
         &self,
         interface: &Interface,
