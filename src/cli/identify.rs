@@ -1,6 +1,6 @@
 //! `latsch identify`: sequential identification.
 
-use super::digits::digits;
+use super::digits::short;
 use super::planned::{numbers, plan, slave};
 use super::{Format, check_outputs, files_in, print, print_json};
 use clap::ValueEnum;
@@ -155,16 +155,21 @@ fn parameter_file(answer: &Answer, interface: &Interface) -> String {
 }
 
 fn told(answer: &Answer, interface: &Interface) -> String {
+    let unit = |name: &str| {
+        let index = interface.index(name);
+        index.and_then(|k| interface.variables[k].unit.as_deref()).unwrap_or("1")
+    };
     let mut text = String::new();
-    let _ = writeln!(text, "{:44} {:>12} {:>11}", "parameter", "value", "+- (90 %)");
+    let _ = writeln!(text, "{:44} {:>12} {:>11}  unit", "parameter", "value", "+- (90 %)");
     for row in &answer.parameters {
         let light = match row.light {
             Light::Green => "green",
             Light::Yellow => "yellow",
             Light::Red => "red",
         };
-        let half = row.half_width.map_or("-".to_owned(), |half| format!("{half:.2e}"));
-        let _ = writeln!(text, "{:44} {:>12.5e} {half:>11}  {light}", row.name, row.value);
+        let half = row.half_width.map_or("-".to_owned(), |half| short(half, 3));
+        let (value, unit) = (short(row.value, 6), unit(&row.name));
+        let _ = writeln!(text, "{:44} {value:>12} {half:>11}  {unit:10} {light}", row.name);
         if let Some(why) = &row.why {
             let _ = writeln!(text, "    {why}");
         }
@@ -177,13 +182,16 @@ fn told(answer: &Answer, interface: &Interface) -> String {
     for row in &answer.targets {
         let _ = writeln!(
             text,
-            "{:44} {:>4} {:>12.5e} {:>11.2e} {:>12.5e}",
-            row.name, row.readings, row.measured, row.half_width, row.modelled
+            "{:44} {:>4} {:>12} {:>11} {:>12}",
+            row.name,
+            row.readings,
+            short(row.measured, 6),
+            short(row.half_width, 3),
+            short(row.modelled, 6)
         );
     }
     for (name, offset) in answer.offsets.iter().chain(&answer.zeros) {
-        let unit = interface.index(name).and_then(|k| interface.variables[k].unit.as_deref()).unwrap_or("1");
-        let _ = writeln!(text, "offset of {name}: {} {unit}", digits(*offset, 4));
+        let _ = writeln!(text, "offset of {name}: {} {}", short(*offset, 4), unit(name));
     }
     for misfit in &answer.misfits {
         let _ = writeln!(text, "contradiction: {}", misfit.words());
