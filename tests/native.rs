@@ -5,7 +5,9 @@ mod common;
 
 use common::{flat_track, set, started};
 use latsch::control::AbsController;
-use latsch::model::{Causality, Initial, Model, Native, Settings, Slave, Table, Variability, input, output};
+use latsch::model::{
+    Causality, Initial, Kind, Model, Native, Settings, Slave, Table, Variability, input, output,
+};
 use latsch::rig::RingBrushFlatTrack;
 use latsch::{Error, Result, real};
 use serde::{Deserialize, Serialize};
@@ -68,6 +70,46 @@ fn an_output_that_is_no_number_is_an_error_that_names_it() {
         slave.start(0.0, None).unwrap();
         let error = slave.finish_start().unwrap_err().to_string();
         assert!(error.starts_with(words) && error.contains("initialization"), "{error}");
+    }
+}
+
+/// Types are forgotten inside: what belongs to another model has to be told all the same.
+#[test]
+fn a_snapshot_of_another_model_is_refused() {
+    let mut own = started::<Reciprocal>(&[("input", 2.0)]);
+    own.step(0.0, 1e-3).unwrap();
+    let mut other = Native::<AbsController>::new(&Settings::default()).unwrap();
+    let mut foreign = other.save().unwrap();
+    let words = "belongs to another model";
+    assert!(own.restore(&foreign).unwrap_err().to_string().contains(words));
+    assert!(own.serialize(&foreign).unwrap_err().to_string().contains(words));
+    assert_eq!(common::get(&mut own, "reciprocal"), 0.5);
+    // one of another model has no memory to reuse
+    own.save_into(&mut foreign).unwrap();
+    assert!(other.restore(&foreign).is_err());
+    set(&mut own, &[("input", 4.0)]);
+    own.step(1e-3, 1e-3).unwrap();
+    own.restore(&foreign).unwrap();
+    assert_eq!((own.time(), common::get(&mut own, "reciprocal")), (1e-3, 0.5));
+}
+
+/// All at once is as one by one, in whatever order and whatever the kinds.
+#[test]
+fn values_that_are_read_together_are_those_that_are_read_alone() {
+    let mut track = flat_track(&[("slip", 0.05), ("slip_angle", 0.06)]);
+    track.step(0.0, 1e-3).unwrap();
+    let variables = track.interface().variables.clone();
+    let mut all: Vec<usize> = (0..variables.len()).rev().collect();
+    all.retain(|i| !matches!(variables[*i].kind, Kind::Text));
+    let real: Vec<usize> = all.iter().copied().filter(|i| variables[*i].is_real()).collect();
+    assert!(real.len() < all.len());
+    for wanted in [all, real] {
+        let mut together = vec![0.0; wanted.len()];
+        track.get_all(&wanted, &mut together).unwrap();
+        for (index, value) in wanted.iter().zip(&together) {
+            assert_eq!(*value, track.get(*index).unwrap(), "{}", variables[*index].name);
+        }
+        assert!(together.iter().filter(|value| **value != 0.0).count() > 60);
     }
 }
 

@@ -3,6 +3,7 @@
 //! [`Model`] is how one writes a model, [`Slave`] is how one runs anything. [`Native`] makes a
 //! slave of a model; everything else (simulation, export, the FMI interface) knows only slaves.
 
+mod access;
 mod clock;
 mod clone;
 mod interface;
@@ -16,6 +17,7 @@ mod table;
 pub mod unit;
 mod variable;
 
+pub use access::{Access, Lens};
 pub use clock::{check_experiment, check_step};
 #[cfg(feature = "host")]
 pub(crate) use interface::did_you_mean;
@@ -28,11 +30,10 @@ pub use settings::{Free, Setting, Settings};
 pub(crate) use settings::{Lines, key, line_of};
 pub(crate) use slave::wrong_order;
 pub use slave::{Slave, Snapshot};
+pub use table::Table;
 pub(crate) use table::reference;
-pub use table::{Lens, Table};
 pub use variable::{
-    Access, Get, Set, Start, Variable, boolean_parameter, input, integer_parameter, local, output, parameter,
-    text_parameter,
+    Row, Variable, boolean_parameter, input, integer_parameter, local, output, parameter, text_parameter,
 };
 
 use crate::Result;

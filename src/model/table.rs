@@ -1,26 +1,12 @@
 //! The table of a model's variables, put together from the rows of its parts.
 
-use super::interface::VariableInfo;
-use super::{Start, Variable};
+use super::access::{Lens, Way};
+use super::interface::{Value, VariableInfo};
+use super::variable::{Row, Variable};
 use crate::{Error, Result};
 use std::collections::BTreeMap;
+use std::marker::PhantomData;
 use std::sync::Arc;
-
-/// How a part is reached in the model that it is a part of.
-pub struct Lens<M: 'static, P: 'static> {
-    pub(super) of: Arc<dyn Fn(&M) -> &P + Send + Sync>,
-    pub(super) of_mut: Arc<dyn Fn(&mut M) -> &mut P + Send + Sync>,
-}
-
-impl<M, P> Lens<M, P> {
-    /// From the two ways to borrow the part; [`lens!`](crate::lens) writes both.
-    pub fn new(
-        of: impl for<'a> Fn(&'a M) -> &'a P + Send + Sync + 'static,
-        of_mut: impl for<'a> Fn(&'a mut M) -> &'a mut P + Send + Sync + 'static,
-    ) -> Self {
-        Self { of: Arc::new(of), of_mut: Arc::new(of_mut) }
-    }
-}
 
 /// The way to a field that is a part: `lens!(wheels[i])`, inside `impl Model`.
 #[macro_export]
@@ -58,19 +44,26 @@ macro_rules! lens {
 /// assert_eq!(names, ["travel", "front.stiffness", "front.force", "rear.stiffness", "rear.force"]);
 /// ```
 pub struct Table<M: 'static> {
-    rows: Vec<Variable<M>>,
+    rows: Vec<Row>,
+    model: PhantomData<fn(&M)>,
 }
 
-impl<M> Table<M> {
+impl<M: 'static> Table<M> {
     /// A table of these rows.
     pub fn new(rows: impl IntoIterator<Item = Variable<M>>) -> Self {
-        Self { rows: rows.into_iter().collect() }
+        Self::of(Vec::new()).and(rows)
+    }
+
+    fn of(rows: Vec<Row>) -> Self {
+        Self { rows, model: PhantomData }
     }
 
     /// The same with further rows behind its own.
     #[must_use]
     pub fn and(mut self, rows: impl IntoIterator<Item = Variable<M>>) -> Self {
-        self.rows.extend(rows);
+        for variable in rows {
+            self.rows.push(variable.row);
+        }
         self
     }
 
@@ -78,17 +71,17 @@ impl<M> Table<M> {
     /// part is there several times, `""` where names are to stay as the part has them.
     #[must_use]
     pub fn part<P>(mut self, prefix: &str, lens: Lens<M, P>, part: Table<P>) -> Self {
-        self.rows.extend(part.rows.into_iter().map(|row| row.of_part(prefix, &lens)));
+        append(&mut self.rows, part.rows, prefix, &lens.way);
         self
     }
 
     /// The same with one row changed: where a part has another start value, or words of the whole.
     #[must_use]
     pub fn with(mut self, name: &str, change: impl FnOnce(Variable<M>) -> Variable<M>) -> Self {
-        match self.rows.iter().position(|row| row.name() == name) {
+        match self.position(name) {
             Some(at) => {
                 let row = self.rows.remove(at);
-                self.rows.insert(at, change(row));
+                self.rows.insert(at, change(Variable::of(row)).row);
             }
             None => debug_assert!(false, "there is no row {name}"),
         }
@@ -98,18 +91,14 @@ impl<M> Table<M> {
     /// The same with another start value of a row, if there is one of that name: where a whole knows what it is, but not which part it
     /// gets.
     #[must_use]
-    pub fn starting_where_there(self, name: &str, start: impl Into<Start>) -> Self {
-        if self.rows.iter().any(|row| row.name() == name) {
-            self.with(name, |row| row.start(start))
-        } else {
-            self
-        }
+    pub fn starting_where_there(self, name: &str, start: impl Into<Value>) -> Self {
+        if self.position(name).is_some() { self.with(name, |row| row.start(start)) } else { self }
     }
 
     /// The parameters only.
     #[must_use]
     pub fn only_parameters(mut self) -> Self {
-        self.rows.retain(Variable::is_parameter);
+        self.rows.retain(Row::is_parameter);
         self
     }
 
@@ -132,16 +121,19 @@ impl<M> Table<M> {
     #[must_use]
     pub fn without_derivatives_if(mut self, ragged: bool) -> Self {
         if ragged {
-            let without =
-                |row: Variable<M>| if row.is_smooth_output() { row.without_derivative() } else { row };
-            self.rows = self.rows.into_iter().map(without).collect();
+            self.rows = self.rows.into_iter().map(Row::without_derivative).collect();
         }
         self
     }
 
     /// The rows.
-    pub fn rows(&self) -> &[Variable<M>] {
+    pub fn rows(&self) -> &[Row] {
         &self.rows
+    }
+
+    /// The index of the row of that name.
+    pub fn position(&self, name: &str) -> Option<usize> {
+        self.rows.iter().position(|row| row.name() == name)
     }
 
     /// Writes the start value of every row that has one.
@@ -149,16 +141,23 @@ impl<M> Table<M> {
         self.rows.iter().for_each(|row| row.write_start(model));
     }
 
-    /// The row at an index of the interface that was made of this table.
-    pub(super) fn row(&self, index: usize) -> &Variable<M> {
-        &self.rows[index]
+    /// Writes a value that was [accepted](VariableInfo::accept) for row number `index`.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn write(&self, index: usize, model: &mut M, value: &Value) {
+        self.rows[index].write(model, value);
     }
 
-    /// The rows without their types. Where one of them says what it is, all of them are taken to: nothing is
+    /// The rows alone.
+    pub(super) fn into_rows(self) -> Vec<Row> {
+        self.rows
+    }
+
+    /// The rows as everything outside the model sees them. Where one of them says what it is, all of them are taken to: nothing is
     /// guessed of a model whose author has said it.
     pub(crate) fn infos(&self) -> Vec<VariableInfo> {
-        let meaning = self.rows.iter().any(Variable::has_meaning);
-        self.rows.iter().map(|row| row.info(meaning)).collect()
+        infos(&self.rows)
     }
 
     /// Checks what the compiler cannot: that names and value references are unique, and that the rates of inputs are
@@ -167,30 +166,45 @@ impl<M> Table<M> {
     /// # Errors
     /// The first two rows that are one too many, or an input that runs on with something that is no row.
     pub(super) fn check(&self) -> Result<()> {
-        let mut seen: BTreeMap<u32, &str> = BTreeMap::new();
-        for row in &self.rows {
-            let name = row.name();
-            match seen.insert(reference(name), name) {
-                Some(other) if other == name => {
-                    return Err(Error::variable(format!("the table has two variables called {name:?}")));
-                }
-                Some(other) => {
-                    return Err(Error::variable(format!(
-                        "the variables {other:?} and {name:?} have the same value reference, which is made of the name; give one of them another name"
-                    )));
-                }
-                None => {}
+        check(&self.rows)
+    }
+}
+
+// What does not need the model's type stands outside of what is compiled for each.
+
+fn append(rows: &mut Vec<Row>, part: Vec<Row>, prefix: &str, way: &Arc<dyn Way>) {
+    rows.extend(part.into_iter().map(|row| row.of_part(prefix, way)));
+}
+
+pub(super) fn infos(rows: &[Row]) -> Vec<VariableInfo> {
+    let meaning = rows.iter().any(Row::has_meaning);
+    rows.iter().map(|row| row.info(meaning)).collect()
+}
+
+fn check(rows: &[Row]) -> Result<()> {
+    let mut seen: BTreeMap<u32, &str> = BTreeMap::new();
+    for row in rows {
+        let name = row.name();
+        match seen.insert(reference(name), name) {
+            Some(other) if other == name => {
+                return Err(Error::variable(format!("the table has two variables called {name:?}")));
             }
-            if let Some(rate) = row.natural_rate()
-                && !self.rows.iter().any(|row| row.name() == rate)
-            {
+            Some(other) => {
                 return Err(Error::variable(format!(
-                    "{name} runs on with {rate:?}, which is no variable of the table"
+                    "the variables {other:?} and {name:?} have the same value reference, which is made of the name; give one of them another name"
                 )));
             }
+            None => {}
         }
-        Ok(())
+        if let Some(rate) = row.natural_rate()
+            && !rows.iter().any(|row| row.name() == rate)
+        {
+            return Err(Error::variable(format!(
+                "{name} runs on with {rate:?}, which is no variable of the table"
+            )));
+        }
     }
+    Ok(())
 }
 
 /// The FMI value reference of a variable: a number made of its name (FNV-1a, 31 bits, because some masters keep it as a
@@ -244,12 +258,11 @@ mod tests {
         let table = Car::table().with("right.speed", |row| row.start(3.0));
         table.check().unwrap();
         let mut car = Car::default();
-        for row in table.rows() {
-            let Some(crate::model::Value::Real(start)) = row.info(false).start else { panic!() };
-            let crate::model::Access::Real(_, set) = row.access() else { panic!() };
-            set(&mut car, start);
-        }
+        table.write_starts(&mut car);
         assert_eq!((car.mass, car.wheels[0].speed, car.wheels[1].speed), (2.0, 1.0, 3.0));
+        assert_eq!(table.rows()[4].read(&car), Value::Real(3.0));
+        table.write(2, &mut car, &Value::Real(4.0));
+        assert_eq!((car.wheels[0].angle, car.wheels[0].speed, car.wheels[1].speed), (0.5, 4.0, 3.0));
         assert_eq!(table.rows()[3].natural_rate(), Some("right.speed"));
     }
 

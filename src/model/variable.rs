@@ -1,161 +1,13 @@
 //! The typed variable table: every variable is declared once, with the way to reach it.
 
+use super::access::{Access, Reach, Scalar, Way};
 use super::interface::{Causality, Initial, Kind, Value, Variability, VariableInfo};
 use super::meaning::{Meaning, Purpose, Role};
-use super::table::{Lens, reference};
+use super::table::reference;
+use std::any::Any;
 use std::borrow::Cow;
+use std::marker::PhantomData;
 use std::sync::Arc;
-
-/// Reads a value from a model.
-pub type Get<M, V> = Arc<dyn Fn(&M) -> V + Send + Sync>;
-/// Writes a value to a model.
-pub type Set<M, V> = Arc<dyn Fn(&mut M, V) + Send + Sync>;
-/// Reads a text.
-type GetText<M> = Arc<dyn Fn(&M) -> &str + Send + Sync>;
-/// Writes a text.
-type SetText<M> = Arc<dyn Fn(&mut M, &str) + Send + Sync>;
-/// Writes the value of an input and, when the master knows it, its first derivative.
-type SetRated<M> = Arc<dyn Fn(&mut M, f64, Option<f64>) + Send + Sync>;
-
-/// How a variable of the model `M` is read and written.
-pub enum Access<M: 'static> {
-    /// A real number in the unit of its declaration.
-    Real(Get<M, f64>, Set<M, f64>),
-    /// An input with an optional rate.
-    Rated(Get<M, f64>, SetRated<M>),
-    /// A whole number, or an item (from 1) of an enumeration.
-    Integer(Get<M, i32>, Set<M, i32>),
-    /// A switch.
-    Boolean(Get<M, bool>, Set<M, bool>),
-    /// A text.
-    Text(GetText<M>, SetText<M>),
-}
-
-impl<M> Clone for Access<M> {
-    fn clone(&self) -> Self {
-        match self {
-            Self::Real(get, set) => Self::Real(get.clone(), set.clone()),
-            Self::Rated(get, set) => Self::Rated(get.clone(), set.clone()),
-            Self::Integer(get, set) => Self::Integer(get.clone(), set.clone()),
-            Self::Boolean(get, set) => Self::Boolean(get.clone(), set.clone()),
-            Self::Text(get, set) => Self::Text(get.clone(), set.clone()),
-        }
-    }
-}
-
-/// Functions of a row know nothing but the model, as a rule: a closure that captures something has a type of its own, and all that a shared
-/// pointer to it needs is compiled for it.
-impl<M: 'static> Access<M> {
-    /// A real number that can be read and written.
-    pub fn real(get: fn(&M) -> f64, set: fn(&mut M, f64)) -> Self {
-        Self::Real(Arc::new(get), Arc::new(set))
-    }
-
-    /// A real number that is computed when it is read.
-    pub fn computed(get: fn(&M) -> f64) -> Self {
-        Self::real(get, |_, _| {})
-    }
-
-    /// As [`real`](Self::real), with closures that capture something.
-    pub fn real_with(
-        get: impl Fn(&M) -> f64 + Send + Sync + 'static,
-        set: impl Fn(&mut M, f64) + Send + Sync + 'static,
-    ) -> Self {
-        Self::Real(Arc::new(get), Arc::new(set))
-    }
-
-    /// As [`computed`](Self::computed), with a closure that captures something.
-    pub fn computed_with(get: impl Fn(&M) -> f64 + Send + Sync + 'static) -> Self {
-        Self::real_with(get, |_, _| {})
-    }
-
-    /// An input whose setter gets the value and, when the master knows it, the first derivative.
-    pub fn rated(get: fn(&M) -> f64, set: fn(&mut M, f64, Option<f64>)) -> Self {
-        Self::Rated(Arc::new(get), Arc::new(set))
-    }
-
-    /// A whole number that can be read and written.
-    pub fn integer(get: fn(&M) -> i32, set: fn(&mut M, i32)) -> Self {
-        Self::Integer(Arc::new(get), Arc::new(set))
-    }
-
-    /// A whole number that is computed when it is read.
-    pub fn computed_integer(get: fn(&M) -> i32) -> Self {
-        Self::integer(get, |_, _| {})
-    }
-
-    /// A switch that can be read and written.
-    pub fn boolean(get: fn(&M) -> bool, set: fn(&mut M, bool)) -> Self {
-        Self::Boolean(Arc::new(get), Arc::new(set))
-    }
-
-    /// A switch that is computed when it is read.
-    pub fn computed_boolean(get: fn(&M) -> bool) -> Self {
-        Self::boolean(get, |_, _| {})
-    }
-
-    /// A text that can be read and written.
-    pub fn text(get: fn(&M) -> &str, set: fn(&mut M, &str)) -> Self {
-        Self::Text(Arc::new(get), Arc::new(set))
-    }
-
-    /// The access to the same value where the model is a part of another.
-    fn through<W: 'static>(self, lens: &Lens<W, M>) -> Access<W> {
-        fn get<W: 'static, M: 'static, V: 'static>(lens: &Lens<W, M>, get: Get<M, V>) -> Get<W, V> {
-            let of = lens.of.clone();
-            Arc::new(move |whole| get(of(whole)))
-        }
-        fn set<W: 'static, M: 'static, V: 'static>(lens: &Lens<W, M>, set: Set<M, V>) -> Set<W, V> {
-            let of_mut = lens.of_mut.clone();
-            Arc::new(move |whole, value| set(of_mut(whole), value))
-        }
-        let (of, of_mut) = (lens.of.clone(), lens.of_mut.clone());
-        match self {
-            Self::Real(g, s) => Access::Real(get(lens, g), set(lens, s)),
-            Self::Rated(g, s) => {
-                Access::Rated(get(lens, g), Arc::new(move |w, value, rate| s(of_mut(w), value, rate)))
-            }
-            Self::Integer(g, s) => Access::Integer(get(lens, g), set(lens, s)),
-            Self::Boolean(g, s) => Access::Boolean(get(lens, g), set(lens, s)),
-            Self::Text(g, s) => {
-                Access::Text(Arc::new(move |w| g(of(w))), Arc::new(move |w, text| s(of_mut(w), text)))
-            }
-        }
-    }
-}
-
-/// A start value as a table can hold it.
-#[derive(Debug, Clone, Copy)]
-pub enum Start {
-    /// Real.
-    Real(f64),
-    /// Integer or enumeration.
-    Integer(i32),
-    /// Boolean.
-    Boolean(bool),
-    /// Text.
-    Text(&'static str),
-    /// Calculated by the model.
-    None,
-}
-
-impl From<f64> for Start {
-    fn from(value: f64) -> Self {
-        Self::Real(value)
-    }
-}
-
-impl From<i32> for Start {
-    fn from(value: i32) -> Self {
-        Self::Integer(value)
-    }
-}
-
-impl From<&'static str> for Start {
-    fn from(value: &'static str) -> Self {
-        Self::Text(value)
-    }
-}
 
 /// How a real output moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -168,14 +20,20 @@ enum Change {
     Discrete,
 }
 
-/// One row of a model's variable table.
+/// One row of a model's variable table, as the model `M` writes it.
 pub struct Variable<M: 'static> {
+    pub(super) row: Row,
+    model: PhantomData<fn(&M)>,
+}
+
+/// One row of a variable table, without the type of its model: [`Table`](super::Table) knows that.
+pub struct Row {
     name: Cow<'static, str>,
     unit: &'static str,
     description: Cow<'static, str>,
     causality: Causality,
-    access: Access<M>,
-    start: Start,
+    reach: Reach,
+    start: Option<Value>,
     min: Option<f64>,
     max: Option<f64>,
     nominal: Option<f64>,
@@ -236,31 +94,15 @@ macro_rules! rated {
     };
 }
 
-fn row<M>(
+fn variable<M>(
     name: &'static str,
     unit: &'static str,
     causality: Causality,
     access: Access<M>,
     description: &'static str,
-    start: Start,
+    start: Option<Value>,
 ) -> Variable<M> {
-    Variable {
-        name: name.into(),
-        unit,
-        description: description.into(),
-        causality,
-        access,
-        start,
-        min: None,
-        max: None,
-        nominal: None,
-        items: &[],
-        tunable: false,
-        runs_on: None,
-        change: Change::Smooth,
-        role: None,
-        purpose: None,
-    }
+    Variable::of(Row::new(name, unit, causality, access.reach, description, start))
 }
 
 /// A real parameter, fixed after initialization. `unit` as in FMI: `"N.m/rad"`, `"1"`.
@@ -271,7 +113,7 @@ pub fn parameter<M>(
     start: f64,
     description: &'static str,
 ) -> Variable<M> {
-    row(name, unit, Causality::Parameter, access, description, Start::Real(start))
+    variable(name, unit, Causality::Parameter, access, description, Some(start.into()))
 }
 
 /// A whole-number parameter.
@@ -281,7 +123,7 @@ pub fn integer_parameter<M>(
     start: i32,
     description: &'static str,
 ) -> Variable<M> {
-    row(name, "", Causality::Parameter, access, description, Start::Integer(start))
+    variable(name, "", Causality::Parameter, access, description, Some(start.into()))
 }
 
 /// A switch among the parameters.
@@ -291,7 +133,7 @@ pub fn boolean_parameter<M>(
     start: bool,
     description: &'static str,
 ) -> Variable<M> {
-    row(name, "", Causality::Parameter, access, description, Start::Boolean(start))
+    variable(name, "", Causality::Parameter, access, description, Some(start.into()))
 }
 
 /// A text among the parameters.
@@ -301,7 +143,7 @@ pub fn text_parameter<M>(
     start: &'static str,
     description: &'static str,
 ) -> Variable<M> {
-    row(name, "", Causality::Parameter, access, description, Start::Text(start))
+    variable(name, "", Causality::Parameter, access, description, Some(start.into()))
 }
 
 /// A continuous real input.
@@ -312,7 +154,7 @@ pub fn input<M>(
     start: f64,
     description: &'static str,
 ) -> Variable<M> {
-    row(name, unit, Causality::Input, access, description, Start::Real(start))
+    variable(name, unit, Causality::Input, access, description, Some(start.into()))
 }
 
 /// An output. Real outputs are continuous unless marked [`discrete`](Variable::discrete); integer and boolean ones change at steps.
@@ -322,7 +164,7 @@ pub fn output<M>(
     access: Access<M>,
     description: &'static str,
 ) -> Variable<M> {
-    row(name, unit, Causality::Output, access, description, Start::None)
+    variable(name, unit, Causality::Output, access, description, None)
 }
 
 /// A quantity inside the model that somebody may want to look at.
@@ -332,36 +174,40 @@ pub fn local<M>(
     access: Access<M>,
     description: &'static str,
 ) -> Variable<M> {
-    row(name, unit, Causality::Local, access, description, Start::None)
+    variable(name, unit, Causality::Local, access, description, None)
 }
 
 impl<M: 'static> Variable<M> {
+    pub(super) fn of(row: Row) -> Self {
+        Self { row, model: PhantomData }
+    }
+
     /// The values that are accepted, ends included, in the variable's unit.
     #[must_use]
     pub fn range(mut self, min: f64, max: f64) -> Self {
-        self.min = Some(min);
-        self.max = Some(max);
+        self.row.min = Some(min);
+        self.row.max = Some(max);
         self
     }
 
     /// The smallest value that is accepted.
     #[must_use]
     pub fn min(mut self, min: f64) -> Self {
-        self.min = Some(min);
+        self.row.min = Some(min);
         self
     }
 
     /// A typical size, for solvers that scale.
     #[must_use]
     pub fn nominal(mut self, nominal: f64) -> Self {
-        self.nominal = Some(nominal);
+        self.row.nominal = Some(nominal);
         self
     }
 
     /// Lets a parameter change between steps; see [`Model::tune`](super::Model::tune).
     #[must_use]
     pub fn tunable(mut self) -> Self {
-        self.tunable = true;
+        self.row.tunable = true;
         self
     }
 
@@ -369,7 +215,7 @@ impl<M: 'static> Variable<M> {
     /// variability is discrete, its derivative over time 0.
     #[must_use]
     pub fn discrete(mut self) -> Self {
-        self.change = Change::Discrete;
+        self.row.change = Change::Discrete;
         self
     }
 
@@ -378,14 +224,8 @@ impl<M: 'static> Variable<M> {
     /// master that extrapolates then holds the value.
     #[must_use]
     pub fn without_derivative(mut self) -> Self {
-        self.change = Change::Ragged;
+        self.row.change = Change::Ragged;
         self
-    }
-
-    /// A real output that has a derivative.
-    pub(super) fn is_smooth_output(&self) -> bool {
-        let is_real = matches!(self.access, Access::Real(..) | Access::Rated(..));
-        self.causality == Causality::Output && is_real && matches!(self.change, Change::Smooth)
     }
 
     /// Lets a real input that comes without a derivative run on between communication points with the
@@ -393,22 +233,128 @@ impl<M: 'static> Variable<M> {
     /// the velocity has a derivative a, x + v t + a t²/2.
     #[must_use]
     pub fn runs_on(mut self, rate: &'static str) -> Self {
-        self.runs_on = Some(rate.into());
+        self.row.runs_on = Some(rate.into());
         self
     }
 
     /// Makes an enumeration of an integer variable: (name, description) of the values 1, 2, ...
     #[must_use]
     pub fn items(mut self, items: &'static [(&'static str, &'static str)]) -> Self {
-        self.items = items;
+        self.row.items = items;
         self
     }
 
     /// Says what the variable is to its machine; [`Role`] has what is taken for granted without it.
     #[must_use]
     pub fn role(mut self, role: Role) -> Self {
-        self.role = Some(role);
+        self.row.role = Some(role);
         self
+    }
+
+    /// Says what a parameter is there for; without it, it is a property of the machine.
+    #[must_use]
+    pub fn purpose(mut self, purpose: Purpose) -> Self {
+        self.row.purpose = Some(purpose);
+        self
+    }
+
+    /// The same variable with another start value: a part may need another one in another whole.
+    #[must_use]
+    pub fn start(mut self, start: impl Into<Value>) -> Self {
+        self.row.start = Some(start.into());
+        self
+    }
+
+    /// The same variable with another description.
+    #[must_use]
+    pub fn described(mut self, description: impl Into<Cow<'static, str>>) -> Self {
+        self.row.description = description.into();
+        self
+    }
+}
+
+impl Row {
+    fn new(
+        name: &'static str,
+        unit: &'static str,
+        causality: Causality,
+        reach: Reach,
+        description: &'static str,
+        start: Option<Value>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            unit,
+            description: description.into(),
+            causality,
+            reach,
+            start,
+            min: None,
+            max: None,
+            nominal: None,
+            items: &[],
+            tunable: false,
+            runs_on: None,
+            change: Change::Smooth,
+            role: None,
+            purpose: None,
+        }
+    }
+
+    /// The same variable where the model is a part of another, under a prefix.
+    pub(super) fn of_part(self, prefix: &str, way: &Arc<dyn Way>) -> Self {
+        let prefixed = |name: Cow<'static, str>| match prefix.is_empty() {
+            true => name,
+            false => format!("{prefix}{name}").into(),
+        };
+        Self {
+            name: prefixed(self.name),
+            runs_on: self.runs_on.map(prefixed),
+            reach: self.reach.through(way),
+            ..self
+        }
+    }
+
+    /// The same, [without a derivative](Variable::without_derivative) if it is a real output that has one.
+    pub(super) fn without_derivative(self) -> Self {
+        let smooth = self.causality == Causality::Output && self.is_real() && self.has_derivative();
+        Self { change: if smooth { Change::Ragged } else { self.change }, ..self }
+    }
+
+    /// Writes the start value, if there is one.
+    pub(super) fn write_start(&self, model: &mut dyn Any) {
+        if let Some(start) = &self.start {
+            self.write(model, start);
+        }
+    }
+
+    /// The value in a model.
+    ///
+    /// # Panics
+    /// If the row is not one of such a model.
+    pub(super) fn read(&self, model: &dyn Any) -> Value {
+        self.reach.end.read(self.reach.part(model))
+    }
+
+    /// The value of a real variable in a model; 0 of any other.
+    ///
+    /// # Panics
+    /// As [`read`](Self::read).
+    pub(super) fn real(&self, model: &dyn Any) -> f64 {
+        self.reach.end.real(self.reach.part(model))
+    }
+
+    /// Writes a value that was [accepted](VariableInfo::accept) for the variable.
+    ///
+    /// # Panics
+    /// As [`read`](Self::read).
+    pub(super) fn write(&self, model: &mut dyn Any, value: &Value) {
+        self.reach.end.write(self.reach.part_mut(model), value);
+    }
+
+    /// How to reach the value.
+    pub(super) fn reach(&self) -> &Reach {
+        &self.reach
     }
 
     /// True of a parameter.
@@ -416,63 +362,9 @@ impl<M: 'static> Variable<M> {
         self.causality == Causality::Parameter
     }
 
-    /// Says what a parameter is there for; without it, it is a property of the machine.
-    #[must_use]
-    pub fn purpose(mut self, purpose: Purpose) -> Self {
-        self.purpose = Some(purpose);
-        self
-    }
-
-    /// The same variable with another start value: a part may need another one in another whole.
-    #[must_use]
-    pub fn start(mut self, start: impl Into<Start>) -> Self {
-        self.start = start.into();
-        self
-    }
-
-    /// The same variable with another description.
-    #[must_use]
-    pub fn described(mut self, description: impl Into<Cow<'static, str>>) -> Self {
-        self.description = description.into();
-        self
-    }
-
-    /// The same variable where the model is a part of another, under a prefix.
-    pub(super) fn of_part<W: 'static>(self, prefix: &str, lens: &Lens<W, M>) -> Variable<W> {
-        let prefixed = |name: Cow<'static, str>| match prefix.is_empty() {
-            true => name,
-            false => format!("{prefix}{name}").into(),
-        };
-        Variable {
-            name: prefixed(self.name),
-            unit: self.unit,
-            description: self.description,
-            causality: self.causality,
-            access: self.access.through(lens),
-            start: self.start,
-            min: self.min,
-            max: self.max,
-            nominal: self.nominal,
-            items: self.items,
-            tunable: self.tunable,
-            runs_on: self.runs_on.map(prefixed),
-            change: self.change,
-            role: self.role,
-            purpose: self.purpose,
-        }
-    }
-
-    /// Writes the start value, if there is one.
-    pub(super) fn write_start(&self, model: &mut M) {
-        match (&self.access, self.start) {
-            (Access::Real(_, set), Start::Real(value)) => set(model, value),
-            (Access::Rated(_, set), Start::Real(value)) => set(model, value, None),
-            (Access::Integer(_, set), Start::Integer(value)) => set(model, value),
-            (Access::Boolean(_, set), Start::Boolean(value)) => set(model, value),
-            (Access::Text(_, set), Start::Text(text)) => set(model, text),
-            // the functions that make rows let no other pair be
-            (_, start) => debug_assert!(matches!(start, Start::None), "{} = {start:?}", self.name),
-        }
+    /// True of a real number.
+    pub(super) fn is_real(&self) -> bool {
+        self.reach.scalar == Scalar::Real
     }
 
     /// True if the row says what the variable is or is there for.
@@ -492,32 +384,19 @@ impl<M: 'static> Variable<M> {
 
     /// Its last change tells how it goes on, so that it has a derivative over time.
     pub fn has_derivative(&self) -> bool {
-        matches!(self.change, Change::Smooth)
+        self.change == Change::Smooth
     }
 
-    /// How to reach it.
-    pub fn access(&self) -> &Access<M> {
-        &self.access
-    }
-
-    /// The row without its types, as everything outside the model sees it. `meaning`: the model says what its
-    /// variables are.
+    /// The row as everything outside the model sees it. `meaning`: the model says what its variables are.
     pub(super) fn info(&self, meaning: bool) -> VariableInfo {
-        let kind = match self.access {
-            Access::Real(..) | Access::Rated(..) => Kind::Real,
-            Access::Integer(..) if self.items.is_empty() => Kind::Integer,
-            Access::Integer(..) => Kind::Enumeration(
+        let kind = match self.reach.scalar {
+            Scalar::Real => Kind::Real,
+            Scalar::Integer if self.items.is_empty() => Kind::Integer,
+            Scalar::Integer => Kind::Enumeration(
                 self.items.iter().map(|(name, text)| ((*name).into(), (*text).into())).collect(),
             ),
-            Access::Boolean(..) => Kind::Boolean,
-            Access::Text(..) => Kind::Text,
-        };
-        let start = match self.start {
-            Start::Real(v) => Some(Value::Real(v)),
-            Start::Integer(v) => Some(Value::Integer(v)),
-            Start::Boolean(v) => Some(Value::Boolean(v)),
-            Start::Text(v) => Some(Value::Text(v.into())),
-            Start::None => None,
+            Scalar::Boolean => Kind::Boolean,
+            Scalar::Text => Kind::Text,
         };
         let variability = match (self.causality, &kind) {
             (Causality::Parameter, _) if self.tunable => Variability::Tunable,
@@ -539,7 +418,7 @@ impl<M: 'static> Variable<M> {
             causality: self.causality,
             variability,
             initial,
-            start,
+            start: self.start.clone(),
             min: self.min,
             max: self.max,
             nominal: self.nominal,

@@ -1,7 +1,7 @@
 //! A road as parameters of a model, and back.
 
 use super::profile::{RoadProfile, text};
-use crate::model::{Access, Causality, Setting, Settings, Value};
+use crate::model::{Causality, Setting, Settings, Value};
 use crate::recording::read_settings;
 use crate::road::RoadParameters;
 use crate::{Error, Result};
@@ -61,18 +61,12 @@ pub(super) fn read(path: &Path) -> Result<RoadProfile> {
     let mut parameters = RoadParameters::flat();
     let mut others = Vec::new();
     for setting in &settings.values {
-        let found = table.rows().iter().zip(&infos).find(|(row, _)| row.name() == setting.name);
-        let Some((row, info)) = found else {
+        let Some(row) = table.position(&setting.name) else {
             others.push(setting.name.as_str());
             continue;
         };
-        let value = info.accept_quantity(&setting.value).map_err(|e| e.at(&setting.place))?;
-        match (row.access(), value) {
-            (Access::Real(_, set), Value::Real(value)) => set(&mut parameters, value),
-            (Access::Integer(_, set), Value::Integer(value)) => set(&mut parameters, value),
-            (Access::Text(_, set), Value::Text(value)) => set(&mut parameters, &value),
-            _ => return Err(Error::file(format!("{}: {} cannot be read", setting.place, setting.name))),
-        }
+        let value = infos[row].accept_quantity(&setting.value).map_err(|e| e.at(&setting.place))?;
+        table.write(row, &mut parameters, &value);
     }
     let at = |e: Error| Error::file(format!("{source}: {e}"));
     let (left, right) = parameters.outline().map_err(at)?;

@@ -1,8 +1,11 @@
 //! All that changes while a [`Native`](super::Native) runs: what a snapshot holds.
 
+use super::machine::Machine;
 use crate::clone_in_place;
-use crate::model::{Access, Causality, Interface, Kind, Model, Table, Value};
+use crate::model::variable::Row;
+use crate::model::{Causality, Interface, Kind, Value};
 use serde::{Deserialize, Serialize};
+use std::any::Any;
 
 /// Grid steps beyond this cannot be told apart in double precision.
 const MAX_POSITION: f64 = 9e15;
@@ -20,16 +23,15 @@ pub(super) enum Phase {
 }
 
 /// Everything that changes: what a snapshot holds.
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Data<M> {
+pub(super) struct Data {
     pub(super) clock: Clock,
     pub(super) signals: Vec<Signal>,
     /// The state at the last grid point.
-    pub(super) grid: M,
+    pub(super) grid: Box<dyn Machine>,
     /// The state at the communication point, where `clock.off_grid`.
-    pub(super) between: M,
+    pub(super) between: Box<dyn Machine>,
     /// The state one grid step before `grid`, for derivatives of outputs.
-    pub(super) before: M,
+    pub(super) before: Box<dyn Machine>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -74,24 +76,28 @@ impl Signal {
     }
 }
 
-clone_in_place!(Data<M> { clock, signals, grid, between, before });
+clone_in_place!(Data { clock, signals, grid, between, before });
 
-impl<M: Model> Data<M> {
-    pub(super) fn new(table: &Table<M>, interface: &Interface, settings: &[(usize, Value)]) -> Self {
-        let mut grid = M::default();
-        table.write_starts(&mut grid);
+impl Data {
+    /// That of a model with its defaults, which gets the start values of its rows and the settings.
+    pub(super) fn new(
+        mut grid: Box<dyn Machine>,
+        rows: &[Row],
+        interface: &Interface,
+        settings: &[(usize, Value)],
+    ) -> Self {
+        for row in rows {
+            row.write_start(&mut *grid);
+        }
         for (index, value) in settings {
-            put(table, &mut grid, *index, value);
+            rows[*index].write(&mut *grid, value);
         }
         let signals = interface
             .with(Causality::Input)
             .filter(|index| interface.variables[*index].kind == Kind::Real)
             .map(|index| Signal {
                 variable: index,
-                value: match take(table, &grid, index) {
-                    Value::Real(value) => value,
-                    _ => 0.0,
-                },
+                value: rows[index].real(&*grid),
                 since: 0.0,
                 rate: None,
                 rate_set_in: u64::MAX,
@@ -114,8 +120,8 @@ impl<M: Model> Data<M> {
         Self { clock, signals, between: grid.clone(), before: grid.clone(), grid }
     }
 
-    /// Whether a run can lead to this, as far as [`Native`] relies on it.
-    pub(super) fn is_possible(&self, table: &Table<M>, interface: &Interface) -> bool {
+    /// Whether a run can lead to this, as far as [`Run`](super::run::Run) relies on it.
+    pub(super) fn is_possible(&self, rows: &[Row], interface: &Interface) -> bool {
         let Clock { phase, start, stop, time, ticks, step_size, steps, time_before, .. } = self.clock;
         let times = [start, time, time_before].iter().all(|t| t.is_finite())
             && stop.is_none_or(|s| s.is_finite() && s > start);
@@ -142,7 +148,7 @@ impl<M: Model> Data<M> {
         let parameters = interface.with(Causality::Parameter).all(|index| {
             self.models()
                 .into_iter()
-                .all(|model| interface.variables[index].accept(&take(table, model, index)).is_ok())
+                .all(|model| interface.variables[index].accept(&rows[index].read(model)).is_ok())
         });
         // what is stale is initialized before it is stepped
         let stale = self.clock.stale && phase != Phase::Running;
@@ -172,53 +178,42 @@ impl<M: Model> Data<M> {
         }
     }
 
-    fn models(&self) -> [&M; 3] {
-        [&self.grid, &self.between, &self.before]
+    fn models(&self) -> [&dyn Machine; 3] {
+        [&*self.grid, &*self.between, &*self.before]
+    }
+
+    /// Whether both are of models of the same type.
+    pub(super) fn is_of_same_model(&self, other: &Self) -> bool {
+        let [own, others]: [&dyn Any; 2] = [&*self.grid, &*other.grid];
+        own.type_id() == others.type_id()
+    }
+
+    pub(super) fn to_bytes(&self) -> postcard::Result<Vec<u8>> {
+        let mut bytes = postcard::to_stdvec(&(&self.clock, &self.signals))?;
+        for model in self.models() {
+            bytes.extend(model.to_bytes()?);
+        }
+        Ok(bytes)
+    }
+
+    /// The data in `bytes`, of a model of the same type as `like`.
+    pub(super) fn from_bytes(bytes: &[u8], like: &dyn Machine) -> postcard::Result<Self> {
+        let ((clock, signals), rest) = postcard::take_from_bytes(bytes)?;
+        let (grid, rest) = like.read(rest)?;
+        let (between, rest) = like.read(rest)?;
+        let (before, _) = like.read(rest)?;
+        Ok(Self { clock, signals, grid, between, before })
     }
 }
 
 /// The inputs that run on with another one: where both are among the signals.
-pub(super) fn natural_rates<M: Model>(table: &Table<M>, signals: &[Signal]) -> Vec<(usize, usize)> {
-    let named = |name: &str| signals.iter().position(|s| table.row(s.variable).name() == name);
+pub(super) fn natural_rates(rows: &[Row], signals: &[Signal]) -> Vec<(usize, usize)> {
+    let named = |name: &str| signals.iter().position(|s| rows[s.variable].name() == name);
     let rates = signals.iter().enumerate().filter_map(|(i, signal)| {
-        let name = table.row(signal.variable).natural_rate()?;
+        let name = rows[signal.variable].natural_rate()?;
         let rate = named(name);
         debug_assert!(rate.is_some(), "{name} is no real input");
         Some((i, rate?))
     });
     rates.collect()
-}
-
-/// The value of a variable.
-fn take<M: Model>(table: &Table<M>, model: &M, index: usize) -> Value {
-    match table.row(index).access() {
-        Access::Real(get, _) | Access::Rated(get, _) => Value::Real(get(model)),
-        Access::Integer(get, _) => Value::Integer(get(model)),
-        Access::Boolean(get, _) => Value::Boolean(get(model)),
-        Access::Text(get, _) => Value::Text(get(model).into()),
-    }
-}
-
-/// Writes a value that was accepted for the variable.
-pub(super) fn put<M: Model>(table: &Table<M>, model: &mut M, index: usize, value: &Value) {
-    match (table.row(index).access(), value) {
-        (Access::Real(_, set), Value::Real(v)) => set(model, *v),
-        (Access::Rated(_, set), Value::Real(v)) => set(model, *v, None),
-        (Access::Integer(_, set), Value::Integer(v)) => set(model, *v),
-        (Access::Boolean(_, set), Value::Boolean(v)) => set(model, *v),
-        (Access::Text(_, set), Value::Text(v)) => set(model, v),
-        // `VariableInfo::accept` lets no other pair through.
-        _ => debug_assert!(false, "{} = {value:?}", table.row(index).name()),
-    }
-}
-
-/// Writes the inputs' values at `time`.
-pub(super) fn feed<M: Model>(table: &Table<M>, model: &mut M, signals: &[Signal], time: f64) {
-    for signal in signals {
-        match table.row(signal.variable).access() {
-            Access::Real(_, set) => set(model, signal.at(time)),
-            Access::Rated(_, set) => set(model, signal.at(time), signal.rate),
-            _ => {}
-        }
-    }
 }
