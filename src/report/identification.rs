@@ -61,8 +61,8 @@ fn parameters(answer: &Answer, unit: impl Fn(&str) -> String) -> Section {
     }
     html.push_str("</tbody></table></div>\n");
     Section::new("Parameters").with(Html::raw(html)).with(Html::note(
-        "Green: known within a tenth. Yellow: known less well. Red: not known, the value is the one that it had. Intervals count what \
-         scatters, and what is held and may be elsewhere.",
+        "Green: known within a tenth. Yellow: known less well. Red: not known; the value is the one that it had, or its interval \
+         reaches down to nothing. Intervals count what scatters, and what is held and may be elsewhere.",
     ))
 }
 

@@ -24,7 +24,7 @@ pub enum Light {
     Green,
     /// Known, but not so well, or from recordings that contradict the model.
     Yellow,
-    /// Not known: it has the value that it had.
+    /// Not known: it has the value that it had, or it is a size, which cannot be negative, and its interval reaches down to nothing.
     Red,
 }
 
@@ -100,6 +100,14 @@ impl Search<'_> {
         Ok(changed)
     }
 
+    /// Whether a parameter of the model cannot be negative.
+    fn is_size(&self, name: &str) -> bool {
+        let interface = self.stand.interface();
+        interface
+            .index(name)
+            .is_some_and(|index| interface.variables[index].min.is_some_and(|min| min >= 0.0))
+    }
+
     /// The answer, with the parameters as they are.
     pub fn answer(&self, plan: &Plan, reduced: &Reduced, known: &Known, within: &Numbers) -> Result<Answer> {
         let names: Vec<&String> = plan.groups.iter().flat_map(|g| &g.parameters).map(|p| &p.name).collect();
@@ -114,9 +122,12 @@ impl Search<'_> {
         let parameters = self.given(plan, reduced, known, within)?.into_iter().map(|given| {
             let held = given.by_held.and_then(|k| reduced.dropped.iter().find(|(name, _)| name == names[k]));
             let half_width = held.is_none().then_some(known.side * given.deviation);
+            let reaches_nothing =
+                half_width.is_some_and(|half| self.is_size(&given.name) && half >= given.value.abs());
             Found {
                 light: match half_width {
                     None => Light::Red,
+                    Some(_) if reaches_nothing => Light::Red,
                     Some(half)
                         if half <= GOOD * given.value.abs() && contradicted(&given.group).is_none() =>
                     {
@@ -128,6 +139,9 @@ impl Search<'_> {
                 why: match (held, contradicted(&given.group)) {
                     (Some((name, why)), _) if *name == given.name => Some(why.clone()),
                     (Some((name, why)), _) => Some(format!("{name}: {why}")),
+                    (None, None) if reaches_nothing => {
+                        Some("the recordings hardly tell it: its interval reaches down to 0".into())
+                    }
                     (None, contradicted) => contradicted,
                 },
                 name: given.name,
