@@ -28,6 +28,18 @@ pub enum Light {
     Red,
 }
 
+impl Light {
+    /// That of a value and half its interval, if it has one.
+    fn of(value: f64, half_width: Option<f64>, is_size: bool, is_contradicted: bool) -> Self {
+        match half_width {
+            None => Self::Red,
+            Some(half) if is_size && half >= value.abs() => Self::Red,
+            Some(half) if half <= GOOD * value.abs() && !is_contradicted => Self::Green,
+            Some(_) => Self::Yellow,
+        }
+    }
+}
+
 /// What became of a parameter of the model that a plan gives a value.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Found {
@@ -122,27 +134,20 @@ impl Search<'_> {
         let parameters = self.given(plan, reduced, known, within)?.into_iter().map(|given| {
             let held = given.by_held.and_then(|k| reduced.dropped.iter().find(|(name, _)| name == names[k]));
             let half_width = held.is_none().then_some(known.side * given.deviation);
-            let reaches_nothing =
-                half_width.is_some_and(|half| self.is_size(&given.name) && half >= given.value.abs());
+            let contradiction = contradicted(&given.group);
+            let light =
+                Light::of(given.value, half_width, self.is_size(&given.name), contradiction.is_some());
+            let is_lost = light == Light::Red && half_width.is_some();
             Found {
-                light: match half_width {
-                    None => Light::Red,
-                    Some(_) if reaches_nothing => Light::Red,
-                    Some(half)
-                        if half <= GOOD * given.value.abs() && contradicted(&given.group).is_none() =>
-                    {
-                        Light::Green
-                    }
-                    Some(_) => Light::Yellow,
-                },
+                light,
                 half_width,
-                why: match (held, contradicted(&given.group)) {
-                    (Some((name, why)), _) if *name == given.name => Some(why.clone()),
-                    (Some((name, why)), _) => Some(format!("{name}: {why}")),
-                    (None, None) if reaches_nothing => {
-                        Some("the recordings hardly tell it: its interval reaches down to 0".into())
-                    }
-                    (None, contradicted) => contradicted,
+                why: match held {
+                    Some((name, why)) if *name == given.name => Some(why.clone()),
+                    Some((name, why)) => Some(format!("{name}: {why}")),
+                    None => contradiction.or_else(|| {
+                        is_lost
+                            .then(|| "the recordings hardly tell it: its interval reaches down to 0".into())
+                    }),
                 },
                 name: given.name,
                 group: given.group,
@@ -197,5 +202,24 @@ impl Search<'_> {
             notes,
             starts: self.stand.starts(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_that_may_be_nothing_is_not_known() {
+        let of = |value, half, is_size| Light::of(value, half, is_size, false);
+        assert_eq!(of(2.0, Some(0.1), true), Light::Green);
+        assert_eq!(of(2.0, Some(1.9), true), Light::Yellow);
+        assert_eq!(of(2.0, Some(2.1), true), Light::Red);
+        assert_eq!(of(2.0, None, true), Light::Red);
+        // what may have either sign may well be next to nothing
+        assert_eq!([of(2.0, Some(2.1), false), of(-2.0, Some(2.1), false)], [Light::Yellow; 2]);
+        // and a contradiction makes nothing better than it is
+        let contradicted = [0.1, 2.1].map(|half| Light::of(2.0, Some(half), true, true));
+        assert_eq!(contradicted, [Light::Yellow, Light::Red]);
     }
 }

@@ -5,6 +5,7 @@ use crate::model::variable::Row;
 use std::any::Any;
 use std::ops::Deref;
 
+/// The rows, in the order of the interface.
 pub(super) struct Rows {
     rows: Vec<Row>,
     /// A number for each row, the same for those of one part.
