@@ -109,7 +109,8 @@ fn values_that_are_read_together_are_those_that_are_read_alone() {
         for (index, value) in wanted.iter().zip(&together) {
             assert_eq!(*value, track.get(*index).unwrap(), "{}", variables[*index].name);
         }
-        assert!(together.iter().filter(|value| **value != 0.0).count() > 60);
+        // a reading that always gave 0 would be alike, too
+        assert!(together.iter().filter(|value| **value != 0.0).count() > wanted.len() / 2);
     }
 }
 
