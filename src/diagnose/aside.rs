@@ -78,14 +78,7 @@ mod tests {
     const NAMES: [&str; 3] = ["force", "moment", "speed"];
 
     fn runs(count: usize, channels: usize) -> Vec<(Run, Use)> {
-        let drive = Arc::new(Drive {
-            start: 0.0,
-            step: 1.0,
-            inputs: Vec::new(),
-            begins: Vec::new(),
-            points: 1,
-            coarser: None,
-        });
+        let drive = Arc::new(Drive::new(0.0, 1.0, 1, Vec::new()));
         let channel = |variable| Channel { variable, values: vec![0.0], counts: false };
         let run = |i: usize| Run {
             name: format!("{i}.csv"),

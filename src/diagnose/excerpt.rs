@@ -15,6 +15,7 @@ pub(super) fn beginning(run: &Run, seconds: f64) -> Run {
         step: drive.step,
         inputs: drive.inputs.iter().map(|(v, values)| (*v, first(values, points))).collect(),
         begins: drive.begins.clone(),
+        earlier: Arc::clone(&drive.earlier),
         points,
         coarser: None,
     };
@@ -53,6 +54,7 @@ pub(super) fn coarser(run: &Run) -> Run {
         step: drive.step * parts as f64,
         inputs: drive.inputs.iter().map(|(v, values)| (*v, thin(values))).collect(),
         begins: drive.begins.clone(),
+        earlier: Arc::clone(&drive.earlier),
         points: (drive.points - 1) / parts + 1,
         coarser: None,
     };
@@ -82,6 +84,7 @@ pub(super) fn finer(run: &Run) -> Run {
         step: drive.step / PARTS as f64,
         inputs: drive.inputs.iter().map(|(v, values)| (*v, refine(values))).collect(),
         begins: drive.begins.clone(),
+        earlier: Arc::clone(&drive.earlier),
         points,
         coarser: drive.coarser.clone().or_else(|| Some(Arc::clone(drive))),
     };
@@ -101,14 +104,7 @@ mod tests {
     fn the_beginning_of_a_run_is_that_of_its_drive_and_samples() {
         let course = |n: usize| (0..n).map(|k| k as f64).collect::<Vec<f64>>();
         // 10 s of it, two communication steps for a sample
-        let drive = Drive {
-            start: 1.0,
-            step: 0.05,
-            inputs: vec![(0, course(201))],
-            begins: Vec::new(),
-            points: 201,
-            coarser: None,
-        };
+        let drive = Drive::new(1.0, 0.05, 201, vec![(0, course(201))]);
         let time: Vec<f64> = (0..101).map(|k| 1.0 + 0.1 * f64::from(k)).collect();
         let channels = vec![Channel { variable: 1, values: course(101), counts: true }];
         let run = Run { name: "a.csv".into(), drive: Arc::new(drive), time, channels };

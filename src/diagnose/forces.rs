@@ -195,14 +195,7 @@ mod tests {
         let points = 2001;
         let sine = |f: f64| (0..points).map(|k| f * (0.01 * k as f64).sin()).collect::<Vec<f64>>();
         let driven = inputs.iter().zip(courses).filter_map(|(v, f)| Some((*v, sine(f?))));
-        let drive = Drive {
-            start: 0.0,
-            step: 2e-3,
-            inputs: driven.collect(),
-            begins: Vec::new(),
-            points,
-            coarser: None,
-        };
+        let drive = Drive::new(0.0, 2e-3, points, driven.collect());
         let setup = Arc::new(Setup { values: Vec::new(), attachments: Vec::new() });
         let drives = [Arc::new(drive)];
         ask(&Forces { bench: &bench, setup, drives: &drives }, &roles, &inputs)

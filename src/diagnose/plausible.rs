@@ -37,15 +37,16 @@ pub(super) fn plausible(study: &Study<'_>, fitted: &Fitted, current_fit: &Rest) 
 }
 
 /// Whether a parameter of the last effect is not known, or may be at an end of where it is looked for, other than that
-/// where the effect is off.
+/// where the effect is off. How runs follow each other says nothing of the effect.
 pub(super) fn runs_out(study: &Study<'_>, fitted: &Fitted) -> bool {
     let Some((placement, _)) = fitted.model.effects.last() else { return false };
     let parameters = placement.effect.parameters.iter().zip(&placement.scales);
     estimates(study, fitted).iter().zip(parameters).any(|(estimate, (p, scale))| {
         let (low, high) = placement.limits(p);
         let reaches = |end: f64, reached: Option<bool>| p.off != Some(end) && reached.unwrap_or(true);
-        reaches(low, estimate.low.map(|e| e <= low * scale))
-            || reaches(high, estimate.high.map(|e| e >= high * scale))
+        !p.of_session
+            && (reaches(low, estimate.low.map(|e| e <= low * scale))
+                || reaches(high, estimate.high.map(|e| e >= high * scale)))
     })
 }
 

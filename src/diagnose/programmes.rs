@@ -388,9 +388,5 @@ fn programme(
     let slack = 1e-9 * (inputs[moved].high - inputs[moved].low);
     let beyond = range.iter().any(|v| *v > inputs[moved].high + slack || *v < inputs[moved].low - slack);
     let driven = inputs.iter().map(|i| i.variable).zip(courses).collect();
-    Programme {
-        words,
-        drive: Arc::new(Drive { start, step, inputs: driven, begins: Vec::new(), points, coarser: None }),
-        beyond,
-    }
+    Programme { words, drive: Arc::new(Drive::new(start, step, points, driven)), beyond }
 }

@@ -12,7 +12,7 @@ use super::steps::ShorterSteps;
 use super::study::{Model, Study};
 use super::subject::Subject;
 use super::witnesses::{Shared, share_out};
-use crate::effect::Role;
+use crate::effect::{Earlier, Role};
 use crate::fit::{Bench, Drive, Run};
 use crate::model::Causality;
 use crate::recording::{Recording, recording_endings};
@@ -162,17 +162,20 @@ impl Recorded {
             |variable: usize| [Role::WheelAngle, Role::TravelDistance].iter().any(|r| roles.is(variable, *r));
         let used = self.names.iter().zip(&self.recordings).zip(&self.drives).zip(&self.uses);
         let used = used.filter(|(_, use_)| **use_ != Use::Leave);
-        used.map(|(((name, recording), drive), use_)| {
-            let mut run = prepare(&subject.interface, (recording, drive), name, self.step, finer)?;
-            run.channels.iter_mut().for_each(|c| c.counts = counts(c.variable));
-            let angles = run.channels.iter_mut().filter(|c| roles.is(c.variable, Role::WheelAngle));
-            angles.for_each(|c| unwrap(&mut c.values));
-            let counting = run.channels.iter().filter(|c| c.counts);
-            let begins = counting.filter_map(|c| Some((c.variable, *c.values.first()?))).collect();
-            run.drive = Arc::new(Drive { begins, ..Drive::clone(&run.drive) });
-            Ok((run, *use_))
-        })
-        .collect()
+        let mut runs: Vec<(Run, Use)> = used
+            .map(|(((name, recording), drive), use_)| {
+                let mut run = prepare(&subject.interface, (recording, drive), name, self.step, finer)?;
+                run.channels.iter_mut().for_each(|c| c.counts = counts(c.variable));
+                let angles = run.channels.iter_mut().filter(|c| roles.is(c.variable, Role::WheelAngle));
+                angles.for_each(|c| unwrap(&mut c.values));
+                let counting = run.channels.iter().filter(|c| c.counts);
+                let begins = counting.filter_map(|c| Some((c.variable, *c.values.first()?))).collect();
+                run.drive = Arc::new(Drive { begins, ..Drive::clone(&run.drive) });
+                Ok((run, *use_))
+            })
+            .collect::<Result<_>>()?;
+        follow_each_other(&mut runs);
+        Ok(runs)
     }
 
     /// Has the runs simulated with as many communication steps per sample as the model needs; says so, if these are more
@@ -358,6 +361,14 @@ impl Recorded {
         }
         let channels: Vec<String> = first.channels.iter().map(|c| name(c.variable)).collect();
         Ok(hygiene::faults_against(&measured, &simulated, &channels))
+    }
+}
+
+/// Tells each run which were before it.
+fn follow_each_other(runs: &mut [(Run, Use)]) {
+    let all: Vec<Arc<Earlier>> = runs.iter().map(|(run, _)| Arc::new(run.as_earlier())).collect();
+    for (k, (run, _)) in runs.iter_mut().enumerate() {
+        run.drive = Arc::new(Drive { earlier: all[..k].into(), ..Drive::clone(&run.drive) });
     }
 }
 

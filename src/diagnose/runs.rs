@@ -224,8 +224,7 @@ pub fn prepare(
     if points > MAX_POINTS {
         return Err(Error::file(format!("{name}: {points} steps of {step} s are more than can be kept")));
     }
-    let mut driven =
-        Drive { start: *first, step, inputs: Vec::new(), begins: Vec::new(), points, coarser: None };
+    let mut driven = Drive::new(*first, step, points, Vec::new());
     let grid: Vec<f64> = (0..points).map(|k| driven.time(k).min(*last)).collect();
     let mut channels = Vec::new();
     let measured = |c: &&crate::recording::Channel| !drive.has(&c.name);

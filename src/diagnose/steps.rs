@@ -271,14 +271,7 @@ mod tests {
         let mut run = Run {
             name: String::new(),
             time: (0..points).map(|k| 2e-3 * k as f64).collect(),
-            drive: Arc::new(Drive {
-                start: 0.0,
-                step: 2e-3,
-                inputs,
-                begins: Vec::new(),
-                points,
-                coarser: None,
-            }),
+            drive: Arc::new(Drive::new(0.0, 2e-3, points, inputs)),
             channels: Vec::new(),
         };
         let watch: Arc<[usize]> = Arc::from([find("force_y")]);
@@ -378,7 +371,7 @@ mod tests {
             (find("slip_angle"), (0..points).map(at).collect()),
         ];
         inputs.sort_by_key(|i| i.0);
-        let drive = Arc::new(Drive { start: 0.0, step, inputs, begins: Vec::new(), points, coarser: None });
+        let drive = Arc::new(Drive::new(0.0, step, points, inputs));
         let watch: Arc<[usize]> = Arc::from([find("force_y")]);
         let mut traces = bench.run(&[Arc::default()], &[Arc::clone(&drive)], &watch).pop().unwrap().unwrap();
         let mut random = SplitMix64::new(5);

@@ -40,14 +40,7 @@ fn record_brake(folder: &Path) {
         let pressure = |t: f64| 4e6 + sines.iter().map(|[a, f, p]| a * (TAU * f * t + p).sin()).sum::<f64>();
         let fine: Vec<f64> = (0..=4000).map(|k| pressure(1e-3 * f64::from(k))).collect();
         let inputs = vec![(find("driver_pressure"), fine)];
-        let drive = Arc::new(Drive {
-            start: 0.0,
-            step: 1e-3,
-            inputs,
-            begins: Vec::new(),
-            points: 4001,
-            coarser: None,
-        });
+        let drive = Arc::new(Drive::new(0.0, 1e-3, 4001, inputs));
         let setup = Arc::new(Setup { values: vec![(find("friction"), 0.43)], attachments: Vec::new() });
         let watch: Arc<[usize]> = Arc::from([find("brake_torque"), find("driver_pressure")]);
         let traces = bench.run(&[setup], &[drive], &watch).pop().unwrap().unwrap();
@@ -152,8 +145,7 @@ fn friction_at_the_reference_pressure_is_fitted() {
                 (find("slip"), slip),
             ];
             inputs.sort_by_key(|i| i.0);
-            let drive =
-                Arc::new(Drive { start: 0.0, step: 2e-3, inputs, begins: Vec::new(), points, coarser: None });
+            let drive = Arc::new(Drive::new(0.0, 2e-3, points, inputs));
             let traces =
                 bench.run(&[Arc::new(setup.clone())], &[Arc::clone(&drive)], &watch).pop().unwrap().unwrap();
             let channels = measured.iter().zip(traces).map(|(v, values)| Channel {
@@ -224,8 +216,7 @@ impl Brake {
         let find = |name: &str| subject.interface.index(name).unwrap();
         let course = (0..points).map(|k| 4e6 + amplitude * (0.02 * k as f64).sin()).collect();
         let inputs = vec![(find("driver_pressure"), course)];
-        let drive =
-            Arc::new(Drive { start: 0.0, step: 1e-3, inputs, begins: Vec::new(), points, coarser: None });
+        let drive = Arc::new(Drive::new(0.0, 1e-3, points, inputs));
         Self { torque: find("brake_torque"), subject, bench, drive }
     }
 
@@ -331,6 +322,7 @@ fn what_is_locked_to_a_wheel_has_its_phase_from_the_recorded_angle() {
         step: 2e-3,
         inputs,
         begins: vec![(angle, begin)],
+        earlier: Arc::default(),
         points,
         coarser: None,
     });

@@ -194,14 +194,7 @@ mod tests {
     fn runs(more: &[(f64, std::ops::Range<usize>)]) -> (Vec<Run>, Rest) {
         let n = 1000;
         let time: Vec<f64> = (0..n).map(|k| 0.01 * k as f64).collect();
-        let drive = Drive {
-            start: 0.0,
-            step: 0.005,
-            inputs: Vec::new(),
-            begins: Vec::new(),
-            points: 2 * n - 1,
-            coarser: None,
-        };
+        let drive = Drive::new(0.0, 0.005, 2 * n - 1, Vec::new());
         let run = |(i, (more, range)): (usize, &(f64, std::ops::Range<usize>))| {
             let own = |k: usize| if range.contains(&k) { *more } else { 1.0 };
             let values = (0..n).map(|k| if k % 2 == 0 { own(k) } else { -own(k) }).collect();

@@ -1,11 +1,12 @@
 //! [`Attached`]: a slave with effects on its ports is a slave again.
 
-use super::{Call, Effect, MAX_DRIVERS, Memory, Port};
+use super::{Call, Earlier, Effect, MAX_DRIVERS, Memory, Port, remembered};
 use crate::model::{
     Causality, Initial, Interface, Kind, Slave, Snapshot, Value, Variability, VariableInfo, wrong_order,
 };
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// What of a variable drives an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -79,6 +80,12 @@ impl Attachment {
         if self.effect.also.iter().any(|(port, _)| *port == at) { at } else { own }
     }
 
+    /// Its parameters, by number, that say something of a run by itself: they are variables.
+    fn of_any_run(&self) -> impl Iterator<Item = usize> {
+        let parameters = self.effect.parameters;
+        (0..parameters.len()).filter(|i| !parameters[*i].of_session)
+    }
+
     /// Name of one of its parameters as a variable: `effect.sensor_delay.force_y.delay`.
     pub fn variable(&self, interface: &Interface, parameter: usize) -> String {
         let effect = self.effect.id.replace('-', "_");
@@ -108,6 +115,8 @@ pub struct Attached<S: Slave + ?Sized> {
     signals: Vec<Signal>,
     /// What variables show at the start that effects are driven by.
     begins: Vec<(usize, f64)>,
+    /// The runs of the session before this one.
+    earlier: Arc<[Arc<Earlier>]>,
     state: State,
     inner: Box<S>,
 }
@@ -202,6 +211,7 @@ impl<S: Slave + ?Sized> Attached<S> {
             after,
             signals,
             begins: Vec::new(),
+            earlier: Arc::default(),
             inner,
         };
         attached.forget();
@@ -213,6 +223,11 @@ impl<S: Slave + ?Sized> Attached<S> {
     pub fn begin_at(&mut self, variable: usize, value: f64) {
         self.begins.retain(|(v, _)| *v != variable);
         self.begins.push((variable, value));
+    }
+
+    /// Has the run come after others of a session, before the start: effects begin with what is left of their memory then.
+    pub fn comes_after(&mut self, earlier: Arc<[Arc<Earlier>]>) {
+        self.earlier = earlier;
     }
 
     /// The slave without effects.
@@ -254,11 +269,11 @@ impl<S: Slave + ?Sized> Attached<S> {
     fn parameter(&self, variable: usize) -> Option<(usize, usize)> {
         let mut rest = variable.checked_sub(self.own)?;
         for (k, attachment) in self.attachments.iter().enumerate() {
-            let n = attachment.parameters.len();
-            if rest < n {
-                return Some((k, rest));
+            let own: Vec<usize> = attachment.of_any_run().collect();
+            match own.get(rest) {
+                Some(parameter) => return Some((k, *parameter)),
+                None => rest -= own.len(),
             }
-            rest -= n;
         }
         None
     }
@@ -340,7 +355,8 @@ pub fn attached_interface(inner: &Interface, attachments: &[Attachment]) -> Resu
     for attachment in attachments {
         let effect = attachment.effect;
         check(&interface, own, attachment).map_err(|e| e.at(format!("effect {}", effect.id)))?;
-        for (i, (parameter, chosen)) in effect.parameters.iter().zip(&attachment.parameters).enumerate() {
+        for i in attachment.of_any_run() {
+            let (parameter, chosen) = (&effect.parameters[i], &attachment.parameters[i]);
             // a foreign slave may have the largest reference there is; who needs them unique, renumbers
             reference = reference.wrapping_add(1);
             let name = attachment.variable(&interface, i);
@@ -525,6 +541,10 @@ impl<S: Slave + ?Sized> Slave for Attached<S> {
 
     fn finish_start(&mut self) -> Result<()> {
         let time = self.state.time;
+        for (k, attachment) in self.attachments.iter().enumerate() {
+            let held = self.state.values[attachment.target];
+            self.state.memories[k] = remembered(attachment, &self.state.parameters[k], held, &self.earlier);
+        }
         self.sense(0.0)?;
         for i in 0..self.before.len() {
             let variable = self.before[i].variable;

@@ -32,6 +32,7 @@ const fn term(name: &'static str, description: &'static str, power: i8) -> Param
         plausible: (-3.0, 3.0),
         search: (-3.0, 3.0),
         probes: &[0.01],
+        of_session: false,
     }
 }
 
@@ -43,6 +44,7 @@ const THRESHOLD: Parameter = Parameter {
     plausible: (0.01, 1.0),
     search: (0.01, 1.0),
     probes: &[0.15],
+    of_session: false,
 };
 
 const POLYNOMIAL: &[Parameter] = &[
@@ -89,6 +91,7 @@ const fn factor(name: &'static str, description: &'static str, power: i8) -> Par
         plausible: (-2.0, 2.0),
         search: (-2.0, 2.0),
         probes: &[0.01],
+        of_session: false,
     }
 }
 
@@ -194,6 +197,7 @@ const GROWTH: &[Parameter] = &[
         plausible: (-1.0, 1.0),
         search: (-1.0, 1.0),
         probes: &[0.001],
+        of_session: false,
     },
     Parameter {
         name: "curve",
@@ -203,6 +207,7 @@ const GROWTH: &[Parameter] = &[
         plausible: (-1.0, 1.0),
         search: (-1.0, 1.0),
         probes: &[0.0001],
+        of_session: false,
     },
 ];
 
@@ -215,6 +220,7 @@ const OVER_TIME: &[Parameter] = &[
         plausible: (-1.0, 1.0),
         search: (-1.0, 1.0),
         probes: &[0.001],
+        of_session: false,
     },
     Parameter {
         name: "curve",
@@ -224,6 +230,7 @@ const OVER_TIME: &[Parameter] = &[
         plausible: (-1.0, 1.0),
         search: (-1.0, 1.0),
         probes: &[0.0001],
+        of_session: false,
     },
     Parameter {
         name: "drift",
@@ -233,6 +240,7 @@ const OVER_TIME: &[Parameter] = &[
         plausible: (-1.0, 1.0),
         search: (-1.0, 1.0),
         probes: &[0.001],
+        of_session: false,
     },
 ];
 

@@ -195,6 +195,10 @@ impl Named {
         let mut parameters = Vec::new();
         for parameter in effect.parameters {
             let given = self.parameters.iter().find(|(name, ..)| name == parameter.name);
+            if given.is_none() && parameter.of_session {
+                parameters.push(Chosen { value: 0.0, range: parameter.search, unit: None });
+                continue;
+            }
             let (name, value, place) = given
                 .ok_or_else(|| at(Error::variable(format!("the parameter {} is missing", parameter.name))))?;
             let unit = natural_unit(parameter, interface, target, &drivers);

@@ -5,12 +5,14 @@
 //! world sees it, a parameter in flight, or it adds a force to an input that is one. It has few
 //! parameters with an off value at which nothing changes, to the last bit, and a memory of its own.
 
+mod along;
 mod attached;
 pub mod catalogue;
 pub mod empirical;
 pub mod file;
 
 pub use crate::model::Role;
+pub use along::{Along, Earlier, remembered};
 pub use attached::{Attached, Attachment, Chosen, Signal, Source, attached_interface};
 
 use serde::{Deserialize, Serialize};
@@ -124,6 +126,8 @@ pub struct Parameter {
     /// Values to try first: for a shape a coarse grid; for an amplitude one small value, and behind it, of what sticks or
     /// touches or comes late, sizes that are tried as a whole, because small amounts of it do something else.
     pub probes: &'static [f64],
+    /// It says how a run begins after another one of a session, and nothing where there is one run only, as in an FMU.
+    pub of_session: bool,
 }
 
 impl Parameter {
@@ -136,7 +140,7 @@ impl Parameter {
         search: (f64, f64),
         probes: &'static [f64],
     ) -> Self {
-        Self { name, description, scale, off: Some(0.0), plausible, search, probes }
+        Self { name, description, scale, off: Some(0.0), plausible, search, probes, of_session: false }
     }
 
     /// A parameter of shape.
@@ -148,7 +152,13 @@ impl Parameter {
         search: (f64, f64),
         probes: &'static [f64],
     ) -> Self {
-        Self { name, description, scale, off: None, plausible, search, probes }
+        Self { name, description, scale, off: None, plausible, search, probes, of_session: false }
+    }
+
+    /// The share of an effect's memory that outlasts the pause to the next run of a session.
+    pub const fn kept(description: &'static str) -> Self {
+        let share = Self::shape("kept", description, Scale::plain("1"), (0.0, 1.0), (0.0, 1.0), &[0.5, 0.0]);
+        Self { of_session: true, ..share }
     }
 
     /// True for a shape whose search spans an order of magnitude or more: twice as long a time is as far
@@ -187,6 +197,13 @@ pub struct Effect {
     pub parameters: &'static [Parameter],
     /// The changed number.
     pub apply: fn(&[f64], &mut Memory, &Call<'_>) -> f64,
+}
+
+impl Effect {
+    /// The number of the parameter that says which share of its memory is there when the next run of a session begins.
+    pub fn kept(&self) -> Option<usize> {
+        self.parameters.iter().position(|p| p.of_session)
+    }
 }
 
 impl std::fmt::Debug for Effect {

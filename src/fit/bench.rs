@@ -1,6 +1,6 @@
 //! [`Bench`]: runs one kind of slave many times, on all cores.
 
-use crate::effect::{Attached, Attachment};
+use crate::effect::{Attached, Attachment, Earlier};
 use crate::model::{Interface, Slave, Value};
 use crate::{Error, Result};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -23,6 +23,8 @@ pub struct Drive {
     /// What signals show at the start that count on and on, as the angle of a wheel does, where it was recorded: index of
     /// the variable and value. Effects get them from there.
     pub begins: Vec<(usize, f64)>,
+    /// The runs of the session before this one, the earliest first.
+    pub earlier: Arc<[Arc<Earlier>]>,
     /// Number of communication points.
     pub points: usize,
     /// The same with longer communication steps, where these are enough to tell how outputs change with an unknown.
@@ -30,6 +32,11 @@ pub struct Drive {
 }
 
 impl Drive {
+    /// One without anything that has to be said of few runs only.
+    pub fn new(start: f64, step: f64, points: usize, inputs: Vec<(usize, Vec<f64>)>) -> Self {
+        Self { start, step, inputs, begins: Vec::new(), earlier: Arc::default(), points, coarser: None }
+    }
+
     /// How long it takes, in the time of the model \[s\].
     pub fn length(&self) -> f64 {
         self.points.saturating_sub(1) as f64 * self.step
@@ -184,6 +191,7 @@ fn drive(slave: &mut Attached<dyn Slave>, fixed: &[(usize, Value)], task: &Task)
         slave.begin_at(*variable, *value);
     }
     let last = drive.points.saturating_sub(1);
+    slave.comes_after(Arc::clone(&drive.earlier));
     slave.start(drive.start, Some(drive.time(last)))?;
     for (variable, values) in &drive.inputs {
         slave.set(*variable, values[0])?;

@@ -4,7 +4,7 @@ use super::bench::{Bench, Drive, Setup, Traces};
 use super::least_squares::{Problem, changes};
 use super::replay::replay;
 use crate::Result;
-use crate::effect::{Attachment, Course, Port, Signal, attached_interface};
+use crate::effect::{Attachment, Course, Earlier, Port, Signal, attached_interface};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A measured channel of a run.
@@ -44,6 +44,13 @@ pub struct Run {
 }
 
 impl Run {
+    /// What the runs after it in a session know of it.
+    pub fn as_earlier(&self) -> Earlier {
+        let inputs = self.drive.inputs.iter().map(|(v, values)| (*v, self.sample(values, 0.0)));
+        let measured = self.channels.iter().map(|c| (c.variable, c.values.clone()));
+        Earlier { time: self.time.clone(), signals: inputs.chain(measured).collect() }
+    }
+
     /// A trace on the grid of communication points at the times of the samples less `lag` \[s\], linear in
     /// between.
     pub fn sample(&self, trace: &[f64], lag: f64) -> Vec<f64> {

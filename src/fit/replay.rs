@@ -1,7 +1,7 @@
 //! Effects on outputs, computed from traces instead of simulated.
 
 use super::bench::{Drive, Traces};
-use crate::effect::{Attachment, Call, Course, MAX_DRIVERS, Memory, Source};
+use crate::effect::{Along, Attachment, Course, remembered};
 
 /// The course `target` of an output after an effect on it, with the traces of the `watch`ed variables of the slave without
 /// that effect: what [`Attached`](crate::effect::Attached) does at the communication points, but for effects that show what is ahead,
@@ -16,32 +16,15 @@ pub fn replay(
     let parameters: Vec<f64> = attachment.parameters.iter().map(|p| p.value).collect();
     let of = |variable: usize| {
         let driven = || drive.inputs.iter().find(|(v, _)| *v == variable).map(|(_, values)| values);
-        watch.iter().position(|v| *v == variable).map(|c| &traces[c]).or_else(driven)
+        let values = watch.iter().position(|v| *v == variable).map(|c| &traces[c]).or_else(driven)?;
+        let begin = drive.begins.iter().find(|(v, _)| *v == variable);
+        Some((&values[..], begin.map_or(0.0, |(_, begin)| begin - values[0])))
     };
-    let signals: Option<Vec<&Vec<f64>>> = attachment.drivers.iter().map(|s| of(s.variable)).collect();
-    let signals = signals?;
+    let drivers: Option<Vec<(&[f64], f64)>> = attachment.drivers.iter().map(|s| of(s.variable)).collect();
     let course = Course { start: drive.start, step: drive.step, values: target };
-    let mut memory = Memory::default();
-    let mut integrals = [0.0; MAX_DRIVERS];
-    let changed = target.iter().enumerate().map(|(k, target)| {
-        let dt = if k == 0 { 0.0 } else { drive.time(k) - drive.time(k - 1) };
-        let mut drivers = [0.0; MAX_DRIVERS];
-        for (i, (signal, values)) in attachment.drivers.iter().zip(&signals).enumerate().take(MAX_DRIVERS) {
-            let (now, last) = (values[k], values[k.saturating_sub(1)]);
-            let begin = drive.begins.iter().find(|(v, _)| *v == signal.variable);
-            drivers[i] = signal.directed(match signal.source {
-                Source::Value => now + begin.map_or(0.0, |(_, begin)| begin - values[0]),
-                Source::Rate if k > 0 => (now - last) / dt,
-                Source::Rate => 0.0,
-                Source::Integral => {
-                    integrals[i] += 0.5 * dt * (now + last);
-                    integrals[i]
-                }
-            });
-        }
-        let used = &drivers[..signals.len().min(MAX_DRIVERS)];
-        let call = Call { time: drive.time(k), dt, target: *target, drivers: used, course: Some(course) };
-        (attachment.effect.apply)(&parameters, &mut memory, &call)
-    });
-    Some(changed.collect())
+    let time = |k: usize| drive.time(k);
+    let along = Along { time: &time, target, drivers: drivers?, course: Some(course) };
+    let held = target.first().copied().unwrap_or_default();
+    let mut memory = remembered(attachment, &parameters, held, &drive.earlier);
+    Some(along.changed(attachment, &parameters, &mut memory))
 }

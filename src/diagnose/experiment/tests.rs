@@ -65,12 +65,7 @@ fn run(step: f64, speed: f64) -> Run {
     let travel: Vec<f64> = time.iter().map(|t| (2.0 * PI * t).sin()).collect();
     let inputs = vec![(TRAVEL, travel.clone()), (SPEED, vec![speed; points])];
     let channels = vec![Channel { variable: FORCE, values: travel, counts: false }];
-    Run {
-        name: String::new(),
-        drive: Arc::new(Drive { start: 0.0, step, inputs, begins: Vec::new(), points, coarser: None }),
-        time,
-        channels,
-    }
+    Run { name: String::new(), drive: Arc::new(Drive::new(0.0, step, points, inputs)), time, channels }
 }
 
 fn study<'a>(bench: &'a Bench, runs: &'a [Run]) -> Study<'a> {
@@ -358,16 +353,6 @@ fn a_library_keeps_to_what_a_rig_can_do() {
     assert!(!all.iter().any(|p| p.words.contains("of speed")));
     // recordings without anything in them are no reason to stop
     let mut empty = both;
-    (empty.drive, empty.time) = (
-        Arc::new(Drive {
-            start: 0.0,
-            step: 0.0,
-            inputs: vec![(0, vec![])],
-            begins: Vec::new(),
-            points: 0,
-            coarser: None,
-        }),
-        vec![],
-    );
+    (empty.drive, empty.time) = (Arc::new(Drive::new(0.0, 0.0, 0, vec![(0, vec![])])), vec![]);
     assert!(programmes(&empty).is_empty() && library(&interface, &Roles::default(), &[]).is_empty());
 }

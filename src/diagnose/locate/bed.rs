@@ -17,7 +17,7 @@ pub fn run(name: &str, step: f64, inputs: &[Vec<f64>], channels: &[Vec<f64>]) ->
             .enumerate()
             .map(|(c, values)| Channel { variable: first + c, values: values.clone(), counts: false })
             .collect(),
-        drive: Arc::new(Drive { start: 0.0, step, inputs, begins: Vec::new(), points, coarser: None }),
+        drive: Arc::new(Drive::new(0.0, step, points, inputs)),
     }
 }
 

@@ -29,6 +29,7 @@ pub const EFFECT: Effect = Effect {
             plausible: (0.0, 2.0),
             search: (-2.0, 2.0),
             probes: &[0.02, 0.06, 0.2, 0.6],
+            of_session: false,
         },
         Parameter {
             name: "velocity",
@@ -38,6 +39,7 @@ pub const EFFECT: Effect = Effect {
             plausible: (1e-4, 0.2),
             search: (1e-3, 0.2),
             probes: &[0.01, 0.1],
+            of_session: false,
         },
     ],
     apply,

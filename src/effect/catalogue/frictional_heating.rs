@@ -1,6 +1,6 @@
 //! A force that falls with the heat of friction.
 
-use super::operator::{bounded, remaining, store};
+use super::operator::{HEAT_KEPT, bounded, remaining, store};
 use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
 
 /// The heat E leaks and lowers the force: dE/dt = P - E / T. P is the whole loss of the contact where the model tells it:
@@ -37,6 +37,7 @@ pub const EFFECT: Effect = Effect {
             (0.5, 3000.0),
             &[3.0, 60.0],
         ),
+        HEAT_KEPT,
     ],
     apply,
 };

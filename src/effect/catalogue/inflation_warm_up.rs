@@ -1,6 +1,6 @@
 //! A tire that warms up and gets stiffer.
 
-use super::operator::{bounded, store};
+use super::operator::{HEAT_KEPT, bounded, store};
 use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
 
 /// Rolling warms it: dU/dt = |V| / T - U / T; F (1 + a U).
@@ -20,7 +20,7 @@ pub const EFFECT: Effect = Effect {
     ],
     targets: &[Role::Force],
     drivers: &[Role::TravelSpeed],
-    parameters: &[rise(Scale::of("1", 0, [-1, 0, 0])), TIME],
+    parameters: &[rise(Scale::of("1", 0, [-1, 0, 0])), TIME, HEAT_KEPT],
     apply: |p, memory, call| warmed(p, memory, call, call.drivers[0]),
 };
 
@@ -28,7 +28,7 @@ pub const EFFECT: Effect = Effect {
 pub const BY_LOAD: Effect = Effect {
     equation: "F = F_0 (1 + a U), T dU/dt + U = |V Fz|, U = 0 at the start",
     drivers: &[Role::TravelSpeed, Role::Load],
-    parameters: &[rise(Scale::of("1", 0, [-1, -1, 0])), TIME],
+    parameters: &[rise(Scale::of("1", 0, [-1, -1, 0])), TIME, HEAT_KEPT],
     apply: |p, memory, call| warmed(p, memory, call, bounded(call.drivers[0]) * bounded(call.drivers[1])),
     ..EFFECT
 };

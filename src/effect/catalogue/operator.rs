@@ -3,8 +3,12 @@
 //! Between calls their input runs straight from its last value, so that a step and its two halves give
 //! the same.
 
-use crate::effect::{Call, Memory};
+use crate::effect::{Call, Memory, Parameter};
 use std::f64::consts::TAU;
+
+/// What a store of heat has left of one run when the next begins.
+pub(super) const HEAT_KEPT: Parameter =
+    Parameter::kept("Share of the heat that is left when the next run of a session begins");
 
 /// The sign of a velocity, smooth over `width`; tanh(v / width).
 pub(super) fn soft_sign(velocity: f64, width: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! A pad that loses friction when it gets hot.
 
-use super::operator::{bounded, remaining, store};
+use super::operator::{HEAT_KEPT, bounded, remaining, store};
 use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
 
 /// The work of the brake heats it: dE/dt = |x w| - E / T; x (1 - tanh(a E)) acts.
@@ -20,7 +20,7 @@ pub const EFFECT: Effect = Effect {
     ],
     targets: &[Role::Pressure, Role::Force],
     drivers: &[Role::WheelSpeed],
-    parameters: &[loss(Scale::of("1/s", -1, [-1, 0, 0])), TIME],
+    parameters: &[loss(Scale::of("1/s", -1, [-1, 0, 0])), TIME, HEAT_KEPT],
     apply: |p, memory, call| faded(p, memory, call, call.target, call.drivers[0]),
 };
 
@@ -31,7 +31,7 @@ pub const BY_PRESSURE: Effect = Effect {
     equation: "x = x_0 (1 - tanh(a E)), dE/dt = |p w| - E / T",
     targets: &[Role::BrakeGain],
     drivers: &[Role::Pressure, Role::WheelSpeed],
-    parameters: &[loss(Scale::of("1/s", 0, [-1, -1, 0])), TIME],
+    parameters: &[loss(Scale::of("1/s", 0, [-1, -1, 0])), TIME, HEAT_KEPT],
     apply: |p, memory, call| faded(p, memory, call, call.drivers[0], call.drivers[1]),
     ..EFFECT
 };

@@ -27,6 +27,7 @@ pub const EFFECT: Effect = Effect {
         plausible: (0.0, 2.0),
         search: (0.0, 5.0),
         probes: &[0.05],
+        of_session: false,
     }],
     apply,
 };

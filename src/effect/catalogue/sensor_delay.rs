@@ -26,6 +26,7 @@ pub const EFFECT: Effect = Effect {
         plausible: (0.0, 0.5),
         search: (0.0, 0.5),
         probes: &[0.005, 0.03, 0.1, 0.3],
+        of_session: false,
     }],
     apply,
 };

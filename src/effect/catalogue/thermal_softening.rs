@@ -1,6 +1,6 @@
 //! Rubber that loses friction when it gets hot.
 
-use super::operator::{bounded, remaining, store};
+use super::operator::{HEAT_KEPT, bounded, remaining, store};
 use crate::effect::{Call, Effect, Family, Memory, Parameter, Port, Role, Scale};
 
 /// The work of sliding heats it: dE/dt = |F slip V| - E / T; F (1 - tanh(a E)).
@@ -21,7 +21,7 @@ pub const EFFECT: Effect = Effect {
     ],
     targets: &[Role::Force],
     drivers: &[Role::Slip, Role::TravelSpeed],
-    parameters: &[loss(Scale::of("1/s", -1, [-1, -1, 0]), 1.0), TIME],
+    parameters: &[loss(Scale::of("1/s", -1, [-1, -1, 0]), 1.0), TIME, HEAT_KEPT],
     apply: |p, memory, call| {
         let power = bounded(call.target) * bounded(call.drivers[0]) * bounded(call.drivers[1]);
         softened(p, memory, call, power.abs())
@@ -33,7 +33,7 @@ pub const BOTH_AXES: Effect = Effect {
     equation: "mu = mu_0 (1 - tanh(a E)), dE/dt = |V| (|F_x slip| + |F_y tan(alpha)|) - E / T",
     drivers: &[Role::TravelSpeed, Role::LateralForce, Role::LongitudinalForce, Role::SlipAngle, Role::Slip],
     // slips are far below 1
-    parameters: &[loss(Scale::of("1/s", 0, [-1, -1, 0]), 20.0), TIME],
+    parameters: &[loss(Scale::of("1/s", 0, [-1, -1, 0]), 20.0), TIME, HEAT_KEPT],
     apply: |p, memory, call| {
         let d = |i: usize| bounded(call.drivers[i]);
         let force_times_slip = (d(1) * libm::tan(d(3))).abs() + (d(2) * d(4)).abs();
