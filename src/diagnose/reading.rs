@@ -389,7 +389,7 @@ fn read_folder(
         .filter_map(|e| e.ok().map(|e| e.path()))
         .filter(|p| recording_endings().contains(&ending(p).as_str()))
         .collect();
-    files.sort();
+    files.sort_by_cached_key(|file| in_counting_order(&file_name(file)));
     if files.is_empty() {
         return Err(Error::file(format!(
             "{place}: there is no recording, that is no file *.{}",
@@ -407,8 +407,30 @@ fn read_folder(
         }
         recordings.push(hygiene::read_raw(file, map.columns(), is_input)?);
     }
-    let name = |p: &PathBuf| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    Ok((files.iter().map(name).collect(), recordings))
+    Ok((files.iter().map(|p| file_name(p)).collect(), recordings))
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// What names are sorted by so that `run-10` comes after `run-9`: their pieces, of which those of digits count by their value, and,
+/// where these are alike, the names.
+fn in_counting_order(name: &str) -> (Vec<(u128, String)>, String) {
+    let mut pieces: Vec<String> = Vec::new();
+    for c in name.chars() {
+        match pieces.last_mut() {
+            Some(piece) if piece.ends_with(|last: char| last.is_ascii_digit()) == c.is_ascii_digit() => {
+                piece.push(c)
+            }
+            _ => pieces.push(c.into()),
+        }
+    }
+    // what is no number, or none of a run, counts as text
+    let key = |piece: String| {
+        piece.parse().map_or_else(|_| (u128::MAX, piece.clone()), |number| (number, String::new()))
+    };
+    (pieces.into_iter().map(key).collect(), name.into())
 }
 
 fn same_channels(subject: &Subject, runs: &[(Run, Use)]) -> Result<()> {
@@ -446,5 +468,36 @@ pub(super) fn fault(fault: &hygiene::Fault) -> super::result::Fault {
         runs: fault.runs.clone(),
         channel: fault.channel.clone(),
         text: format!("{} {}", fault.evidence, fault.advice),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_come_in_the_order_in_which_people_count() {
+        let sorted = [
+            "",
+            "2.csv",
+            "10.csv",
+            "a1b2.csv",
+            "a1b10.csv",
+            "a2b1.csv",
+            "run-9.csv",
+            "run-09.csv",
+            "run-10.csv",
+            "run.csv",
+        ];
+        let mut names = sorted.map(String::from);
+        names.reverse();
+        names.sort_by_cached_key(|name| in_counting_order(name));
+        // alike but for how they are written
+        assert!(names[6] == "run-09.csv" && names[7] == "run-9.csv");
+        names.swap(6, 7);
+        assert_eq!(names, sorted);
+        // more digits than a number has
+        let long = |last: char| format!("{}{last}", "7".repeat(60));
+        assert!(in_counting_order(&long('1')) < in_counting_order(&long('2')));
     }
 }

@@ -335,7 +335,7 @@ mod tests {
             effect: heating,
             target: interface.find("force_x").unwrap(),
             drivers: vec![power],
-            parameters: vec![chosen(1e-4), chosen(1e6)],
+            parameters: vec![chosen(1e-4), chosen(1e6), chosen(0.0)],
         };
         let mut slave = Attached::new(slave, vec![attachment]).unwrap();
         slave.set(0, 0.01).unwrap();

@@ -1,15 +1,18 @@
 """Six cases of the blind study, and what a diagnosis writes, from outside."""
 
+import contextlib
 import csv
 import json
 import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
 import fmpy
 import numpy as np
 import pytest
+from fmpy.fmi2 import FMU2Slave
 
 from conftest import ROOT, TARGET, latsch, read_results
 
@@ -183,6 +186,74 @@ def test_what_sticks_or_touches_has_its_own_name_and_no_other(study, tmp_path, e
     assert (found["verdict"], finding["effect"], finding["place"]) == ("effect", effect, "force at force"), found["summary"]
     [estimate] = [p for p in finding["parameters"] if p["name"] == parameter]
     assert estimate["value"] == pytest.approx(truth, rel=0.05)
+
+
+def session(model, folder, pause, kept_for=40.0):
+    """Nine runs of a tire whose friction falls with the work of sliding, which goes on warming it from run to run: its heat leaves
+    it within `kept_for` seconds, in the pauses, too."""
+    folder.mkdir()
+    step, number, heat = 0.005, 1400, 0.0
+    time = step * np.arange(number)
+    with stepped(model) as (unit, names):
+        for run in range(1, 10):
+            unit.reset()
+            unit.setupExperiment(startTime=0.0)
+            dice = np.random.default_rng(run)
+            slope = np.sin(np.pi * time / time[-1]) ** 2
+            angle = dice.uniform(0.06, 0.14) * slope * np.sin(2 * np.pi * dice.uniform(0.3, 1.2) * time)
+            load, speed = dice.uniform(2500, 5500), dice.uniform(6, 18)
+            forces = []
+            for k in range(number):
+                values = {"slip_angle": angle[k], "load": load, "speed": speed, "friction": 1 - np.tanh(4e-6 * heat)}
+                unit.setReal([names[n] for n in values], list(values.values()))
+                if k == 0:
+                    unit.enterInitializationMode()
+                    unit.exitInitializationMode()
+                else:
+                    unit.doStep(time[k - 1], step)
+                forces.append(unit.getReal([names["force_y"], names["moment_z"]]))
+                heat += step * (abs(forces[-1][0] * np.tan(angle[k]) * speed) - heat / kept_for)
+            heat *= np.exp(-pause / kept_for)
+            measured = np.array(forces) + [12.0, 0.4] * dice.standard_normal((number, 2))
+            columns = time, angle, np.full(number, load), np.full(number, speed), *measured.T
+            header = "time [s],slip_angle [rad],load [N],speed [m/s],force_y [N],moment_z [N.m]"
+            write(folder / f"run-{run}.csv", header, *columns)
+
+
+@contextlib.contextmanager
+def stepped(model):
+    """An FMU that is ready to be initialized, with the references of its variables."""
+    with tempfile.TemporaryDirectory() as folder:
+        fmpy.extract(model, folder)
+        description = fmpy.read_model_description(model)
+        identifier = description.coSimulation.modelIdentifier
+        unit = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName="tire")
+        unit.instantiate()
+        yield unit, {v.name: v.valueReference for v in description.modelVariables}
+        unit.freeInstance()
+
+
+@pytest.mark.parametrize("pause", [15.0, np.inf])
+def test_what_is_warm_stays_warm_from_run_to_run(study, tmp_path, pause):
+    model = study / "models" / "steady-tire.fmu"
+    session(model, tmp_path / "recordings", pause)
+    done = latsch("diagnose", model, "--recordings", tmp_path / "recordings", "--output", tmp_path / "output")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "output" / "diagnosis.json").read_text())
+    [finding] = found["findings"]
+    assert (found["verdict"], finding["effect"], finding["place"]) == ("effect", "thermal-softening", "parameter friction"), found["summary"]
+    loss, _, kept = finding["parameters"]
+    assert loss["value"] == pytest.approx(4e-6, rel=0.1)
+    assert kept["value"] == pytest.approx(np.exp(-pause / 40.0), abs=0.05)
+    # a cold run of 7 s says little of 40 s, and says so
+    for estimate, truth in zip(finding["parameters"], [4e-6, 40.0, np.exp(-pause / 40.0)], strict=True):
+        assert estimate["low"] <= truth <= estimate["high"]
+    # one run does not follow another one
+    corrected = fmpy.read_model_description(tmp_path / "output" / "corrected.fmu")
+    assert [v.name for v in corrected.modelVariables if v.name.startswith("effect.")] == [
+        "effect.thermal_softening.friction.loss",
+        "effect.thermal_softening.friction.time",
+    ]
 
 
 @pytest.mark.parametrize("clock", [0.006, -0.009])

@@ -98,6 +98,7 @@ pub const EFFECTS: &[Effect] = &[
     speed_dependent_friction::BY_WHEEL_SPEED,
     falling_branch::EFFECT,
     thermal_softening::EFFECT,
+    thermal_softening::SIDEWAYS,
     thermal_softening::BOTH_AXES,
     inflation_warm_up::EFFECT,
     inflation_warm_up::BY_LOAD,

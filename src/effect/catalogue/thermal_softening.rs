@@ -42,6 +42,17 @@ pub const BOTH_AXES: Effect = Effect {
     ..EFFECT
 };
 
+/// The same with the power of the lateral axis, where the wheel rolls freely.
+pub const SIDEWAYS: Effect = Effect {
+    equation: "mu = mu_0 (1 - tanh(a E)), dE/dt = |V F_y tan(alpha)| - E / T",
+    drivers: &[Role::TravelSpeed, Role::LateralForce, Role::SlipAngle],
+    apply: |p, memory, call| {
+        let [speed, force, angle] = [0, 1, 2].map(|i| bounded(call.drivers[i]));
+        softened(p, memory, call, (bounded(force * libm::tan(angle)) * speed).abs())
+    },
+    ..BOTH_AXES
+};
+
 const fn loss(scale: Scale, most: f64) -> Parameter {
     Parameter::amplitude("loss", "Loss per work", scale, (0.0, most), (-2.0 * most, 2.0 * most), &[0.01])
 }
