@@ -226,10 +226,12 @@ def export(
     *,
     parameters: Mapping[str, Value] | PathLike | None = None,
     tire: PathLike | None = None,
+    fmi: int = 2,
 ) -> pathlib.Path:
-    """Writes a model as an FMU with parameters, given as a dictionary or a TOML file, or from a tire property file."""
+    """Writes a model as an FMU of FMI 2.0 or 3.0 with parameters, given as a dictionary or a TOML file, or from a tire property
+    file."""
     with _temporary() as folder:
-        _run("export", model, *_given(pathlib.Path(folder), parameters, tire), "--output", output)
+        _run("export", model, *_given(pathlib.Path(folder), parameters, tire), "--fmi", fmi, "--output", output)
     return pathlib.Path(output)
 
 

@@ -5,6 +5,7 @@ use super::{check_outputs, print};
 use latsch::effect::file::Corrections;
 use latsch::fmi::Entry;
 use latsch::fmi::archive::{Binary, ModelLibrary};
+use latsch::fmi::c::Fmi;
 use latsch::fmi::corrected::{CorrectedBase, export_corrections};
 use latsch::fmi::import::ImportedFmu;
 use latsch::model::{Settings, Slave};
@@ -27,6 +28,9 @@ pub struct Args {
     /// The FMU to write [default: MODEL.fmu, with --effects MODEL-corrected.fmu]
     #[arg(long, short, value_name = "F.fmu")]
     output: Option<PathBuf>,
+    /// Version of the standard: 2 for FMI 2.0, 3 for FMI 3.0
+    #[arg(long, value_name = "VERSION", value_enum, default_value = "2")]
+    fmi: Version,
     /// A library of own models made from fmu-template, instead of the shipped one
     #[arg(long, value_name = "LIBRARY")]
     library: Option<PathBuf>,
@@ -36,7 +40,28 @@ pub struct Args {
     binary: Vec<Binary>,
 }
 
+/// A version of the standard, as one writes it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Version {
+    #[value(name = "2", alias = "2.0")]
+    Two,
+    #[value(name = "3", alias = "3.0")]
+    Three,
+}
+
+impl From<Version> for Fmi {
+    fn from(version: Version) -> Self {
+        match version {
+            Version::Two => Self::Two,
+            Version::Three => Self::Three,
+        }
+    }
+}
+
 pub fn run(args: &Args) -> Result<()> {
+    if args.fmi == Version::Three && args.effects.is_some() {
+        return Err(Error::call("with --effects, FMUs are of FMI 2.0: leave out --fmi 3"));
+    }
     let file = Path::new(&args.model);
     let is_fmu = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu")) || file.is_file();
     // a wrong name is the nearer mistake than a library that is missing
@@ -63,9 +88,8 @@ pub fn run(args: &Args) -> Result<()> {
             return Err(Error::call("an FMU is exported only with something added to it: --effects F.toml"));
         }
         None => {
-            let fmu = library.fmu(&args.model, &settings, &args.binary)?;
-            try_out(args, &settings, &fmu)?;
-            fmu
+            try_out(args, &settings, &library)?;
+            library.fmu_of(args.fmi.into(), &args.model, &settings, &args.binary)?
         }
         Some(effects) => {
             if is_fmu && args.given.any() {
@@ -120,12 +144,12 @@ fn start_fmu(fmu: &[u8]) -> Result<()> {
 }
 
 /// Initializes the model once: parameters may contradict each other, which no range can say.
-fn try_out(args: &Args, settings: &Settings, fmu: &[u8]) -> Result<()> {
+fn try_out(args: &Args, settings: &Settings, library: &ModelLibrary) -> Result<()> {
     let tried = if args.library.is_none() {
         start(Entry::find(MODELS, &args.model)?.slave(settings)?.as_mut())
     } else {
         // the model of another library runs in its FMU only
-        start_fmu(fmu)
+        start_fmu(&library.fmu(&args.model, settings, &args.binary)?)
     };
     let place =
         args.given.parameters.as_ref().map(|path| format!("{}: ", path.display())).unwrap_or_default();

@@ -1,6 +1,8 @@
 //! Makes FMUs: description, documentation, resources and binary in a zip archive.
 
-use super::description::{PLATFORM, model_description, model_identifier};
+use super::c::Fmi;
+use super::description::{PLATFORM, capabilities_of, model_description, model_identifier};
+use super::description3;
 use super::documentation;
 use super::entry::{Entry, guid, no_model};
 use super::export::Sink;
@@ -22,15 +24,39 @@ pub struct Binary {
     path: PathBuf,
 }
 
-/// Folders of binaries (FMI 2.0, and those of FMI 3.0 for ARM), the suffix of a library there, and how
-/// such a file begins.
-const PLATFORMS: [(&str, &str, &[u8]); 5] = [
-    ("linux64", ".so", b"\x7fELF"),
-    ("aarch64-linux", ".so", b"\x7fELF"),
-    ("win64", ".dll", b"MZ"),
-    ("darwin64", ".dylib", b"\xcf\xfa\xed\xfe"),
-    ("aarch64-darwin", ".dylib", b"\xcf\xfa\xed\xfe"),
+/// A kind of machine that an FMU can have a binary for.
+struct Platform {
+    /// Folder of its binaries in FMI 2.0, and that of FMI 3.0 for ARM, which the other does not have.
+    name: &'static str,
+    /// That of FMI 3.0.
+    three: &'static str,
+    /// The suffix of a library there, and how such a file begins.
+    suffix: &'static str,
+    start: &'static [u8],
+}
+
+const fn platform(
+    name: &'static str,
+    three: &'static str,
+    suffix: &'static str,
+    start: &'static [u8],
+) -> Platform {
+    Platform { name, three, suffix, start }
+}
+
+const PLATFORMS: [Platform; 5] = [
+    platform("linux64", "x86_64-linux", ".so", b"\x7fELF"),
+    platform("aarch64-linux", "aarch64-linux", ".so", b"\x7fELF"),
+    platform("win64", "x86_64-windows", ".dll", b"MZ"),
+    platform("darwin64", "x86_64-darwin", ".dylib", b"\xcf\xfa\xed\xfe"),
+    platform("aarch64-darwin", "aarch64-darwin", ".dylib", b"\xcf\xfa\xed\xfe"),
 ];
+
+/// The folder of a platform's binaries in an FMU.
+pub(super) fn folder_of(platform: &'static str, fmi: Fmi) -> &'static str {
+    let known = PLATFORMS.iter().find(|p| p.name == platform && fmi == Fmi::Three);
+    known.map_or(platform, |p| p.three)
+}
 
 impl std::str::FromStr for Binary {
     type Err = String;
@@ -38,11 +64,11 @@ impl std::str::FromStr for Binary {
     /// From `platform=path`.
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let (platform, path) = text.split_once('=').ok_or("PLATFORM=FILE is needed")?;
-        match PLATFORMS.iter().find(|(name, ..)| *name == platform) {
-            Some((platform, ..)) => Ok(Self { platform, path: path.into() }),
+        match PLATFORMS.iter().find(|p| p.name == platform) {
+            Some(known) => Ok(Self { platform: known.name, path: path.into() }),
             None => Err(format!(
                 "there is no platform {platform:?}; there is {}",
-                PLATFORMS.map(|(name, ..)| name).join(", ")
+                PLATFORMS.map(|p| p.name).join(", ")
             )),
         }
     }
@@ -50,14 +76,14 @@ impl std::str::FromStr for Binary {
 
 impl Binary {
     /// Name in the archive and content.
-    fn read(&self, identifier: &str) -> Result<(String, Vec<u8>)> {
+    fn read(&self, identifier: &str, fmi: Fmi) -> Result<(String, Vec<u8>)> {
         let fail = |what: String| Error::fmu(format!("{}: {what}", self.path.display()));
         let content = std::fs::read(&self.path).map_err(|e| fail(e.to_string()))?;
-        let known = PLATFORMS.iter().find(|(name, ..)| *name == self.platform);
-        let Some((_, suffix, _)) = known.filter(|(_, _, start)| content.starts_with(start)) else {
+        let known = PLATFORMS.iter().find(|p| p.name == self.platform);
+        let Some(Platform { suffix, .. }) = known.filter(|p| content.starts_with(p.start)) else {
             return Err(fail(format!("it is no library for {}", self.platform)));
         };
-        Ok((format!("binaries/{}/{identifier}{suffix}", self.platform), content))
+        Ok((format!("binaries/{}/{identifier}{suffix}", folder_of(self.platform, fmi)), content))
     }
 }
 
@@ -201,34 +227,50 @@ impl ModelLibrary {
             .ok_or_else(|| no_model(name, self.models.iter().map(|m| m.name.as_str())))
     }
 
-    /// An FMU of a model with these settings, as the bytes of its archive. The same arguments give
+    /// An FMU of a model with these settings, as the bytes of its archive, for FMI 2.0. The same arguments give
     /// the same bytes. With `binaries`, it has those instead of this library.
     ///
     /// # Errors
     /// No such model, settings that it does not accept, a binary that cannot be read, two for one
     /// platform.
     pub fn fmu(&self, model: &str, settings: &Settings, binaries: &[Binary]) -> Result<Vec<u8>> {
+        self.fmu_of(Fmi::Two, model, settings, binaries)
+    }
+
+    /// The same for any version of the standard.
+    ///
+    /// # Errors
+    /// As [`fmu`](Self::fmu).
+    pub fn fmu_of(&self, fmi: Fmi, model: &str, settings: &Settings, binaries: &[Binary]) -> Result<Vec<u8>> {
         let (table, text) = self.find(model)?;
         let resources = settings.to_file(table)?;
         let interface = with_settings(table, settings)?;
         let guid = guid(table, &resources);
-        let description = model_description(&interface, &guid)?;
-        let page = documentation::page(table, &interface, &guid, text);
+        let description = match fmi {
+            Fmi::Two => model_description(&interface, &guid)?,
+            Fmi::Three => description3::model_description(&interface, &guid, &capabilities_of(&interface))?,
+        };
+        let page = documentation::page(table, &interface, &guid, text, fmi);
         let mut files: Vec<(String, Vec<u8>)> = vec![
             ("modelDescription.xml".into(), description.into_bytes()),
             ("resources/model.toml".into(), resources.into_bytes()),
         ];
-        files.extend(self.binaries(&model_identifier(model), binaries)?);
+        files.extend(self.binaries(&model_identifier(model), binaries, fmi)?);
         files.extend(documents(page));
         pack(files)
     }
 
     /// The binaries of an FMU, by name in the archive: those named, or else this library.
-    pub(super) fn binaries(&self, identifier: &str, named: &[Binary]) -> Result<Vec<(String, Vec<u8>)>> {
+    pub(super) fn binaries(
+        &self,
+        identifier: &str,
+        named: &[Binary],
+        fmi: Fmi,
+    ) -> Result<Vec<(String, Vec<u8>)>> {
         let own = [Binary { platform: PLATFORM, path: self.path.clone() }];
         let mut files: Vec<(String, Vec<u8>)> = Vec::new();
         for binary in if named.is_empty() { &own } else { named } {
-            let (name, content) = binary.read(identifier)?;
+            let (name, content) = binary.read(identifier, fmi)?;
             if files.iter().any(|(other, _)| *other == name) {
                 return Err(Error::fmu(format!("there are two binaries for {}", binary.platform)));
             }

@@ -1,6 +1,27 @@
-//! The C types of FMI 2.0 (fmi2TypesPlatform.h, fmi2FunctionTypes.h).
+//! The C types of FMI 2.0 (fmi2TypesPlatform.h, fmi2FunctionTypes.h), and what FMI 3.0 has otherwise (fmi3PlatformTypes.h,
+//! fmi3FunctionTypes.h).
 
 use std::ffi::{c_char, c_int, c_void};
+
+/// The version of the standard that a master speaks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Fmi {
+    /// FMI 2.0.
+    #[default]
+    Two,
+    /// FMI 3.0.
+    Three,
+}
+
+impl Fmi {
+    /// What its functions begin with.
+    pub const fn prefix(self) -> &'static str {
+        match self {
+            Self::Two => "fmi2",
+            Self::Three => "fmi3",
+        }
+    }
+}
 
 /// An instance, seen from the master.
 pub type Component = *mut c_void;
@@ -61,3 +82,12 @@ pub struct CallbackFunctions {
     /// Handed back in every callback.
     pub component_environment: ComponentEnvironment,
 }
+
+/// fmi3Boolean: a byte of 0 or 1; what a master passes is not trusted to be one.
+pub type Boolean3 = u8;
+
+/// fmi3LogMessageCallback.
+pub type LogMessage = Option<unsafe extern "C" fn(*mut c_void, c_int, Text, Text)>;
+
+/// fmi3IntermediateUpdateCallback, which is never called.
+pub type IntermediateUpdate = Option<unsafe extern "C" fn()>;

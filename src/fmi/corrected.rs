@@ -1,6 +1,7 @@
 //! Exports corrected models: a shipped model with effects, or any FMU inside one of ours, with effects.
 
 use super::archive::{Binary, ModelLibrary, documents, pack, with_settings};
+use super::c::Fmi;
 use super::description::{CAPABILITIES, Origin, describe, model_identifier};
 use super::documentation;
 use super::entry::guid;
@@ -128,13 +129,14 @@ fn model(
     let outer = corrected_interface(&inner, &corrections)?;
     let guid = guid(&outer, &resources);
     let text = added_html(&inner, &corrections)? + text;
-    let page = documentation::page(&corrected_interface(table, &corrections)?, &outer, &guid, &text);
+    let page =
+        documentation::page(&corrected_interface(table, &corrections)?, &outer, &guid, &text, Fmi::Two);
     let description = describe(&outer, &guid, &CAPABILITIES, Origin::Own)?;
     let mut files = vec![
         ("modelDescription.xml".into(), description.into_bytes()),
         ("resources/model.toml".into(), resources.into_bytes()),
     ];
-    files.extend(library.binaries(&model_identifier(&outer.name), binaries)?);
+    files.extend(library.binaries(&model_identifier(&outer.name), binaries, Fmi::Two)?);
     files.extend(documents(page));
     pack(files)
 }
@@ -187,7 +189,7 @@ fn carrier(
         ("resources/model.toml".into(), resources.into_bytes()),
         (format!("resources/{ORIGINAL_DESCRIPTION}"), about.into_bytes()),
     ];
-    let own = library.binaries(&model_identifier(&outer.name), binaries)?;
+    let own = library.binaries(&model_identifier(&outer.name), binaries, Fmi::Two)?;
     for (name, _) in &own {
         same_platform(name, &original)?;
     }

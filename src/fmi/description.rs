@@ -78,20 +78,8 @@ pub(super) fn describe(
     capabilities: &Capabilities,
     origin: Origin,
 ) -> Result<String> {
-    let mut xml = Xml { writer: Writer::new_with_indent(Vec::new(), b' ', 2) };
-    let _ = xml.writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)));
-    xml.open(
-        "fmiModelDescription",
-        &[
-            ("fmiVersion", "2.0"),
-            ("modelName", &interface.name),
-            ("guid", guid),
-            ("description", &interface.description),
-            ("version", crate::VERSION),
-            ("generationTool", concat!("latsch ", env!("CARGO_PKG_VERSION"))),
-            ("variableNamingConvention", naming_convention(interface)),
-        ],
-    );
+    let mut xml = Xml::new();
+    open_description(&mut xml, interface, "2.0", ("guid", guid), naming_convention(interface));
     let flag = |value: bool| if value { "true" } else { "false" };
     let identifier = model_identifier(&interface.name);
     let order = capabilities.max_output_derivative_order.to_string();
@@ -114,6 +102,41 @@ pub(super) fn describe(
     write_units(&mut xml, interface, origin)?;
     let types = type_names(interface);
     write_types(&mut xml, interface, &types);
+    write_categories_and_experiment(&mut xml, interface);
+    write_meanings(&mut xml, interface);
+    xml.open("ModelVariables", &[]);
+    for variable in &interface.variables {
+        write_variable(&mut xml, variable, &types);
+    }
+    xml.close("ModelVariables");
+    write_structure(&mut xml, interface);
+    xml.finish()
+}
+
+/// The first line and element, with what both versions of the standard have there.
+pub(super) fn open_description(
+    xml: &mut Xml,
+    interface: &Interface,
+    version: &str,
+    guid: (&str, &str),
+    convention: &str,
+) {
+    let _ = xml.writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)));
+    xml.open(
+        ROOT,
+        &[
+            ("fmiVersion", version),
+            ("modelName", &interface.name),
+            guid,
+            ("description", &interface.description),
+            ("version", crate::VERSION),
+            ("generationTool", concat!("latsch ", env!("CARGO_PKG_VERSION"))),
+            ("variableNamingConvention", convention),
+        ],
+    );
+}
+
+pub(super) fn write_categories_and_experiment(xml: &mut Xml, interface: &Interface) {
     xml.open("LogCategories", &[]);
     for (name, description) in CATEGORIES {
         xml.empty("Category", &[("name", name), ("description", description)]);
@@ -127,23 +150,11 @@ pub(super) fn describe(
             ("stepSize", &number(interface.communication_step)),
         ],
     );
-    write_meanings(&mut xml, interface);
-    xml.open("ModelVariables", &[]);
-    for variable in &interface.variables {
-        write_variable(&mut xml, variable, &types);
-    }
-    xml.close("ModelVariables");
-    write_structure(&mut xml, interface);
-    xml.close("fmiModelDescription");
-    let mut text = String::from_utf8(xml.writer.into_inner())
-        .map_err(|_| Error::fmu("the model description is not UTF-8"))?;
-    text.push('\n');
-    Ok(text)
 }
 
 /// Structured, where all names are what parts and their prefixes make: C identifiers with points between them. Of other
 /// names nothing is promised.
-fn naming_convention(interface: &Interface) -> &'static str {
+pub(super) fn naming_convention(interface: &Interface) -> &'static str {
     let is_identifier = |word: &str| {
         !word.is_empty()
             && !word.starts_with(|c: char| c.is_ascii_digit())
@@ -186,35 +197,49 @@ fn word(value: impl serde::Serialize) -> String {
     serde_json::to_value(value).ok().and_then(|v| v.as_str().map(Into::into)).unwrap_or_default()
 }
 
+/// The element that all of a description is in.
+const ROOT: &str = "fmiModelDescription";
+
 /// Elements and attributes; writing to memory does not fail.
-struct Xml {
+pub(super) struct Xml {
     writer: Writer<Vec<u8>>,
 }
 
 impl Xml {
+    pub(super) fn new() -> Self {
+        Self { writer: Writer::new_with_indent(Vec::new(), b' ', 2) }
+    }
+
+    /// The text, when all but the first element is closed.
+    pub(super) fn finish(mut self) -> Result<String> {
+        self.close(ROOT);
+        let text = String::from_utf8(self.writer.into_inner());
+        text.map(|text| text + "\n").map_err(|_| Error::fmu("the model description is not UTF-8"))
+    }
+
     fn start<'a>(name: &'a str, attributes: &[(&str, &str)]) -> BytesStart<'a> {
         BytesStart::new(name).with_attributes(attributes.iter().copied())
     }
 
-    fn open(&mut self, name: &str, attributes: &[(&str, &str)]) {
+    pub(super) fn open(&mut self, name: &str, attributes: &[(&str, &str)]) {
         let _ = self.writer.write_event(Event::Start(Self::start(name, attributes)));
     }
 
-    fn empty(&mut self, name: &str, attributes: &[(&str, &str)]) {
+    pub(super) fn empty(&mut self, name: &str, attributes: &[(&str, &str)]) {
         let _ = self.writer.write_event(Event::Empty(Self::start(name, attributes)));
     }
 
-    fn close(&mut self, name: &str) {
+    pub(super) fn close(&mut self, name: &str) {
         let _ = self.writer.write_event(Event::End(BytesEnd::new(name)));
     }
 }
 
 /// The shortest text that reads back as the same number.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
-fn write_units(xml: &mut Xml, interface: &Interface, origin: Origin) -> Result<()> {
+pub(super) fn write_units(xml: &mut Xml, interface: &Interface, origin: Origin) -> Result<()> {
     let units: BTreeSet<&str> = interface.variables.iter().filter_map(|v| v.unit.as_deref()).collect();
     if units.is_empty() {
         return Ok(());
@@ -252,7 +277,7 @@ fn write_units(xml: &mut Xml, interface: &Interface, origin: Origin) -> Result<(
 
 /// Names of the types of the enumeration variables: `pressure_state` has the type `PressureState`. A name
 /// that a variable or another type has already gets `Type` behind it.
-fn type_names(interface: &Interface) -> HashMap<&str, String> {
+pub(super) fn type_names(interface: &Interface) -> HashMap<&str, String> {
     let mut taken: HashSet<String> = interface.variables.iter().map(|v| v.name.clone()).collect();
     let mut names = HashMap::new();
     for variable in interface.variables.iter().filter(|v| matches!(v.kind, Kind::Enumeration(_))) {
@@ -341,7 +366,7 @@ fn write_variable(xml: &mut Xml, variable: &VariableInfo, types: &HashMap<&str, 
     xml.close("ScalarVariable");
 }
 
-fn causality(value: Causality) -> &'static str {
+pub(super) fn causality(value: Causality) -> &'static str {
     match value {
         Causality::Parameter => "parameter",
         Causality::CalculatedParameter => "calculatedParameter",
@@ -352,7 +377,7 @@ fn causality(value: Causality) -> &'static str {
     }
 }
 
-fn variability(value: Variability) -> &'static str {
+pub(super) fn variability(value: Variability) -> &'static str {
     match value {
         Variability::Constant => "constant",
         Variability::Fixed => "fixed",
@@ -362,7 +387,7 @@ fn variability(value: Variability) -> &'static str {
     }
 }
 
-fn initial(value: Initial) -> &'static str {
+pub(super) fn initial(value: Initial) -> &'static str {
     match value {
         Initial::Exact => "exact",
         Initial::Approx => "approx",
@@ -374,15 +399,8 @@ fn initial(value: Initial) -> &'static str {
 /// every output starts from a stationary state that all inputs and parameters have a part in.
 fn write_structure(xml: &mut Xml, interface: &Interface) {
     let outputs: Vec<usize> = interface.with(Causality::Output).collect();
-    let unknowns: Vec<usize> = (0..interface.variables.len())
-        .filter(|&i| {
-            let v = &interface.variables[i];
-            let calculated = matches!(v.initial, Some(Initial::Calculated | Initial::Approx));
-            v.causality == Causality::CalculatedParameter || v.causality == Causality::Output && calculated
-        })
-        .collect();
     xml.open("ModelStructure", &[]);
-    for (section, indices) in [("Outputs", outputs), ("InitialUnknowns", unknowns)] {
+    for (section, indices) in [("Outputs", outputs), ("InitialUnknowns", unknowns(interface))] {
         if indices.is_empty() {
             continue;
         }
@@ -393,4 +411,14 @@ fn write_structure(xml: &mut Xml, interface: &Interface) {
         xml.close(section);
     }
     xml.close("ModelStructure");
+}
+
+/// What an initialization has to find.
+pub(super) fn unknowns(interface: &Interface) -> Vec<usize> {
+    let is_unknown = |i: &usize| {
+        let v = &interface.variables[*i];
+        let calculated = matches!(v.initial, Some(Initial::Calculated | Initial::Approx));
+        v.causality == Causality::CalculatedParameter || v.causality == Causality::Output && calculated
+    };
+    (0..interface.variables.len()).filter(is_unknown).collect()
 }

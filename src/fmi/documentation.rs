@@ -1,8 +1,10 @@
 //! What an FMU carries in `documentation/`: a page about the model, and licenses.
 
+use super::c::Fmi;
 use super::description::PLATFORM;
 use super::import::Capabilities;
 use super::log::CATEGORIES;
+use super::state::Function;
 use crate::model::{Causality, Interface, Kind, Value, Variability, VariableInfo};
 use crate::page::{Html, Page, Section, Table, escape, number as short};
 
@@ -17,8 +19,8 @@ pub const LICENSES: [(&str, &str); 3] = [
 ///
 /// `table` has the start values of the model, `interface` those of this FMU. `text` is the model's
 /// [`DOCUMENTATION`](crate::model::Model::DOCUMENTATION).
-pub fn page(table: &Interface, interface: &Interface, guid: &str, text: &str) -> String {
-    page_with(table, interface, guid, text, calls(interface))
+pub fn page(table: &Interface, interface: &Interface, guid: &str, text: &str, fmi: Fmi) -> String {
+    page_with(table, interface, guid, text, (calls(interface, fmi), fmi))
 }
 
 /// As [`page`], for an FMU that carries another one with these capabilities.
@@ -29,10 +31,16 @@ pub fn page_of_carrier(
     text: &str,
     capabilities: &Capabilities,
 ) -> String {
-    page_with(table, interface, guid, text, calls_of_carrier(interface, capabilities))
+    page_with(table, interface, guid, text, (calls_of_carrier(interface, capabilities), Fmi::Two))
 }
 
-fn page_with(table: &Interface, interface: &Interface, guid: &str, text: &str, calls: Section) -> String {
+fn page_with(
+    table: &Interface,
+    interface: &Interface,
+    guid: &str,
+    text: &str,
+    (calls, fmi): (Section, Fmi),
+) -> String {
     let mut page = Page::new(&interface.name, &interface.description);
     for section in author_sections(text) {
         page = page.section(section);
@@ -45,7 +53,7 @@ fn page_with(table: &Interface, interface: &Interface, guid: &str, text: &str, c
     page.section(items(interface))
         .section(parameters(table, interface))
         .section(calls)
-        .section(licenses(guid))
+        .section(licenses(guid, fmi))
         .html()
 }
 
@@ -133,7 +141,7 @@ fn items(interface: &Interface) -> Section {
 }
 
 /// What holds for every model: the time grid, inputs between points, states, messages.
-fn calls(interface: &Interface) -> Section {
+fn calls(interface: &Interface, fmi: Fmi) -> Section {
     let step = number(interface.communication_step);
     let categories: String = CATEGORIES
         .iter()
@@ -141,28 +149,44 @@ fn calls(interface: &Interface) -> Section {
         .collect();
     let rates = match super::description::capabilities_of(interface).max_output_derivative_order {
         0 => "No output has a derivative over time: all are held between the instants at which they change.",
-        _ => {
-            "First derivatives of real outputs are offered (<code>fmi2GetRealOutputDerivatives</code>): over the last
+        _ => &format!(
+            "First derivatives of real outputs are offered (<code>{}</code>): over the last
 step of the model's own grid. They are 0 for outputs that such a difference would foretell worse than their last value
-does, and after <code>fmi2Terminate</code> they are those of the last step."
+does, and after <code>{}</code> they are those of the last step.",
+            Function::GetRealOutputDerivatives.name(fmi),
+            Function::Terminate.name(fmi)
+        ),
+    };
+    let inputs = match fmi {
+        Fmi::Two => {
+            "An input is held from the point where it is set. With a first derivative (<code>fmi2SetRealInputDerivatives</code>)
+it runs on linearly until its next value or derivative is set."
+        }
+        Fmi::Three => {
+            "An input is held from the point where it is set: FMI 3.0 has no derivatives of inputs. What is a motion is a staircase then,
+whose steps show in forces; communication steps as short as the motion asks for make them small."
         }
     };
+    let missing = match fmi {
+        Fmi::Two => "asynchronous steps",
+        Fmi::Three => "Event Mode, clocks, intermediate updates, early return",
+    };
+    let (error, platform) = (format!("{}Error", fmi.prefix()), super::archive::folder_of(PLATFORM, fmi));
     Section::new("Use in a co-simulation").with(Html::raw(format!(
         "<ul>
 <li>A communication step of {step} s suits the model; any positive length is accepted, and it may vary.</li>
 <li>The model has its own time grid from the start time on. Whatever the communication points are, the same bits come
 out at the same times of the grid, as long as the inputs are the same. At a point between grid points the outputs come
 from a copy that is stepped the rest of the way.</li>
-<li>An input is held from the point where it is set. With a first derivative (<code>fmi2SetRealInputDerivatives</code>)
-it runs on linearly until its next value or derivative is set.</li>
+<li>{inputs}</li>
 <li>The state can be saved, restored and serialised, also into another instance or process. Reset gives a fresh
 instance. Any number of instances run side by side.</li>
 <li>A value that is not a number or out of its range, a call in the wrong order, a step that is not a positive number or
-does not begin where the last one ended: <code>fmi2Error</code> and one message. After a failed step the state can be
+does not begin where the last one ended: <code>{error}</code> and one message. After a failed step the state can be
 restored or reset. So it is with an output that becomes infinite or not a number.</li>
 <li>{rates}</li>
-<li>Not offered: asynchronous steps.</li>
-<li>The binary is for {PLATFORM}.</li>
+<li>Not offered: {missing}.</li>
+<li>The binary is for {platform}.</li>
 </ul>
 <h3>Log categories</h3>
 <ul>
@@ -191,12 +215,16 @@ fn calls_of_carrier(interface: &Interface, capabilities: &Capabilities) -> Secti
     )))
 }
 
-fn licenses(guid: &str) -> Section {
+fn licenses(guid: &str, fmi: Fmi) -> Section {
+    let what = match fmi {
+        Fmi::Two => "FMI 2.0 for co-simulation, GUID",
+        Fmi::Three => "FMI 3.0 for co-simulation, instantiation token",
+    };
     Section::new("License").with(Html::raw(format!(
         "<p>latsch is licensed under MIT or Apache 2.0, as you like. The texts, and the crates that are linked into the
 binary with their licenses, are beside this page in <code>licenses/</code>; crates that a model of your own adds are
 not among them. There is no warranty.</p>
-<p class=\"note\">FMI 2.0 for co-simulation, GUID <code>{}</code></p>
+<p class=\"note\">{what} <code>{}</code></p>
 ",
         escape(guid)
     )))
@@ -294,7 +322,7 @@ mod tests {
     fn every_variable_is_there_and_nothing_comes_from_outside() {
         for entry in MODELS {
             let table = (entry.table)();
-            let html = page(&table, &table, "{guid}", &entry.documentation.concat());
+            let html = page(&table, &table, "{guid}", &entry.documentation.concat(), Fmi::Two);
             for v in &table.variables {
                 assert!(html.contains(&format!("<code>{}</code></td>", v.name)), "{}", v.name);
                 assert!(html.contains(&escape(&v.description)), "{}", v.name);
@@ -332,7 +360,7 @@ mod tests {
     #[test]
     fn values_of_this_fmu_are_shown_and_marked() {
         let table = Native::<RingBrushFlatTrack>::table();
-        let plain = page(&table, &table, "", "");
+        let plain = page(&table, &table, "", "", Fmi::Two);
         assert!(
             plain.contains("all are the model&#39;s defaults") && !plain.contains("<tr class=\"changed\">")
         );
@@ -341,7 +369,7 @@ mod tests {
         for (index, value) in settings.check(&table).unwrap() {
             interface.variables[index].start = Some(value);
         }
-        let html = page(&table, &interface, "", "");
+        let html = page(&table, &interface, "", "", Fmi::Two);
         assert_eq!(html.matches("<tr class=\"changed\">").count(), 2);
         assert!(html.contains("<td class=\"number\">9.25</td><td class=\"number\">8.8</td>"), "{html}");
     }
@@ -364,13 +392,13 @@ mod tests {
                 *text = ATTACK.into();
             }
         }
-        assert!(!page(&table, &table, ATTACK, "").contains("<script"));
+        assert!(!page(&table, &table, ATTACK, "", Fmi::Two).contains("<script"));
     }
 
     #[test]
     fn an_author_writes_topics_a_text_or_nothing() {
         let table = Native::<RingBrushFlatTrack>::table();
-        let of = |text: &str| page(&table, &table, "", text);
+        let of = |text: &str| page(&table, &table, "", text, Fmi::Two);
         assert!(of("<p>Only this</p>").contains("<p>Only this</p>"));
         let two = of("<p>0</p><h2>A &amp; B</h2><p>1</p><h2>C</h2><p>2</p>");
         assert!(

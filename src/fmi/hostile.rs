@@ -3,9 +3,11 @@
 //!
 //! `HOSTILE_CASES=100000 cargo test --release --lib hostile` makes a long run of it.
 
+use super::c::Fmi;
 use super::c::{CallbackFunctions, Component, FmuState, Status, Text};
 use super::entry::{Entry, guid};
 use super::export;
+use super::export3;
 use super::state::Function;
 use crate::model::Settings;
 use crate::rig::RingBrushFlatTrack;
@@ -26,6 +28,12 @@ unsafe extern "C" fn logger(environment: *mut c_void, _: Text, status: c_int, _:
     // SAFETY: the environment is the counter that outlives the instance.
     let counts = unsafe { &mut *environment.cast::<[u32; 6]>() };
     counts[status as usize] += 1;
+}
+
+/// The same for FMI 3.0.
+unsafe extern "C" fn logger3(environment: *mut c_void, status: c_int, category: Text, message: Text) {
+    // SAFETY: the caller's promise.
+    unsafe { logger(environment, null(), status, category, message) }
 }
 
 /// The resources of a tire that is quick to start, and its GUID.
@@ -148,13 +156,21 @@ type Slots = [FmuState; 3];
 
 /// # Safety
 /// `c` is an instance, `slots` its states or null.
-unsafe fn make(c: Component, call: &Call, slots: &mut Slots) -> Status {
+unsafe fn make(fmi: Fmi, c: Component, call: &Call, slots: &mut Slots) -> Status {
     fn split<A: Copy, B: Copy>(pairs: &[(A, B)]) -> (Vec<A>, Vec<B>) {
         pairs.iter().copied().unzip()
     }
     // SAFETY: the pointers are null, or of arrays with the lengths that are passed, which outlive the call.
     unsafe {
         match call {
+            Call::Setup(start, stop, tolerance) if fmi == Fmi::Three => export3::enter_initialization_mode(
+                c,
+                tolerance.is_some().into(),
+                tolerance.unwrap_or(0.0),
+                *start,
+                stop.is_some().into(),
+                stop.unwrap_or(0.0),
+            ),
             Call::Setup(start, stop, tolerance) => export::setup_experiment(
                 c,
                 tolerance.is_some().into(),
@@ -163,31 +179,54 @@ unsafe fn make(c: Component, call: &Call, slots: &mut Slots) -> Status {
                 stop.is_some().into(),
                 stop.unwrap_or(0.0),
             ),
+            Call::Plain(0 | 1) if fmi == Fmi::Three => {
+                export3::enter_initialization_mode(c, 0, 0.0, 0.0, 0, 0.0)
+            }
             Call::Plain(0 | 1) => export::enter_initialization_mode(c),
             Call::Plain(2) => export::exit_initialization_mode(c),
             Call::Plain(3) => export::terminate(c),
             Call::Plain(_) => export::reset(c),
-            Call::GetReal(r) => export::get_real(c, r.as_ptr(), r.len(), vec![0.0; r.len()].as_mut_ptr()),
-            Call::GetInteger(r) => export::get_integer(c, r.as_ptr(), r.len(), vec![0; r.len()].as_mut_ptr()),
-            Call::GetBoolean(r) => export::get_boolean(c, r.as_ptr(), r.len(), vec![0; r.len()].as_mut_ptr()),
+            Call::GetReal(r) => {
+                export::get_real(c, r.as_ptr(), r.len(), vec![0.0; r.len()].as_mut_ptr(), r.len())
+            }
+            Call::GetInteger(r) if fmi == Fmi::Three => {
+                export::get_enumeration(c, r.as_ptr(), r.len(), vec![0; r.len()].as_mut_ptr(), r.len())
+            }
+            Call::GetInteger(r) => {
+                export::get_integer(c, r.as_ptr(), r.len(), vec![0; r.len()].as_mut_ptr(), r.len())
+            }
+            Call::GetBoolean(r) if fmi == Fmi::Three => {
+                export::get_byte_boolean(c, r.as_ptr(), r.len(), vec![0; r.len()].as_mut_ptr(), r.len())
+            }
+            Call::GetBoolean(r) => {
+                export::get_boolean(c, r.as_ptr(), r.len(), vec![0; r.len()].as_mut_ptr(), r.len())
+            }
             Call::GetString(r) => {
-                export::get_string(c, r.as_ptr(), r.len(), vec![null(); r.len()].as_mut_ptr())
+                export::get_string(c, r.as_ptr(), r.len(), vec![null(); r.len()].as_mut_ptr(), r.len())
             }
             Call::SetReal(pairs) => {
                 let (r, v) = split(pairs);
-                export::set_real(c, r.as_ptr(), r.len(), v.as_ptr())
+                export::set_real(c, r.as_ptr(), r.len(), v.as_ptr(), v.len())
             }
             Call::SetInteger(pairs) => {
                 let (r, v) = split(pairs);
-                export::set_integer(c, r.as_ptr(), r.len(), v.as_ptr())
+                if fmi == Fmi::Three {
+                    let v: Vec<i64> = v.iter().map(|v| (*v).into()).collect();
+                    return export::set_enumeration(c, r.as_ptr(), r.len(), v.as_ptr(), v.len());
+                }
+                export::set_integer(c, r.as_ptr(), r.len(), v.as_ptr(), v.len())
             }
             Call::SetBoolean(pairs) => {
                 let (r, v) = split(pairs);
-                export::set_boolean(c, r.as_ptr(), r.len(), v.as_ptr())
+                if fmi == Fmi::Three {
+                    let v: Vec<u8> = v.iter().map(|v| *v as u8).collect();
+                    return export::set_byte_boolean(c, r.as_ptr(), r.len(), v.as_ptr(), v.len());
+                }
+                export::set_boolean(c, r.as_ptr(), r.len(), v.as_ptr(), v.len())
             }
             Call::SetString(r, text) => {
                 let text = text.as_ref().map_or(null(), |t| t.as_ptr());
-                export::set_string(c, &raw const *r, 1, &raw const text)
+                export::set_string(c, &raw const *r, 1, &raw const text, 1)
             }
             Call::Rates(rates) => {
                 let references: Vec<_> = rates.iter().map(|r| r.0).collect();
@@ -203,6 +242,19 @@ unsafe fn make(c: Component, call: &Call, slots: &mut Slots) -> Status {
             }
             Call::Step(time, length) => {
                 let mut now = 0.0;
+                if fmi == Fmi::Three {
+                    let (mut flags, mut reached) = ([7_u8; 3], f64::NAN);
+                    let flags_at = std::array::from_fn(|i| &raw mut flags[i]);
+                    now = c
+                        .cast::<super::instance::Instance>()
+                        .as_ref()
+                        .map_or(0.0, |i| i.last_successful_time());
+                    let status =
+                        export3::do_step(c, time.unwrap_or(now), *length, flags_at, &raw mut reached);
+                    // what a step that was made has come to, and what one that was refused stands at
+                    assert!(flags == [0; 3] && reached.is_finite() || status != Status::Ok);
+                    return status;
+                }
                 export::get_real_status(c, 2, &raw mut now);
                 export::do_step(c, time.unwrap_or(now), *length, 0)
             }
@@ -243,13 +295,15 @@ unsafe fn make(c: Component, call: &Call, slots: &mut Slots) -> Status {
             Call::Status(2, kind) => export::get_boolean_status(c, *kind, &mut 0),
             Call::Status(3, _) => export::no_status(c, Function::GetStringStatus, &mut null::<i8>()),
             Call::Status(_, _) => export::no_status(c, Function::GetIntegerStatus, null_mut::<i32>()),
+            Call::NotOffered(0) if fmi == Fmi::Three => export3::not_offered(c, "fmi3EnterEventMode"),
+            Call::NotOffered(1) if fmi == Fmi::Three => export3::no_variables(c, "fmi3GetClock", 1),
             Call::NotOffered(0) => export::not_offered(c, Function::GetDirectionalDerivative),
             Call::NotOffered(1) => export::not_offered(c, Function::GetRealOutputDerivatives),
             Call::NotOffered(_) => export::not_offered(c, Function::CancelStep),
-            Call::Nulls(0) => export::get_real(c, null(), 3, null_mut()),
-            Call::Nulls(1) => export::get_string(c, &0, 1, null_mut()),
-            Call::Nulls(2) => export::set_real(c, null(), usize::MAX, null()),
-            Call::Nulls(3) => export::set_string(c, &0, 1, &null()),
+            Call::Nulls(0) => export::get_real(c, null(), 3, null_mut(), 3),
+            Call::Nulls(1) => export::get_string(c, &0, 1, null_mut(), 1),
+            Call::Nulls(2) => export::set_real(c, null(), usize::MAX, null(), usize::MAX),
+            Call::Nulls(3) => export::set_string(c, &0, 1, &null(), 1),
             Call::Nulls(4) => export::set_real_input_derivatives(c, &0, 1, null(), null()),
             Call::Nulls(5) => export::get_fmu_state(c, null_mut()),
             Call::Nulls(6) => export::set_fmu_state(c, null_mut()),
@@ -257,6 +311,8 @@ unsafe fn make(c: Component, call: &Call, slots: &mut Slots) -> Status {
             Call::Nulls(8) => export::serialize_fmu_state(c, null_mut(), null_mut(), 10),
             Call::Nulls(9) => export::deserialize_fmu_state(c, null(), 10, null_mut()),
             Call::Nulls(10) => export::set_debug_logging(c, 1, 2, null()),
+            // counts that do not fit
+            Call::Nulls(11) if fmi == Fmi::Three => export::get_real(c, &0, 1, [0.0; 2].as_mut_ptr(), 2),
             Call::Nulls(_) => export::get_real_status(c, 2, null_mut()),
         }
     }
@@ -271,7 +327,8 @@ proptest! {
     #![proptest_config(config())]
 
     #[test]
-    fn any_calls_in_any_order(calls in proptest::collection::vec(call(), 1..60)) {
+    fn any_calls_in_any_order(three in any::<bool>(), calls in proptest::collection::vec(call(), 1..60)) {
+        let fmi = if three { Fmi::Three } else { Fmi::Two };
         let (_, location, guid) = fmu();
         let mut counts = [0_u32; 6];
         // SAFETY: the types differ in that one is variadic; without further arguments the call is the same on
@@ -292,12 +349,18 @@ proptest! {
         let start = Instant::now();
         // SAFETY: valid texts and callbacks; the instance and its states are freed once, below.
         unsafe {
-            let c = export::instantiate(MODELS, c"hostile".as_ptr(), 1, guid.as_ptr(), location.as_ptr(), &callbacks, 0, 0);
+            let name = c"hostile".as_ptr();
+            let c = match fmi {
+                Fmi::Two => export::instantiate(MODELS, name, 1, guid.as_ptr(), location.as_ptr(), &callbacks, 0, 0),
+                Fmi::Three => export3::instantiate(
+                    MODELS, name, guid.as_ptr(), location.as_ptr(), 0, 0, (&raw mut counts).cast(), Some(logger3),
+                ),
+            };
             assert!(!c.is_null());
             let mut slots = [null_mut(); 3];
             for call in &calls {
                 let (before, errors) = (Instant::now(), counts[Status::Error as usize]);
-                let status = make(c, call, &mut slots);
+                let status = make(fmi, c, call, &mut slots);
                 let new = counts[Status::Error as usize] - errors;
                 // a panic would be Fatal; an error has a message, what is done or discarded has none
                 assert!(matches!(status, Status::Ok | Status::Discard | Status::Error), "{call:?}: {status:?}");
@@ -307,8 +370,10 @@ proptest! {
                 if status == Status::Error && !matches!(call, Call::Nulls(_)) {
                     assert_eq!(export::reset(c), Status::Ok);
                     if matches!(call, Call::Step(..)) {
-                        export::setup_experiment(c, 0, 0.0, 0.0, 0, 0.0);
-                        export::enter_initialization_mode(c);
+                        make(fmi, c, &Call::Setup(0.0, None, None), &mut slots);
+                        if fmi == Fmi::Two {
+                            export::enter_initialization_mode(c);
+                        }
                         export::exit_initialization_mode(c);
                     }
                 }

@@ -1,13 +1,13 @@
 //! An instance of an FMU: a slave behind FMI's state machine, types and messages. Safe Rust; the
-//! pointers are dealt with in `export`.
+//! pointers are dealt with in `export` and `export3`.
 
-use super::c::{CallbackFunctions, Status};
+use super::c::{Fmi, Status};
 use super::entry::Entry;
-use super::log::Log;
+use super::log::{Log, Master};
 use super::make::make;
 use super::resources::model_file;
 use super::state::{Function, State};
-use crate::model::{Kind, Slave, Snapshot, check_experiment, reference};
+use crate::model::{Interface, Kind, Slave, Snapshot, check_experiment, reference};
 use crate::{Error, Result};
 use std::ffi::{CStr, CString};
 
@@ -20,6 +20,8 @@ pub struct Instance {
     carried: Option<std::sync::Arc<super::import::log::Log>>,
     /// Value references, sorted, with the indices of their variables.
     references: Vec<(u32, usize)>,
+    /// That of the time, which FMI 3.0 has as a variable.
+    time_reference: Option<u32>,
     experiment: Option<(f64, Option<f64>)>,
     /// End of the last step \[s\].
     time: f64,
@@ -45,7 +47,7 @@ impl Instance {
         name: &CStr,
         expected_guid: &str,
         location: Option<&str>,
-        callbacks: CallbackFunctions,
+        master: Master,
         debug: bool,
     ) -> Result<Self> {
         let (resources, text) = model_file(location)?;
@@ -56,6 +58,7 @@ impl Instance {
                 made.guid
             )));
         }
+        let time = (master.fmi() == Fmi::Three).then(|| time_variable(made.slave.interface()));
         let variables = made.slave.interface().variables.iter();
         let mut references: Vec<(u32, usize)> =
             variables.enumerate().map(|(index, v)| (reference(&v.name), index)).collect();
@@ -63,8 +66,9 @@ impl Instance {
         Ok(Self {
             slave: made.slave,
             references,
+            time_reference: time.map(|(_, reference)| reference),
             state: State::Instantiated,
-            log: Log::new(callbacks, name, debug),
+            log: Log::new(master, name, debug),
             carried: made.messages,
             experiment: None,
             time: 0.0,
@@ -95,14 +99,21 @@ impl Instance {
         } else if function == Function::CancelStep {
             Err(Error::call("no step is in progress: steps of this FMU are never asynchronous"))
         } else {
-            Err(Error::call(format!("not possible {}", self.state.words())))
+            Err(Error::call(format!("not possible {}", self.state.words(self.log.fmi()))))
         };
         self.pass_on();
         match result {
             Ok(()) => Status::Ok,
-            Err(error) if self.state == State::Fatal => self.fatal(&format!("fmi2{function:?}: {error}")),
+            Err(error) if self.state == State::Fatal => {
+                self.fatal(&format!("{}: {error}", self.name(function)))
+            }
             Err(error) => self.fail(function, &error),
         }
+    }
+
+    /// What the master calls a function.
+    pub fn name(&self, function: Function) -> String {
+        function.name(self.log.fmi())
     }
 
     /// Passes on what a carried FMU said in this call. Why a call failed is in our own message already.
@@ -118,13 +129,14 @@ impl Instance {
 
     /// Tells the master that a question has no answer.
     pub fn discard(&mut self, function: Function) {
-        let message = format!("fmi2{function:?}: there is no such status: steps are never asynchronous");
+        let message =
+            format!("{}: there is no such status: steps are never asynchronous", self.name(function));
         self.log.error(Status::Discard, &message);
     }
 
     /// Tells the master of an error.
     pub fn fail(&mut self, function: Function, error: &Error) -> Status {
-        self.log.error(Status::Error, &format!("fmi2{function:?}: {error}"));
+        self.log.error(Status::Error, &format!("{}: {error}", self.name(function)));
         self.state = State::Error;
         Status::Error
     }
@@ -209,13 +221,27 @@ impl Instance {
     }
 
     fn real(&self, reference: u32) -> Result<usize> {
-        self.variable(reference, "a Real", |k| *k == Kind::Real)
+        let words = self.word("a Real", "a Float64");
+        self.variable(reference, words, |k| *k == Kind::Real)
     }
 
+    /// In FMI 3.0, enumerations have functions of their own.
     fn integer(&self, reference: u32) -> Result<usize> {
-        self.variable(reference, "an Integer or Enumeration", |k| {
-            matches!(k, Kind::Integer | Kind::Enumeration(_))
+        let is_three = self.log.fmi() == Fmi::Three;
+        self.variable(reference, self.word("an Integer or Enumeration", "an Int32"), |k| {
+            *k == Kind::Integer || !is_three && matches!(k, Kind::Enumeration(_))
         })
+    }
+
+    fn enumeration(&self, reference: u32) -> Result<usize> {
+        self.variable(reference, "an Enumeration", |k| matches!(k, Kind::Enumeration(_)))
+    }
+
+    fn word<'a>(&self, two: &'a str, three: &'a str) -> &'a str {
+        match self.log.fmi() {
+            Fmi::Two => two,
+            Fmi::Three => three,
+        }
     }
 
     fn boolean(&self, reference: u32) -> Result<usize> {
@@ -228,6 +254,9 @@ impl Instance {
 
     /// fmi2GetReal for one variable.
     pub fn get_real(&mut self, reference: u32) -> Result<f64> {
+        if self.time_reference == Some(reference) {
+            return Ok(self.time);
+        }
         let index = self.real(reference)?;
         self.slave.get(index)
     }
@@ -236,6 +265,12 @@ impl Instance {
     pub fn get_integer(&mut self, reference: u32) -> Result<i32> {
         let index = self.integer(reference)?;
         Ok(self.slave.get(index)? as i32)
+    }
+
+    /// fmi3GetInt64 for one variable.
+    pub fn get_enumeration(&mut self, reference: u32) -> Result<i64> {
+        let index = self.enumeration(reference)?;
+        Ok(self.slave.get(index)? as i64)
     }
 
     /// fmi2GetBoolean for one variable.
@@ -266,6 +301,12 @@ impl Instance {
     pub fn set_integer(&mut self, reference: u32, value: i32) -> Result<()> {
         let index = self.integer(reference)?;
         self.slave.set(index, f64::from(value))
+    }
+
+    /// fmi3SetInt64 for one variable.
+    pub fn set_enumeration(&mut self, reference: u32, value: i64) -> Result<()> {
+        let index = self.enumeration(reference)?;
+        self.slave.set(index, value as f64)
     }
 
     /// fmi2SetBoolean for one variable.
@@ -385,6 +426,18 @@ impl Instance {
         let experiment = start.is_finite().then_some((start, stop.is_finite().then_some(stop)));
         Ok(Saved { state, experiment, time, snapshot: self.slave.deserialize(rest)? })
     }
+}
+
+/// Name and value reference of the time, which FMI 3.0 wants to be a variable: neither is one of the model's.
+pub(super) fn time_variable(interface: &Interface) -> (String, u32) {
+    let mut name = String::from("time");
+    let is_taken =
+        |name: &str| interface.variables.iter().any(|v| v.name == name || v.reference == reference(name));
+    while is_taken(&name) {
+        name.push('_');
+    }
+    let number = reference(&name);
+    (name, number)
 }
 
 fn digest(bytes: &[u8]) -> uuid::Uuid {

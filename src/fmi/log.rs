@@ -1,8 +1,8 @@
 //! Messages to the master's logger.
 
-use super::c::{CallbackFunctions, Status, Text};
+use super::c::{CallbackFunctions, Fmi, LogMessage, Status, Text};
 use super::float::HostSettings;
-use std::ffi::{CStr, CString};
+use std::ffi::{CStr, CString, c_void};
 
 /// The categories that the model description declares.
 pub const CATEGORIES: [(&str, &str); 4] = [
@@ -12,9 +12,28 @@ pub const CATEGORIES: [(&str, &str); 4] = [
     ("logAll", "all messages"),
 ];
 
-/// A master's logger, copied from the callback functions, which live only during fmi2Instantiate.
+/// Who gets the messages.
+#[derive(Clone, Copy)]
+pub enum Master {
+    /// Of FMI 2.0: copied, because the callback functions live only during fmi2Instantiate.
+    Two(CallbackFunctions),
+    /// Of FMI 3.0: its logger, and what that gets back.
+    Three(LogMessage, *mut c_void),
+}
+
+impl Master {
+    /// What it speaks.
+    pub fn fmi(&self) -> Fmi {
+        match self {
+            Self::Two(_) => Fmi::Two,
+            Self::Three(..) => Fmi::Three,
+        }
+    }
+}
+
+/// A master's logger.
 pub struct Log {
-    callbacks: CallbackFunctions,
+    master: Master,
     instance: CString,
     events: bool,
     /// The host's floating-point settings during a call of an FMI function.
@@ -22,9 +41,14 @@ pub struct Log {
 }
 
 impl Log {
-    /// The logger of `callbacks` for an instance of this name.
-    pub fn new(callbacks: CallbackFunctions, instance: &CStr, debug: bool) -> Self {
-        Self { callbacks, instance: instance.to_owned(), events: debug, host: HostSettings::default() }
+    /// The logger of a master for an instance of this name.
+    pub fn new(master: Master, instance: &CStr, debug: bool) -> Self {
+        Self { master, instance: instance.to_owned(), events: debug, host: HostSettings::default() }
+    }
+
+    /// What the master speaks.
+    pub fn fmi(&self) -> Fmi {
+        self.master.fmi()
     }
 
     /// Begins a call of an FMI function: the usual floating-point settings, but for the logger.
@@ -71,21 +95,35 @@ impl Log {
     }
 
     fn send(&self, status: Status, category: &CStr, message: &str) {
-        let Some(logger) = self.callbacks.logger else { return };
-        // The message is a format for printf, in which # is special as well.
-        let escaped = message.replace('%', "%%").replace('#', "##").replace('\0', " ");
-        let Ok(message) = CString::new(escaped) else { return };
-        let text: Text = message.as_ptr();
-        // SAFETY: the pointers are zero-terminated texts that outlive the call; the format has no
-        // directives, so no further arguments are read.
+        let plain = message.replace('\0', " ");
+        let text = match self.master {
+            // the message is a format for printf, in which # is special as well
+            Master::Two(_) => CString::new(plain.replace('%', "%%").replace('#', "##")),
+            Master::Three(..) => CString::new(plain),
+        };
+        let (Ok(text), status) = (text, status as std::ffi::c_int) else { return };
+        let text: Text = text.as_ptr();
+        // SAFETY: the pointers are zero-terminated texts that outlive the call; a format has no directives, so that no further
+        // arguments are read.
         self.host.during(|| unsafe {
-            logger(
-                self.callbacks.component_environment,
-                self.instance.as_ptr(),
-                status as std::ffi::c_int,
-                category.as_ptr(),
-                text,
-            );
+            match self.master {
+                Master::Two(to) => {
+                    if let Some(logger) = to.logger {
+                        logger(
+                            to.component_environment,
+                            self.instance.as_ptr(),
+                            status,
+                            category.as_ptr(),
+                            text,
+                        );
+                    }
+                }
+                Master::Three(logger, environment) => {
+                    if let Some(logger) = logger {
+                        logger(environment, status, category.as_ptr(), text);
+                    }
+                }
+            }
         });
     }
 }

@@ -1,4 +1,4 @@
-//! FMI 2.0 for co-simulation: the C interface of exported models, and the import of any FMU.
+//! FMI 2.0 for co-simulation: the C interface of exported models, and the import of any FMU. FMUs can be exported for FMI 3.0, too.
 //!
 //! The only place of `unsafe`.
 
@@ -13,9 +13,12 @@ pub mod corrected;
 #[cfg(feature = "host")]
 pub mod description;
 #[cfg(feature = "host")]
+mod description3;
+#[cfg(feature = "host")]
 mod documentation;
 mod entry;
 pub mod export;
+pub mod export3;
 mod float;
 #[cfg(all(test, feature = "host"))]
 mod hostile;

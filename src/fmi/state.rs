@@ -1,4 +1,7 @@
-//! Which FMI function may be called when: the state machine of a co-simulation slave as a table.
+//! Which FMI function may be called when: the state machine of a co-simulation slave as a table. It is that of FMI 2.0; that of
+//! FMI 3.0 has the same states and calls for a slave without Event Mode.
+
+use super::c::Fmi;
 
 /// Where an instance is (FMI 2.0.5, section 4.2.4). Steps are never asynchronous, so the states
 /// `stepInProgress` and `stepCanceled` do not exist.
@@ -28,22 +31,28 @@ impl State {
             .find(|s| *s as u8 == number)
     }
 
-    /// As part of a sentence.
-    pub fn words(self) -> &'static str {
+    /// As part of a sentence, with the names of a version of the standard.
+    pub fn words(self, fmi: Fmi) -> String {
+        let name = |function: Function| function.name(fmi);
         match self {
-            Self::Instantiated => "before initialization",
-            Self::Initialization => "during initialization",
-            Self::StepComplete => "between steps",
-            Self::Terminated => "after fmi2Terminate",
-            Self::Error => "after an error; only fmi2Reset, fmi2SetFMUstate and fmi2FreeInstance help",
-            Self::Fatal => "after a fatal error: nothing is any more",
+            Self::Instantiated => "before initialization".into(),
+            Self::Initialization => "during initialization".into(),
+            Self::StepComplete => "between steps".into(),
+            Self::Terminated => format!("after {}", name(Function::Terminate)),
+            Self::Error => format!(
+                "after an error; only {}, {} and {}FreeInstance help",
+                name(Function::Reset),
+                name(Function::SetFMUstate),
+                fmi.prefix()
+            ),
+            Self::Fatal => "after a fatal error: nothing is any more".into(),
         }
     }
 }
 
 /// The functions that are bound to states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)] // the names are those of the standard, without fmi2
+#[allow(missing_docs)] // the names are those of FMI 2.0, without fmi2
 pub enum Function {
     SetDebugLogging,
     SetupExperiment,
@@ -75,6 +84,8 @@ pub enum Function {
     GetIntegerStatus,
     GetBooleanStatus,
     GetStringStatus,
+    /// One that only FMI 3.0 has, and that is refused: the error names it.
+    NotOffered,
 }
 
 const I: u8 = State::Instantiated as u8;
@@ -87,11 +98,29 @@ const READ: u8 = N | C | T | E;
 const WRITE: u8 = I | N | C;
 
 impl Function {
+    /// The name that it has in a version of the standard.
+    pub fn name(self, fmi: Fmi) -> String {
+        let own = format!("{self:?}");
+        match fmi {
+            Fmi::Three if self == Self::NotOffered => "a function of FMI 3.0".into(),
+            Fmi::Three => {
+                let renamed = own
+                    .replace("GetRealOutputDerivatives", "GetOutputDerivatives")
+                    .replace("Real", "Float64")
+                    .replace("Integer", "Int32")
+                    .replace("FMUstate", "FMUState")
+                    .replace("DeSerialize", "Deserialize");
+                fmi.prefix().to_owned() + &renamed
+            }
+            Fmi::Two => fmi.prefix().to_owned() + &own,
+        }
+    }
+
     /// The states in which the function may be called.
     fn states(self) -> u8 {
         use Function::*;
         match self {
-            SetDebugLogging | Reset => ALL,
+            SetDebugLogging | Reset | NotOffered => ALL,
             SetupExperiment | EnterInitializationMode => I,
             ExitInitializationMode => N,
             Terminate | DoStep => C,
@@ -125,7 +154,7 @@ impl Function {
 #[cfg(test)]
 mod tests {
     use super::Function::{self, *};
-    use super::State;
+    use super::{Fmi, State};
 
     /// The table of FMI 2.0.5, section 4.2.4, for the states that a slave without asynchronous steps and
     /// without discarded ones has. `x` and the numbers of notes are calls that are allowed; the notes are about
@@ -162,6 +191,7 @@ mod tests {
         (GetIntegerStatus, ". . x x . ."),
         (GetBooleanStatus, ". . x x . ."),
         (GetStringStatus, ". . x x . ."),
+        (NotOffered, "x x x x x ."),
     ];
 
     const STATES: [State; 6] = [
@@ -175,8 +205,8 @@ mod tests {
 
     #[test]
     fn calls_are_legal_when_the_standard_says_so() {
-        // every function is in the table: GetStringStatus is the last
-        assert_eq!(TABLE.len(), GetStringStatus as usize + 1);
+        // every function is in the table: NotOffered is the last
+        assert_eq!(TABLE.len(), NotOffered as usize + 1);
         for (number, (function, row)) in TABLE.iter().enumerate() {
             assert!(TABLE[..number].iter().all(|(other, _)| other != function), "{function:?} twice");
             let marks: Vec<&str> = row.split(' ').collect();
@@ -184,6 +214,20 @@ mod tests {
             for (state, mark) in STATES.iter().zip(marks) {
                 assert_eq!(function.allowed_in(*state), mark != ".", "{function:?} in {state:?}");
             }
+        }
+    }
+
+    #[test]
+    fn functions_have_the_names_of_each_version() {
+        for (function, two, three) in [
+            (DoStep, "fmi2DoStep", "fmi3DoStep"),
+            (GetReal, "fmi2GetReal", "fmi3GetFloat64"),
+            (SetInteger, "fmi2SetInteger", "fmi3SetInt32"),
+            (GetRealOutputDerivatives, "fmi2GetRealOutputDerivatives", "fmi3GetOutputDerivatives"),
+            (SerializedFMUstateSize, "fmi2SerializedFMUstateSize", "fmi3SerializedFMUStateSize"),
+            (DeSerializeFMUstate, "fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState"),
+        ] {
+            assert_eq!((function.name(Fmi::Two).as_str(), function.name(Fmi::Three).as_str()), (two, three));
         }
     }
 }

@@ -9,7 +9,7 @@ import pytest
 from conftest import PROGRAM, ROOT, TARGET
 
 SCRIPT = """
-import json, pathlib, sys
+import json, pathlib, sys, zipfile
 import numpy as np
 import latsch
 
@@ -30,6 +30,9 @@ assert any("command_actuators" in note for note in run.notes)
 fmu = latsch.export("magic-formula-flat-track", "tire.fmu", parameters={"VERTICAL_STIFFNESS": 250e3})
 again = latsch.simulate(fmu, inputs, values=values, channels=list(run))
 assert all(np.array_equal(run[name], again[name]) for name in run)
+
+with zipfile.ZipFile(latsch.export("linear-wheel", "three.fmu", fmi=3)) as three:
+    assert b'fmiVersion="3.0"' in three.read("modelDescription.xml")
 
 tires = latsch.characterize("magic-formula", fmu, loads=["2 kN", "4 kN"])
 assert tires.reading("vertical_stiffness", 4000.0, "tire") - 250 < 1e-6
