@@ -32,7 +32,7 @@ const ORDER: &[(&str, &str)] = &[
     ("effect", "model"),
     ("fmi/c", ""),
     ("fmi/float", ""),
-    ("fmi/state", ""),
+    ("fmi/state", "fmi/c"),
     ("fmi/log", "fmi/c fmi/float"),
     ("fmi/entry", "model"),
     ("fmi/resources", ""),
@@ -42,13 +42,19 @@ const ORDER: &[(&str, &str)] = &[
     ("fmi/panics", ""),
     ("fmi/pointers", "fmi/c"),
     ("fmi/export", "fmi/c fmi/float fmi/state fmi/log fmi/entry fmi/instance fmi/panics fmi/pointers"),
-    ("fmi", "fmi/entry fmi/state"), // what its mod.rs passes on
+    ("fmi/export3", "fmi/c fmi/state fmi/log fmi/entry fmi/export"),
+    ("fmi", "fmi/c fmi/entry fmi/state"), // what its mod.rs passes on
+    ("fmi/platform", "fmi/c"),
     ("fmi/description", "model fmi/log fmi/import"),
-    ("fmi/documentation", "page model fmi/log fmi/import fmi/description"),
-    ("fmi/archive", "model fmi/c fmi/entry fmi/import fmi/make fmi/export fmi/description fmi/documentation"),
+    ("fmi/description3", "model fmi/instance fmi/import fmi/description"),
+    ("fmi/documentation", "page model fmi/c fmi/state fmi/log fmi/import fmi/platform fmi/description"),
+    (
+        "fmi/archive",
+        "model fmi/c fmi/entry fmi/import fmi/make fmi/export fmi/platform fmi/description fmi/description3 fmi/documentation",
+    ),
     (
         "fmi/corrected",
-        "page model effect fmi/entry fmi/import fmi/make fmi/description fmi/documentation fmi/archive",
+        "page model effect fmi/c fmi/entry fmi/import fmi/make fmi/description fmi/documentation fmi/archive",
     ),
     ("fmi/check", "model fmi/c fmi/import"),
     ("shipped", "tire rig control fmi fmi/entry"),
@@ -81,7 +87,7 @@ const ORDER: &[(&str, &str)] = &[
     ),
     (
         "cli",
-        "page stats model tire tir road_file rig control effect fmi fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \
+        "page stats model tire tir road_file rig control effect fmi fmi/c fmi/entry fmi/import fmi/archive fmi/corrected fmi/check shipped \
          recording simulate cosimulate characteristic curves comparison loads lint causes freeze manoeuvre identify diagnose report",
     ),
 ];

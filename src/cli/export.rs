@@ -3,11 +3,10 @@
 use super::given::Given;
 use super::{check_outputs, print};
 use latsch::effect::file::Corrections;
-use latsch::fmi::Entry;
 use latsch::fmi::archive::{Binary, ModelLibrary};
-use latsch::fmi::c::Fmi;
 use latsch::fmi::corrected::{CorrectedBase, export_corrections};
 use latsch::fmi::import::ImportedFmu;
+use latsch::fmi::{Entry, Fmi};
 use latsch::model::{Settings, Slave};
 use latsch::shipped::MODELS;
 use latsch::temporary::Folder;

@@ -1,13 +1,14 @@
 //! Makes FMUs: description, documentation, resources and binary in a zip archive.
 
 use super::c::Fmi;
-use super::description::{PLATFORM, capabilities_of, model_description, model_identifier};
+use super::description::{capabilities_of, model_description, model_identifier};
 use super::description3;
 use super::documentation;
 use super::entry::{Entry, guid, no_model};
 use super::export::Sink;
 use super::import::library::{Handle, Names};
 use super::make::{MAX_ABOUT, ORIGINAL_DESCRIPTION};
+use super::platform::{PLATFORM, PLATFORMS, Platform, folder_of};
 use crate::bounded::MAX_TEXT;
 use crate::model::{Interface, Settings};
 use crate::{Error, Result};
@@ -22,40 +23,6 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 pub struct Binary {
     platform: &'static str,
     path: PathBuf,
-}
-
-/// A kind of machine that an FMU can have a binary for.
-struct Platform {
-    /// Folder of its binaries in FMI 2.0, and that of FMI 3.0 for ARM, which the other does not have.
-    name: &'static str,
-    /// That of FMI 3.0.
-    three: &'static str,
-    /// The suffix of a library there, and how such a file begins.
-    suffix: &'static str,
-    start: &'static [u8],
-}
-
-const fn platform(
-    name: &'static str,
-    three: &'static str,
-    suffix: &'static str,
-    start: &'static [u8],
-) -> Platform {
-    Platform { name, three, suffix, start }
-}
-
-const PLATFORMS: [Platform; 5] = [
-    platform("linux64", "x86_64-linux", ".so", b"\x7fELF"),
-    platform("aarch64-linux", "aarch64-linux", ".so", b"\x7fELF"),
-    platform("win64", "x86_64-windows", ".dll", b"MZ"),
-    platform("darwin64", "x86_64-darwin", ".dylib", b"\xcf\xfa\xed\xfe"),
-    platform("aarch64-darwin", "aarch64-darwin", ".dylib", b"\xcf\xfa\xed\xfe"),
-];
-
-/// The folder of a platform's binaries in an FMU.
-pub(super) fn folder_of(platform: &'static str, fmi: Fmi) -> &'static str {
-    let known = PLATFORMS.iter().find(|p| p.name == platform && fmi == Fmi::Three);
-    known.map_or(platform, |p| p.three)
 }
 
 impl std::str::FromStr for Binary {

@@ -9,15 +9,6 @@ use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-/// The folder of binaries of the machine that this runs on.
-pub const PLATFORM: &str = if cfg!(windows) {
-    "win64"
-} else if cfg!(target_os = "macos") {
-    "darwin64"
-} else {
-    "linux64"
-};
-
 /// The model identifier of a model: its name as a C identifier.
 pub fn model_identifier(name: &str) -> String {
     let mut identifier: String =

@@ -1,9 +1,9 @@
 //! What an FMU carries in `documentation/`: a page about the model, and licenses.
 
 use super::c::Fmi;
-use super::description::PLATFORM;
 use super::import::Capabilities;
 use super::log::CATEGORIES;
+use super::platform::{PLATFORM, folder_of};
 use super::state::Function;
 use crate::model::{Causality, Interface, Kind, Value, Variability, VariableInfo};
 use crate::page::{Html, Page, Section, Table, escape, number as short};
@@ -171,7 +171,7 @@ whose steps show in forces; communication steps as short as the motion asks for 
         Fmi::Two => "asynchronous steps",
         Fmi::Three => "Event Mode, clocks, intermediate updates, early return",
     };
-    let (error, platform) = (format!("{}Error", fmi.prefix()), super::archive::folder_of(PLATFORM, fmi));
+    let (error, platform) = (format!("{}Error", fmi.prefix()), folder_of(PLATFORM, fmi));
     Section::new("Use in a co-simulation").with(Html::raw(format!(
         "<ul>
 <li>A communication step of {step} s suits the model; any positive length is accepted, and it may vary.</li>

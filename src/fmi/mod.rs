@@ -27,6 +27,8 @@ mod instance;
 mod log;
 mod make;
 mod panics;
+#[cfg(feature = "host")]
+mod platform;
 mod pointers;
 mod resources;
 #[cfg(all(unix, feature = "host"))]
@@ -35,5 +37,6 @@ mod state;
 #[cfg(feature = "host")]
 pub mod tire_function;
 
+pub use c::Fmi;
 pub use entry::{Entry, guid};
 pub use state::Function;

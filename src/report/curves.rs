@@ -39,12 +39,12 @@ pub fn curves_report(tires: &[Tire], programme: &Programme) -> String {
         listed(&programme.frictions, number),
     );
     Page::new(&format!("Tire characteristics: {}", names.join(", ")), &lead)
-        .section(readings(tires, programme))
         .section(cornering(tires))
         .section(braking(tires))
         .section(combined(tires))
         .section(camber(tires))
         .section(vertical(tires))
+        .section(readings(tires, programme))
         .section(notes(tires))
         .html()
 }
