@@ -43,6 +43,7 @@ const ORDER: &[(&str, &str)] = &[
     ("fmi/pointers", "fmi/c"),
     ("fmi/export", "fmi/c fmi/float fmi/state fmi/log fmi/entry fmi/instance fmi/panics fmi/pointers"),
     ("fmi/export3", "fmi/c fmi/state fmi/log fmi/entry fmi/export"),
+    ("fmi/symbols", "fmi/c fmi/state fmi/entry fmi/export fmi/export3"),
     ("fmi", "fmi/c fmi/entry fmi/state"), // what its mod.rs passes on
     ("fmi/platform", "fmi/c"),
     ("fmi/description", "model fmi/log fmi/import"),

@@ -241,6 +241,8 @@ impl Recorded {
         let name = |variable: &usize| subject.interface.variables[*variable].name.clone();
         rest.channels_aside.extend(aside.channels.iter().map(name));
         rest.runs_aside.extend(aside.runs);
+        // what is at fault has warmed nothing that is known of
+        follow_each_other(&mut rest.runs);
         Some(rest)
     }
 
@@ -368,7 +370,9 @@ impl Recorded {
 fn follow_each_other(runs: &mut [(Run, Use)]) {
     let all: Vec<Arc<Earlier>> = runs.iter().map(|(run, _)| Arc::new(run.as_earlier())).collect();
     for (k, (run, _)) in runs.iter_mut().enumerate() {
-        run.drive = Arc::new(Drive { earlier: all[..k].into(), ..Drive::clone(&run.drive) });
+        let after = |drive: &Drive| Drive { earlier: all[..k].into(), ..drive.clone() };
+        let coarser = run.drive.coarser.as_ref().map(|coarser| Arc::new(after(coarser)));
+        run.drive = Arc::new(Drive { coarser, ..after(&run.drive) });
     }
 }
 
@@ -499,5 +503,34 @@ mod tests {
         // more digits than a number has
         let long = |last: char| format!("{}{last}", "7".repeat(60));
         assert!(in_counting_order(&long('1')) < in_counting_order(&long('2')));
+    }
+
+    #[test]
+    fn a_run_knows_those_before_it_that_are_used() {
+        let run = |k: usize| {
+            let coarser = Arc::new(Drive::new(0.0, 1.0, 2, vec![(0, vec![k as f64; 2])]));
+            let drive = Drive::new(0.0, 0.5, 3, vec![(0, vec![k as f64; 3])]);
+            let channels = vec![crate::fit::Channel { variable: 1, values: vec![7.0, 8.0], counts: false }];
+            let drive = Arc::new(Drive { coarser: Some(coarser), ..drive });
+            (Run { name: format!("{k}"), drive, time: vec![0.0, 1.0], channels }, Use::Fit)
+        };
+        let mut runs: Vec<(Run, Use)> = (0..4).map(run).collect();
+        let known = |runs: &[(Run, Use)]| -> Vec<Vec<f64>> {
+            let inputs =
+                |drive: &Drive| drive.earlier.iter().map(|e| e.signals[0].1[0]).collect::<Vec<f64>>();
+            for (run, _) in runs {
+                assert_eq!(run.drive.coarser.as_ref().map(|c| inputs(c)), Some(inputs(&run.drive)));
+            }
+            runs.iter().map(|(run, _)| inputs(&run.drive)).collect()
+        };
+        follow_each_other(&mut runs);
+        assert_eq!(known(&runs), [vec![], vec![0.0], vec![0.0, 1.0], vec![0.0, 1.0, 2.0]]);
+        assert_eq!(runs[1].0.drive.earlier[0].signals, [(0, vec![0.0; 2]), (1, vec![7.0, 8.0])]);
+        // one is left aside, and a channel of all
+        runs.remove(1);
+        runs.iter_mut().for_each(|(run, _)| run.channels.clear());
+        follow_each_other(&mut runs);
+        assert_eq!(known(&runs), [vec![], vec![0.0], vec![0.0, 2.0]]);
+        assert_eq!(runs[1].0.drive.earlier[0].signals, [(0, vec![0.0; 2])]);
     }
 }

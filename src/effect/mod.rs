@@ -155,7 +155,8 @@ impl Parameter {
         Self { name, description, scale, off: None, plausible, search, probes, of_session: false }
     }
 
-    /// The share of an effect's memory that outlasts the pause to the next run of a session.
+    /// The share of an effect's memory that outlasts the pause to the next run of a session. It is tried with half of it, and with
+    /// runs that all begin anew.
     pub const fn kept(description: &'static str) -> Self {
         let share = Self::shape("kept", description, Scale::plain("1"), (0.0, 1.0), (0.0, 1.0), &[0.5, 0.0]);
         Self { of_session: true, ..share }

@@ -314,16 +314,6 @@ fn write_types(xml: &mut Xml, interface: &Interface, types: &HashMap<&str, Strin
 }
 
 fn write_variable(xml: &mut Xml, variable: &VariableInfo, types: &HashMap<&str, String>) {
-    let mut attributes = vec![
-        ("name", variable.name.clone()),
-        ("valueReference", variable.reference.to_string()),
-        ("description", variable.description.clone()),
-        ("causality", causality(variable.causality).into()),
-        ("variability", variability(variable.variability).into()),
-    ];
-    if let Some(value) = variable.initial {
-        attributes.push(("initial", initial(value).into()));
-    }
     let mut details = Vec::new();
     let element = match &variable.kind {
         Kind::Real => "Real",
@@ -335,29 +325,46 @@ fn write_variable(xml: &mut Xml, variable: &VariableInfo, types: &HashMap<&str, 
             "Enumeration"
         }
     };
-    if let Some(unit) = &variable.unit {
-        details.push(("unit", unit.clone()));
-    }
-    for (name, limit) in [("min", variable.min), ("max", variable.max), ("nominal", variable.nominal)] {
-        if let Some(limit) = limit {
-            let text = if variable.is_real() { number(limit) } else { format!("{limit:.0}") };
-            details.push((name, text));
-        }
-    }
+    details.extend(unit_and_limits(variable));
     match &variable.start {
         Some(Value::Real(v)) => details.push(("start", number(*v))),
         Some(other) => details.push(("start", other.to_string())),
         None => {}
     }
-    fn borrowed<'a>(list: &'a [(&'a str, String)]) -> Vec<(&'a str, &'a str)> {
-        list.iter().map(|(n, v)| (*n, v.as_str())).collect()
-    }
-    xml.open("ScalarVariable", &borrowed(&attributes));
+    xml.open("ScalarVariable", &borrowed(&identity(variable)));
     xml.empty(element, &borrowed(&details));
     xml.close("ScalarVariable");
 }
 
-pub(super) fn causality(value: Causality) -> &'static str {
+/// Attributes with their values.
+pub(super) type Attributes = Vec<(&'static str, String)>;
+
+pub(super) fn borrowed(list: &Attributes) -> Vec<(&str, &str)> {
+    list.iter().map(|(n, v)| (*n, v.as_str())).collect()
+}
+
+/// What a variable is.
+pub(super) fn identity(variable: &VariableInfo) -> Attributes {
+    let mut attributes = vec![
+        ("name", variable.name.clone()),
+        ("valueReference", variable.reference.to_string()),
+        ("description", variable.description.clone()),
+        ("causality", causality(variable.causality).into()),
+        ("variability", variability(variable.variability).into()),
+    ];
+    attributes.extend(variable.initial.map(|value| ("initial", initial(value).into())));
+    attributes
+}
+
+/// What its values may be.
+pub(super) fn unit_and_limits(variable: &VariableInfo) -> Attributes {
+    let text = |limit: f64| if variable.is_real() { number(limit) } else { format!("{limit:.0}") };
+    let limits = [("min", variable.min), ("max", variable.max), ("nominal", variable.nominal)];
+    let limits = limits.into_iter().filter_map(|(name, limit)| Some((name, text(limit?))));
+    variable.unit.clone().map(|unit| ("unit", unit)).into_iter().chain(limits).collect()
+}
+
+fn causality(value: Causality) -> &'static str {
     match value {
         Causality::Parameter => "parameter",
         Causality::CalculatedParameter => "calculatedParameter",
@@ -368,7 +375,7 @@ pub(super) fn causality(value: Causality) -> &'static str {
     }
 }
 
-pub(super) fn variability(value: Variability) -> &'static str {
+fn variability(value: Variability) -> &'static str {
     match value {
         Variability::Constant => "constant",
         Variability::Fixed => "fixed",
@@ -378,7 +385,7 @@ pub(super) fn variability(value: Variability) -> &'static str {
     }
 }
 
-pub(super) fn initial(value: Initial) -> &'static str {
+fn initial(value: Initial) -> &'static str {
     match value {
         Initial::Exact => "exact",
         Initial::Approx => "approx",

@@ -1,8 +1,8 @@
 //! Writes `modelDescription.xml` of FMI 3.0 from an interface.
 
 use super::description::{
-    Origin, Xml, causality, initial, model_identifier, naming_convention, number, open_description,
-    type_names, unknowns, variability, write_categories_and_experiment, write_units,
+    Origin, Xml, borrowed, identity, model_identifier, naming_convention, number, open_description,
+    type_names, unit_and_limits, unknowns, write_categories_and_experiment, write_units,
 };
 use super::import::Capabilities;
 use super::instance::time_variable;
@@ -107,20 +107,9 @@ fn write_variable(xml: &mut Xml, variable: &VariableInfo, types: &HashMap<&str, 
         Kind::Text => "String",
         Kind::Enumeration(_) => "Enumeration",
     };
-    let mut attributes = vec![
-        ("name", variable.name.clone()),
-        ("valueReference", variable.reference.to_string()),
-        ("description", variable.description.clone()),
-        ("causality", causality(variable.causality).into()),
-        ("variability", variability(variable.variability).into()),
-    ];
-    attributes.extend(variable.initial.map(|value| ("initial", initial(value).into())));
+    let mut attributes = identity(variable);
     attributes.extend(types.get(variable.name.as_str()).map(|name| ("declaredType", name.clone())));
-    attributes.extend(variable.unit.clone().map(|unit| ("unit", unit)));
-    for (name, limit) in [("min", variable.min), ("max", variable.max), ("nominal", variable.nominal)] {
-        let text = |limit: f64| if variable.is_real() { number(limit) } else { format!("{limit:.0}") };
-        attributes.extend(limit.map(|limit| (name, text(limit))));
-    }
+    attributes.extend(unit_and_limits(variable));
     // a text has its start value in an element of its own
     let mut text = None;
     match &variable.start {
@@ -129,7 +118,7 @@ fn write_variable(xml: &mut Xml, variable: &VariableInfo, types: &HashMap<&str, 
         Some(other) => attributes.push(("start", other.to_string())),
         None => {}
     }
-    let attributes: Vec<(&str, &str)> = attributes.iter().map(|(n, v)| (*n, v.as_str())).collect();
+    let attributes = borrowed(&attributes);
     match text {
         Some(start) => {
             xml.open(element, &attributes);

@@ -34,6 +34,7 @@ mod resources;
 #[cfg(all(unix, feature = "host"))]
 pub(crate) mod signal;
 mod state;
+mod symbols;
 #[cfg(feature = "host")]
 pub mod tire_function;
 
