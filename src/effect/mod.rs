@@ -158,7 +158,14 @@ impl Parameter {
     /// The share of an effect's memory that outlasts the pause to the next run of a session. It is tried with half of it, and with
     /// runs that all begin anew.
     pub const fn kept(description: &'static str) -> Self {
-        let share = Self::shape("kept", description, Scale::plain("1"), (0.0, 1.0), (0.0, 1.0), &[0.5, 0.0]);
+        let share = Self::shape(
+            "kept_between_runs",
+            description,
+            Scale::plain("1"),
+            (0.0, 1.0),
+            (0.0, 1.0),
+            &[0.5, 0.0],
+        );
         Self { of_session: true, ..share }
     }
 
