@@ -77,13 +77,15 @@ pub struct Spanned {
 
 impl Rod {
     /// How it is spanned between two bodies.
+    #[inline]
     pub fn between(&self, bodies: [&Pose; 2]) -> Spanned {
-        Spanned::new([0, 1].map(|i| bodies[i].at(&self.points[i])))
+        Spanned::new([bodies[0].at(&self.points[0]), bodies[1].at(&self.points[1])])
     }
 }
 
 impl Spanned {
     /// Between two points.
+    #[inline]
     pub fn new(ends: [At; 2]) -> Self {
         let apart = ends[1].place - ends[0].place;
         let length = apart.norm();
@@ -93,6 +95,7 @@ impl Spanned {
 
     /// What a force \[N\] that pulls the points together puts on each body: force and moment about its centre, in
     /// frame 0. Both forces lie on one line, so no momentum and no moment of momentum is made.
+    #[inline]
     pub fn wrenches(&self, pull: f64) -> [Wrench<f64>; 2] {
         let force = self.along * pull;
         [self.ends[0].load(force), self.ends[1].load(-force)]
@@ -132,6 +135,7 @@ pub struct Slid {
 
 impl Guide {
     /// How it is between two bodies.
+    #[inline]
     pub fn between(&self, bodies: [&Pose; 2]) -> Slid {
         let second = bodies[1].at(&self.points[1]);
         let arm = second.place - bodies[0].position;

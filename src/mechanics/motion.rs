@@ -44,6 +44,7 @@ impl<T: Real> Default for Wrench<T> {
 }
 
 impl<T: Real> std::ops::AddAssign for Wrench<T> {
+    #[inline]
     fn add_assign(&mut self, other: Self) {
         self.force += other.force;
         self.moment += other.moment;
@@ -238,6 +239,7 @@ pub fn cross_matrix<T: Real>(v: &Vector3<T>) -> Matrix3<T> {
 }
 
 /// `a x b`; nalgebra's own needs an ordered field.
+#[inline]
 pub fn cross<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 }

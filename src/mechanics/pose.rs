@@ -21,6 +21,7 @@ pub struct Pose {
 }
 
 impl From<&Motion<f64>> for Pose {
+    #[inline]
     fn from(motion: &Motion<f64>) -> Self {
         let attitude = motion.attitude();
         Self {
@@ -47,6 +48,7 @@ pub struct At {
 
 impl Pose {
     /// The point of the body with these coordinates in its axes, from its centre \[m\].
+    #[inline]
     pub fn at(&self, point: &Vector3<f64>) -> At {
         let arm = turn(&self.axes, point);
         At { arm, place: self.position + arm, velocity: self.velocity + cross(&self.spin, &arm) }
@@ -55,6 +57,7 @@ impl Pose {
 
 impl At {
     /// Force \[N\] at the point, as force and moment about the body's centre.
+    #[inline]
     pub fn load(&self, force: Vector3<f64>) -> Wrench<f64> {
         Wrench { force, moment: cross(&self.arm, &force) }
     }

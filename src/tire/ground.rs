@@ -1,6 +1,6 @@
 //! What a tire stands on: points of a road, or at each instant a plane under a body, which may tilt and move.
 
-use crate::mechanics::{Motion, cross, rotation_x, rotation_y, rotation_z};
+use crate::mechanics::{Motion, cross, rotation_x, rotation_y, rotation_z, turn};
 use crate::road::{Point, Window};
 use nalgebra::{Matrix3, Vector3};
 
@@ -94,6 +94,11 @@ impl Plane {
         }
         let (about_y, about_x) = self.tilt();
         rotation_y(about_y) * rotation_x(about_x)
+    }
+
+    /// Components of a vector in the plane's frame to frame 0.
+    pub fn to_frame_0(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        if self.is_level() { *v } else { turn(&self.rotation(), v) }
     }
 
     /// The belt's motion against the plane: on the plane, a belt that moves so is a belt on a flat

@@ -1,6 +1,6 @@
 //! A tire on a rim whose motion somebody else decides: a rig's imposed motion, a hub, a master.
 
-use super::{Change, Ground, Motion, Plane, Rest, Tire, Vertical};
+use super::{Change, Ground, Motion, Plane, Rest, Tire, Vertical, Wrench};
 use crate::model::{Purpose, Role, Table, boolean_parameter, local, output};
 use crate::solver::{Dual, Real};
 use crate::{Error, Result, boolean, clone_in_place, lens, real};
@@ -261,9 +261,10 @@ impl<T: Tire> Mounted<T> {
     }
 
     fn measure(&mut self) {
-        let on_rim = self.tire.on_rim();
-        self.force = to_heading(self.rim.angles.z, &on_rim.force);
-        self.moment = to_heading(self.rim.angles.z, &on_rim.moment);
+        let Wrench { force, moment } = self.tire.on_rim();
+        let heading = libm::sincos(self.rim.angles.z);
+        self.force = along_heading(heading, &force);
+        self.moment = along_heading(heading, &moment);
     }
 
     /// Moment of the tire on the rim about the wheel's own axis \[N.m\].
@@ -275,7 +276,11 @@ impl<T: Tire> Mounted<T> {
 
 /// Turns frame 0 into H axes of a steer angle: x horizontal in the wheel's heading, z up (4.37).
 pub fn to_heading<T: Real>(steer: T, v: &Vector3<T>) -> Vector3<T> {
-    let (sin, cos) = steer.sin_cos();
+    along_heading(steer.sin_cos(), v)
+}
+
+/// A vector along, to the left of and normal to a heading in the plane of x and y, of which sine and cosine are given.
+pub(super) fn along_heading<T: Real>((sin, cos): (T, T), v: &Vector3<T>) -> Vector3<T> {
     Vector3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z)
 }
 

@@ -4,9 +4,11 @@
 /// is a spring.
 pub(super) fn follow(u: f64, sliding: f64, speed: f64, length: f64, dt: f64) -> f64 {
     let way = speed.abs() * dt / length;
+    // exp(-way) - 1
+    let decay = libm::expm1(-way);
     // (1 − exp(−way)) / way, which is 1 for no way
-    let mean = if way > 0.0 { -libm::expm1(-way) / way } else { 1.0 };
-    u * libm::exp(-way) + sliding * dt * mean
+    let mean = if way > 0.0 { -decay / way } else { 1.0 };
+    u + u * decay + sliding * dt * mean
 }
 
 #[cfg(test)]

@@ -200,7 +200,8 @@ impl AxleRig {
     fn accelerate(&mut self, carriers: &[Motion<f64>; 2], rack_speed: f64) {
         let body = Pose::from(&Motion::default());
         let poses = carriers.each_ref().map(Pose::from);
-        let front = self.front.act(&self.parameters, self.steered, &body, &poses, rack_speed);
+        let [left, right] = &poses;
+        let front = self.front.act(&self.parameters, self.steered, &body, [left, right], rack_speed);
         self.told = front.told;
         let rigid = self.rigid();
         for (i, motion) in carriers.iter().enumerate() {

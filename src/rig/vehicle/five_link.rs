@@ -82,12 +82,12 @@ pub struct Side {
     pub push: f64,
 }
 
-/// How a side is strained.
+/// The strut as it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strained {
-    links: [Spanned; LINKS],
-    strut: Spanned,
-    shortened: f64,
+pub struct Strut {
+    spanned: Spanned,
+    /// By which way it is shortened \[m\], and the rate of that.
+    pub shortened: [f64; 2],
 }
 
 /// What a side does.
@@ -99,6 +99,8 @@ pub struct Acting {
     pub links: [f64; LINKS],
     /// Force with which the strut pushes \[N\].
     pub push: f64,
+    /// Power that the bushings' dampers turn into heat \[W\].
+    pub power_loss: f64,
 }
 
 impl Side {
@@ -126,14 +128,10 @@ impl Side {
         self.links.iter_mut().for_each(|link| link.bushing = bushing);
     }
 
-    /// How it is strained.
-    pub fn strained(&self, bodies: [&Pose; 2]) -> Strained {
-        let strut = self.strut.between(bodies);
-        Strained {
-            links: self.links.each_ref().map(|link| link.rod.between(bodies)),
-            shortened: self.strut_length - strut.length,
-            strut,
-        }
+    /// How the strut is between two bodies.
+    pub fn strut(&self, bodies: [&Pose; 2]) -> Strut {
+        let spanned = self.strut.between(bodies);
+        Strut { spanned, shortened: [self.strut_length - spanned.length, -spanned.rate] }
     }
 
     /// Takes over forces with which all is in balance where the vehicle stands: of the links, and of the strut, which pushes.
@@ -144,26 +142,30 @@ impl Side {
         self.push = forces[LINKS];
     }
 
-    /// What it does, with the force with which the strut pushes beyond that where the vehicle stands.
-    pub fn act(&self, at: &Strained, more: f64) -> Acting {
+    /// What it does between two bodies, with the force with which the strut pushes beyond that where the vehicle stands.
+    pub fn act(&self, bodies: [&Pose; 2], strut: &Strut, more: f64) -> Acting {
         let mut acting = Acting { push: self.push + more, ..Acting::default() };
-        for (i, (link, spanned)) in self.links.iter().zip(&at.links).enumerate() {
-            acting.links[i] = link.pull(spanned);
-            acting.add(spanned, acting.links[i]);
+        for (i, link) in self.links.iter().enumerate() {
+            let spanned = link.rod.between(bodies);
+            acting.links[i] = link.pull(&spanned);
+            acting.power_loss += link.bushing.power_loss(spanned.rate);
+            acting.add(&spanned, acting.links[i]);
         }
-        acting.add(&at.strut, -acting.push);
+        acting.add(&strut.spanned, -acting.push);
         acting
     }
 
     /// Energy in the bushings beyond that where the vehicle stands \[J\], with the strut's preload and without its spring.
-    pub fn energy(&self, at: &Strained) -> f64 {
-        let links: f64 = self.links.iter().zip(&at.links).map(|(link, spanned)| link.energy(spanned)).sum();
-        links + self.push * at.shortened
+    pub fn energy(&self, bodies: [&Pose; 2]) -> f64 {
+        let links: f64 = self.links.iter().map(|link| link.energy(&link.rod.between(bodies))).sum();
+        links + self.push * self.strut(bodies).shortened[0]
     }
 
-    /// Power that the bushings' dampers turn into heat \[W\].
-    pub fn power_loss(&self, at: &Strained) -> f64 {
-        self.links.iter().zip(&at.links).map(|(link, spanned)| link.bushing.power_loss(spanned.rate)).sum()
+    /// What unit forces put on the carrier, in the order of [`Side::preload`].
+    pub fn columns(&self, bodies: [&Pose; 2]) -> [Column; 6] {
+        let pulls = |spanned: &Spanned, pull: f64| spanned.wrenches(pull)[1];
+        let [a, b, c, d, e] = self.links.each_ref().map(|link| pulls(&link.rod.between(bodies), 1.0));
+        [a, b, c, d, e, pulls(&self.strut(bodies).spanned, -1.0)]
     }
 }
 
@@ -172,19 +174,5 @@ impl Acting {
         let [on_body, on_carrier] = spanned.wrenches(pull);
         self.on_body += on_body;
         self.on_carrier += on_carrier;
-    }
-}
-
-impl Strained {
-    /// By which way the strut is shortened \[m\], and its rate.
-    pub fn shortened(&self) -> [f64; 2] {
-        [self.shortened, -self.strut.rate]
-    }
-
-    /// What unit forces put on the carrier, in the order of [`Side::preload`].
-    pub fn columns(&self) -> [Column; 6] {
-        let pulls = |spanned: &Spanned, pull: f64| spanned.wrenches(pull)[1];
-        let [a, b, c, d, e] = self.links.each_ref().map(|spanned| pulls(spanned, 1.0));
-        [a, b, c, d, e, pulls(&self.strut, -1.0)]
     }
 }

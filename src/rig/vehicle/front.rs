@@ -2,7 +2,7 @@
 
 use super::super::Actuator;
 use super::axle::Axle;
-use super::mcpherson::{McPherson, Side, Strained};
+use super::mcpherson::{McPherson, Side, Strut};
 use super::rack::{Rack, RackParameters};
 use super::{SIDES, statics, told};
 use crate::mechanics::{Pose, Wrench};
@@ -70,18 +70,15 @@ impl FrontAxle {
         bodies: [&Pose; 2],
         loads: &Wrench<f64>,
     ) -> Result<()> {
-        let [body, carrier] = bodies;
+        let carrier = bodies[1];
         let joints = p.mcpherson.joints(SIDES[i], 0.5 * p.axle.track, carrier.position.z, p.axle.camber);
         let mut side = Side::new(&p.mcpherson, &joints, bodies, &Vector3::zeros());
-        let at = side.strained(bodies, [0.0; 2]);
-        side.preload(&at, carrier, &statics::balance("front suspension", &at.columns(), loads)?);
-        self.rack.preload -= side.act(&at, [body, carrier], 0.0).on_rack;
+        let strut = side.strut(bodies);
+        let forces = statics::balance("front suspension", &side.columns(bodies), loads)?;
+        side.preload(&strut, carrier, &forces);
+        self.rack.preload -= side.act(bodies, [0.0; 2], &strut, 0.0).on_rack;
         self.sides[i] = side;
         Ok(())
-    }
-
-    fn strained(&self, body: &Pose, carriers: &[Pose; 2], rack_speed: f64) -> [Strained; 2] {
-        [0, 1].map(|i| self.sides[i].strained([body, &carriers[i]], [self.rack.way, rack_speed]))
     }
 
     /// What it does between bodies that move so, and takes over what that does to the rack.
@@ -90,11 +87,13 @@ impl FrontAxle {
         p: &FrontParameters,
         steered: Actuator,
         body: &Pose,
-        carriers: &[Pose; 2],
+        carriers: [&Pose; 2],
         rack_speed: f64,
     ) -> FrontActing {
-        let strained = self.strained(body, carriers, rack_speed);
-        let shortened = strained.each_ref().map(Strained::shortened);
+        let [left, right] = &self.sides;
+        let struts = [left.strut([body, carriers[0]]), right.strut([body, carriers[1]])];
+        let shortened = struts.each_ref().map(Strut::shortened);
+        let rack = [self.rack.way, rack_speed];
         let mut all = FrontActing {
             on_body: Wrench::default(),
             on_carriers: Default::default(),
@@ -106,8 +105,8 @@ impl FrontAxle {
         for (i, side) in self.sides.iter().enumerate() {
             let [way, rate] = shortened[i];
             let more = springs.push(way, rate, shortened[1 - i][0]);
-            all.dampers += side.power_loss(&strained[i]) + rate * springs.damper.at(rate);
-            let acting = side.act(&strained[i], [body, &carriers[i]], more);
+            let acting = side.act([body, carriers[i]], rack, &struts[i], more);
+            all.dampers += acting.power_loss + rate * springs.damper.at(rate);
             all.on_body += acting.on_body;
             all.on_carriers[i] = acting.on_carrier;
             on_rack += acting.on_rack;
@@ -118,11 +117,12 @@ impl FrontAxle {
     }
 
     /// Energy of springs and rack beyond that where the vehicle stands \[J\].
-    pub fn energy(&self, p: &FrontParameters, steered: Actuator, body: &Pose, carriers: &[Pose; 2]) -> f64 {
-        let strained = self.strained(body, carriers, self.rack.speed);
-        let links: f64 = (0..2).map(|i| self.sides[i].energy(&strained[i], &carriers[i])).sum();
+    pub fn energy(&self, p: &FrontParameters, steered: Actuator, body: &Pose, carriers: [&Pose; 2]) -> f64 {
+        let rack = [self.rack.way, self.rack.speed];
+        let links: f64 = (0..2).map(|i| self.sides[i].energy([body, carriers[i]], rack)).sum();
+        let shortened = [0, 1].map(|i| self.sides[i].strut([body, carriers[i]]).shortened()[0]);
         links
-            + p.axle.springs.energy(strained.each_ref().map(|at| at.shortened()[0]))
+            + p.axle.springs.energy(shortened)
             + self.rack.energy(&p.rack, steered, p.mcpherson.steering_arm)
     }
 }

@@ -146,6 +146,9 @@ impl McPherson {
     }
 }
 
+/// The last of the links.
+const TIE_ROD: usize = 2;
+
 /// One side of the suspension.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Side {
@@ -157,12 +160,19 @@ pub struct Side {
     pub push: f64,
 }
 
-/// How a side is strained.
+/// The strut as it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strained {
-    links: [Spanned; 3],
-    strut: Slid,
+pub struct Strut(Slid);
+
+impl Strut {
+    /// By which way it is shortened \[m\], and the rate of that.
+    pub fn shortened(&self) -> [f64; 2] {
+        [-self.0.way, -self.0.rate]
+    }
 }
+
+/// Way of the rack off its middle to the left of the body \[m\], and its rate.
+pub type RackAt = [f64; 2];
 
 /// What a side does.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -179,6 +189,8 @@ pub struct Acting {
     pub on_rack: f64,
     /// What it puts on the carrier.
     pub tie_rod: Wrench<f64>,
+    /// Power that the bushings' dampers turn into heat \[W\].
+    pub power_loss: f64,
 }
 
 impl Side {
@@ -216,46 +228,50 @@ impl Side {
         self.strut.held = sizes.strut_top;
     }
 
-    /// How it is strained; the rack is off its middle by a way to the left of the body, at a rate.
-    pub fn strained(&self, [body, carrier]: [&Pose; 2], rack: [f64; 2]) -> Strained {
-        let [longitudinal, transverse, tie_rod] = &self.links;
-        let [way, rate] = rack;
-        let inner = body.at(&(tie_rod.rod.points[0] + Vector3::y() * way));
-        let moved = At { velocity: inner.velocity + body.axes.column(1) * rate, ..inner };
-        Strained {
-            links: [
-                longitudinal.rod.between([body, carrier]),
-                transverse.rod.between([body, carrier]),
-                Spanned::new([moved, carrier.at(&tie_rod.rod.points[1])]),
-            ],
-            strut: self.strut.between([carrier, body]),
+    /// How the strut is between body and carrier.
+    pub fn strut(&self, [body, carrier]: [&Pose; 2]) -> Strut {
+        Strut(self.strut.between([carrier, body]))
+    }
+
+    /// Longitudinal and transverse link and the tie rod as they are, one after the other.
+    #[inline]
+    fn spanned(&self, i: usize, [body, carrier]: [&Pose; 2], [way, rate]: RackAt) -> Spanned {
+        let rod = &self.links[i].rod;
+        if i < TIE_ROD {
+            return rod.between([body, carrier]);
         }
+        let inner = body.at(&(rod.points[0] + Vector3::y() * way));
+        let moved = At { velocity: inner.velocity + body.axes.column(1) * rate, ..inner };
+        Spanned::new([moved, carrier.at(&rod.points[1])])
     }
 
     /// Takes over forces with which all is in balance where the vehicle stands: of the links, across the strut and along it.
-    pub fn preload(&mut self, at: &Strained, carrier: &Pose, forces: &[f64; 6]) {
+    pub fn preload(&mut self, strut: &Strut, carrier: &Pose, forces: &[f64; 6]) {
         for (link, force) in self.links.iter_mut().zip(forces) {
             link.preload = *force;
         }
-        let [first, second] = across_axes(&at.strut.axis);
+        let [first, second] = across_axes(&strut.0.axis);
         self.across = turn_back(&carrier.axes, &(first * forces[3] + second * forces[4]));
         self.push = forces[5];
     }
 
-    /// What it does, with the force with which the strut pushes beyond that where the vehicle stands.
-    pub fn act(&self, at: &Strained, [body, carrier]: [&Pose; 2], more: f64) -> Acting {
+    /// What it does between body and carrier, with the force with which the strut pushes beyond that where the vehicle stands.
+    pub fn act(&self, [body, carrier]: [&Pose; 2], rack: RackAt, Strut(strut): &Strut, more: f64) -> Acting {
         let mut acting = Acting { push: self.push + more, ..Acting::default() };
-        for (i, (link, spanned)) in self.links.iter().zip(&at.links).enumerate() {
-            let pull = link.pull(spanned);
+        for (i, link) in self.links.iter().enumerate() {
+            let spanned = self.spanned(i, [body, carrier], rack);
+            let pull = link.pull(&spanned);
             acting.links[i] = pull;
+            acting.power_loss += link.bushing.power_loss(spanned.rate);
             let [on_body, on_carrier] = spanned.wrenches(pull);
             acting.on_body += on_body;
             acting.on_carrier += on_carrier;
-            // the last one
-            acting.tie_rod = on_carrier;
+            if i == TIE_ROD {
+                acting.tie_rod = on_carrier;
+                acting.on_rack = pull * spanned.along.dot(&body.axes.column(1));
+            }
         }
-        acting.on_rack = acting.links[2] * at.links[2].along.dot(&body.axes.column(1));
-        let strut = &at.strut;
+        acting.power_loss += self.strut.power_loss(strut);
         let force = self.strut.across(strut) + turn(&carrier.axes, &self.across) - strut.axis * acting.push;
         let [on_carrier, on_body] = strut.wrenches(force);
         acting.on_body += on_body;
@@ -265,17 +281,21 @@ impl Side {
     }
 
     /// Energy in the bushings beyond that where the vehicle stands \[J\], with the strut's preload and without its spring.
-    pub fn energy(&self, at: &Strained, carrier: &Pose) -> f64 {
-        let links: f64 = self.links.iter().zip(&at.links).map(|(link, spanned)| link.energy(spanned)).sum();
-        let across = turn(&carrier.axes, &self.across);
-        links + self.strut.energy(&at.strut) + across.dot(&at.strut.off) - self.push * at.strut.way
+    pub fn energy(&self, bodies: [&Pose; 2], rack: RackAt) -> f64 {
+        let links = self.links.iter().enumerate();
+        let links: f64 = links.map(|(i, link)| link.energy(&self.spanned(i, bodies, rack))).sum();
+        let across = turn(&bodies[1].axes, &self.across);
+        let Strut(strut) = self.strut(bodies);
+        links + self.strut.energy(&strut) + across.dot(&strut.off) - self.push * strut.way
     }
 
-    /// Power that the bushings' dampers turn into heat \[W\].
-    pub fn power_loss(&self, at: &Strained) -> f64 {
-        let links: f64 =
-            self.links.iter().zip(&at.links).map(|(link, s)| link.bushing.power_loss(s.rate)).sum();
-        links + self.strut.power_loss(&at.strut)
+    /// What unit forces put on the carrier, in the order of [`Side::preload`], with the rack in its middle.
+    pub fn columns(&self, bodies: [&Pose; 2]) -> [Column; 6] {
+        let [a, b, c] = [0, 1, 2].map(|i| self.spanned(i, bodies, [0.0; 2]).wrenches(1.0)[1]);
+        let Strut(strut) = self.strut(bodies);
+        let [first, second] = across_axes(&strut.axis);
+        let [d, e, f] = [first, second, -strut.axis].map(|force| strut.wrenches(force)[0]);
+        [a, b, c, d, e, f]
     }
 
     /// Unit vector of the steering axis from the ball joint to the strut's top, frame 0, and the ball joint from the carrier's centre.
@@ -283,21 +303,6 @@ impl Side {
         let ball = carrier.at(&self.links[0].rod.points[1]);
         let top = body.at(&self.strut.points[1]);
         ((top.place - ball.place).normalize(), ball.arm)
-    }
-}
-
-impl Strained {
-    /// By which way the strut is shortened \[m\], and its rate.
-    pub fn shortened(&self) -> [f64; 2] {
-        [-self.strut.way, -self.strut.rate]
-    }
-
-    /// What unit forces put on the carrier, in the order of [`Side::preload`].
-    pub fn columns(&self) -> [Column; 6] {
-        let [a, b, c] = self.links.each_ref().map(|spanned| spanned.wrenches(1.0)[1]);
-        let [first, second] = across_axes(&self.strut.axis);
-        let [d, e, f] = [first, second, -self.strut.axis].map(|force| self.strut.wrenches(force)[0]);
-        [a, b, c, d, e, f]
     }
 }
 

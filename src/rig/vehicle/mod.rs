@@ -196,12 +196,15 @@ impl<T: Tire> Model for Vehicle<T> {
         let body = self.body.drift(length);
         let carriers = self.carriers.each_mut().map(|carrier| carrier.drift(length));
         let rack_speed = self.front.rack.drift(length);
+        // not by `map`, which copies what it makes
+        let [a, b, c, d] = &carriers;
+        let poses = [Pose::from(a), Pose::from(b), Pose::from(c), Pose::from(d)];
         let torques = self.torques();
         for i in 0..WHEELS {
             let inertia = self.inertia(i);
             let motion = &carriers[i];
             let speed = self.spins[i].drift(inertia, self.brakes[i], length);
-            let rim = rim(motion, self.spins[i].angle, speed);
+            let rim = rim(motion, &poses[i], self.spins[i].angle, speed);
             let ground = OnRoad {
                 road: &self.road,
                 from: before[i],
@@ -215,11 +218,11 @@ impl<T: Tire> Model for Vehicle<T> {
                 self.wheels[i].spin_moment() + torques[i] + carried.inertia * carried.spin_acceleration;
             self.spins[i].free_acceleration = torque / inertia;
             self.spins[i].kick(inertia, self.brakes[i], length);
-            self.spared += length * self.spins[i].brake_torque * about_axle(motion);
+            self.spared += length * self.spins[i].brake_torque * about_axle(&poses[i]);
         }
 
         // forces at the end, and the second half of the kick
-        self.accelerate(&body, &carriers, rack_speed);
+        self.accelerate(&Pose::from(&body), &poses, rack_speed);
         self.body.kick(length);
         self.carriers.iter_mut().for_each(|carrier| carrier.kick(length));
         self.front.rack.kick(length);
@@ -233,18 +236,18 @@ impl<T: Tire> Model for Vehicle<T> {
 }
 
 /// The rim on a carrier, as its tire sees it, with the wheel's angle and its speed about its axis.
-fn rim(carrier: &Motion<f64>, angle: f64, speed: f64) -> Motion<f64> {
+fn rim(carrier: &Motion<f64>, pose: &Pose, angle: f64, speed: f64) -> Motion<f64> {
     let mut rim = *carrier;
     (rim.position.x, rim.position.y) = (0.0, 0.0);
     rim.angles.y = angle;
-    rim.rates.y = 0.0;
-    rim.rates.y = speed - about_axle(&rim);
+    // the carrier's steering turns the wheel about its axis, too
+    rim.rates.y = speed - pose.attitude.x.0 * pose.rates.z;
     rim
 }
 
 /// Angular velocity about the lateral axis of the body or wheel itself \[rad/s\].
-fn about_axle(motion: &Motion<f64>) -> f64 {
-    motion.rates.y + libm::sin(motion.angles.x) * motion.rates.z
+fn about_axle(pose: &Pose) -> f64 {
+    pose.rates.y + pose.attitude.x.0 * pose.rates.z
 }
 
 impl<T: Tire> Vehicle<T> {
@@ -266,29 +269,27 @@ impl<T: Tire> Vehicle<T> {
         [front, front, rear, rear]
     }
 
-    /// Takes over what acts on bodies and rack that move so.
-    fn accelerate(&mut self, body: &Motion<f64>, carriers: &[Motion<f64>; WHEELS], rack_speed: f64) {
+    /// Takes over what acts on body, carriers and rack that move so.
+    fn accelerate(&mut self, pose: &Pose, poses: &[Pose; WHEELS], rack_speed: f64) {
         let (car, gravity) = (&self.car, self.gravity);
-        let pose = Pose::from(body);
-        let poses = carriers.each_ref().map(Pose::from);
-        let mut on_body = self.air(&pose);
+        let mut on_body = self.air(pose);
         let air = -(on_body.force.dot(&pose.velocity) + on_body.moment.dot(&pose.spin));
         let mut powers = Taken { air, ..Taken::default() };
         let mut on_carriers = [Wrench::default(); WHEELS];
 
-        let on_front = [poses[0], poses[1]];
-        let front = self.front.act(&car.front, self.steered, &pose, &on_front, rack_speed);
+        let on_front = [&poses[0], &poses[1]];
+        let front = self.front.act(&car.front, self.steered, pose, on_front, rack_speed);
         on_body += front.on_body;
         on_carriers[..2].copy_from_slice(&front.on_carriers);
         powers.dampers += front.dampers;
         self.told.front = front.told;
-        let strained = [0, 1].map(|i| self.rear[i].strained([&pose, &poses[2 + i]]));
-        let shortened = strained.each_ref().map(five_link::Strained::shortened);
+        let [left, right] = &self.rear;
+        let struts = [left.strut([pose, &poses[2]]), right.strut([pose, &poses[3]])];
         for i in 0..2 {
-            let [way, rate] = shortened[i];
-            let more = car.rear.springs.push(way, rate, shortened[1 - i][0]);
-            powers.dampers += self.rear[i].power_loss(&strained[i]) + rate * car.rear.springs.damper.at(rate);
-            let acting = self.rear[i].act(&strained[i], more);
+            let [way, rate] = struts[i].shortened;
+            let more = car.rear.springs.push(way, rate, struts[1 - i].shortened[0]);
+            let acting = self.rear[i].act([pose, &poses[2 + i]], &struts[i], more);
+            powers.dampers += acting.power_loss + rate * car.rear.springs.damper.at(rate);
             on_body += acting.on_body;
             on_carriers[2 + i] += acting.on_carrier;
             self.told.rear[i] = told::Rear { links: acting.links, push: acting.push, shortened: way };
@@ -297,7 +298,7 @@ impl<T: Tire> Vehicle<T> {
         // a drive stands on the body, which it turns the other way
         let driven = self.drives[0] + self.drives[1];
         on_body.moment -= pose.axes.column(1) * driven;
-        self.body.load(&car.body(), &pose, &on_body, gravity);
+        self.body.load(&car.body(), pose, &on_body, gravity);
         let (torques, faster) = (self.torques(), self.faster());
         powers.dampers += self.car.coupling * faster * faster;
         for i in 0..WHEELS {
@@ -305,7 +306,7 @@ impl<T: Tire> Vehicle<T> {
             self.load_carrier(i, &poses[i], on_carriers[i], torques[i]);
         }
         for (i, side) in self.front.sides.iter().enumerate() {
-            let (axis, ball_joint) = side.steering_axis([&pose, &poses[i]]);
+            let (axis, ball_joint) = side.steering_axis([pose, &poses[i]]);
             self.told.front[i].about(&axis, &ball_joint, &self.told.wheels[i]);
         }
         self.powers = powers;
@@ -388,10 +389,10 @@ impl<T: Tire> Vehicle<T> {
             energy += of(&axle.carrier(0.0), &self.carriers[i].motion)
                 + self.spins[i].kinetic_energy(axle.wheel_inertia);
         }
-        energy += self.front.energy(&car.front, self.steered, &pose, &[poses[0], poses[1]]);
-        let strained = [0, 1].map(|i| self.rear[i].strained([&pose, &poses[2 + i]]));
-        let links: f64 = (0..2).map(|i| self.rear[i].energy(&strained[i])).sum();
-        energy + links + car.rear.springs.energy(strained.each_ref().map(|at| at.shortened()[0]))
+        energy += self.front.energy(&car.front, self.steered, &pose, [&poses[0], &poses[1]]);
+        let links: f64 = (0..2).map(|i| self.rear[i].energy([&pose, &poses[2 + i]])).sum();
+        let shortened = [0, 1].map(|i| self.rear[i].strut([&pose, &poses[2 + i]]).shortened[0]);
+        energy + links + car.rear.springs.energy(shortened)
     }
 
     /// Energy that brakes, dampers, tires and the air took since the start \[J\].

@@ -73,8 +73,8 @@ impl<T: Tire> Vehicle<T> {
         }
         (self.spared, self.taken) = (0.0, Taken::default());
         self.told = told::Told::default();
-        let (body, carriers) = (self.body.motion, self.carriers.each_ref().map(|c| c.motion));
-        self.accelerate(&body, &carriers, 0.0);
+        let poses = self.carriers.each_ref().map(|carrier| Pose::from(&carrier.motion));
+        self.accelerate(&Pose::from(&self.body.motion), &poses, 0.0);
         self.check_steps()
     }
 
@@ -86,8 +86,7 @@ impl<T: Tire> Vehicle<T> {
         let origin = Vector3::new(self.car.axle_x(1), 0.0, 0.0);
         let joints = self.car.five_link.joints(SIDES[i])?;
         let mut side = five_link::Side::new(self.car.five_link.bushing, &joints, [body, carrier], &origin);
-        let at = side.strained([body, carrier]);
-        side.preload(&statics::balance("rear suspension", &at.columns(), loads)?);
+        side.preload(&statics::balance("rear suspension", &side.columns([body, carrier]), loads)?);
         self.rear[i - 2] = side;
         Ok(())
     }
@@ -183,9 +182,9 @@ impl<T: Tire> Vehicle<T> {
         let response = Response::new(names.len(), |places, velocities| {
             let moved =
                 |n: usize, motion: &Motion<f64>| modes::moved(motion, &places[6 * n..], &velocities[6 * n..]);
-            let body = moved(0, &self.body.motion);
-            let carriers: [Motion<f64>; WHEELS] =
-                std::array::from_fn(|i| moved(1 + i, &self.carriers[i].motion));
+            let body = Pose::from(&moved(0, &self.body.motion));
+            let carriers: [Pose; WHEELS] =
+                std::array::from_fn(|i| Pose::from(&moved(1 + i, &self.carriers[i].motion)));
             probe.front.rack = self.front.rack;
             probe.front.rack.way += places[names.len() - 1];
             probe.accelerate(&body, &carriers, self.front.rack.speed + velocities[names.len() - 1]);

@@ -160,7 +160,7 @@ impl Bearing {
         let axle = pose.axes.column(1).into_owned();
         let heading = directions(pose);
         let turning = turn(&pose.attitude.rate_map(), &carrier.turning)
-            + pose.attitude.rate_map_derivative(&pose.rates) * pose.rates;
+            + turn(&pose.attitude.rate_map_derivative(&pose.rates), &pose.rates);
         let force =
             on_rim.force - (carrier.acceleration + Vector3::new(0.0, 0.0, gravity)) * sizes.wheel_mass;
         // about the axle the wheel turns by itself, and across it takes what its inertia and its spin need

@@ -2,6 +2,7 @@
 //! the Adams/Tire help.
 
 use super::{Coefficients, Input};
+use crate::solver::lanes::{atans, sines_and_cosines};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
 /// Which of the inputs lay outside the range that the coefficients are good for.
@@ -204,7 +205,7 @@ fn forward(c: &Coefficients, input: &Input, options: &Options) -> Output {
     let k_x = bounded(fz * (c.pkx1 + c.pkx2 * dfz) * libm::exp(c.pkx3 * dfz) * c.lkx);
     let e_x = (c.pex1 + c.pex2 * dfz + c.pex3 * dfz * dfz) * (1.0 - fade * c.pex4 * signum(kappa_x)) * c.lex;
     let sv_x = fade * fz * (c.pvx1 + c.pvx2 * dfz) * c.lvx * lmux;
-    let fx0 = d_x * libm::sin(angle(quotient(k_x, c_x * d_x) * kappa_x, c_x, e_x)) + sv_x;
+    let along = Curve { b_x: quotient(k_x, c_x * d_x) * kappa_x, c: c_x, e: e_x };
 
     // lateral force in pure slip (4.E19 to 4.E30)
     let sh_y = fade * (c.phy1 + c.phy2 * dfz) * c.lhy + c.phy3 * lean_y;
@@ -217,48 +218,66 @@ fn forward(c: &Coefficients, input: &Input, options: &Options) -> Output {
     let b_y = quotient(k_y, c_y * d_y);
     let e_y = (c.pey1 + c.pey2 * dfz) * (1.0 - (fade * c.pey3 + c.pey4 * lean_y) * signum(alpha_y)) * c.ley;
     let sv_y = fz * (fade * (c.pvy1 + c.pvy2 * dfz) * c.lvy + (c.pvy3 + c.pvy4 * dfz) * lean_y) * lmuy;
-    let fy0 = d_y * libm::sin(angle(b_y * alpha_y, c_y, e_y)) + sv_y;
+    let across = Curve { b_x: b_y * alpha_y, c: c_y, e: e_y };
 
-    // longitudinal force in combined slip (4.E50 to 4.E57)
+    // by how much each slip takes from the force of the other (4.E50 to 4.E55, 4.E58 to 4.E64): at the slip, and at its shift alone
+    let shift_x = fade * c.rhx1;
     let b = c.rbx1 * cos_atan(c.rbx2 * kappa) * c.lxal * sooner;
-    let fx = fx0 * weight(b, c.rcx1, c.rex1 + c.rex2 * dfz, slip, fade * c.rhx1);
-
-    // lateral force in combined slip (4.E58 to 4.E67)
+    let weight_x = |slip: f64| Curve { b_x: b * slip, c: c.rcx1, e: c.rex1 + c.rex2 * dfz };
+    let shift_y = fade * (c.rhy1 + c.rhy2 * dfz);
     let b = c.rby1 * cos_atan(c.rby2 * (slip - fade * c.rby3)) * c.lyka * sooner;
-    let shift = fade * (c.rhy1 + c.rhy2 * dfz);
+    let weight_y = |slip: f64| Curve { b_x: b * slip, c: c.rcy1, e: c.rey1 + c.rey2 * dfz };
+    // lateral force that longitudinal slip induces (4.E65 to 4.E67)
     let d_vyk = d_y * (c.rvy1 + c.rvy2 * dfz + fade * c.rvy3 * lean) * cos_atan(c.rvy4 * slip);
-    let sv_yk = d_vyk * libm::sin(c.rvy5 * libm::atan(c.rvy6 * kappa)) * c.lvyka;
-    let fy_slip = fy0 * weight(b, c.rcy1, c.rey1 + c.rey2 * dfz, kappa, shift);
-    let fy = fy_slip + sv_yk;
+    let induced = Curve { b_x: c.rvy6 * kappa, c: c.rvy5, e: 0.0 };
 
-    // aligning moment (4.E31 to 4.E49, combined 4.E71 to 4.E78)
+    // trail and residual torque (4.E31 to 4.E49, combined 4.E71 to 4.E78)
     let stiffness_over_friction = c.lky * quotient(1.0, lmuy);
     let alpha_t = slip + c.qhz1 + c.qhz2 * dfz + (c.qhz3 + c.qhz4 * dfz) * lean_z;
     let alpha_r = slip + sh_y + quotient(sv_y, k_y);
     let ratio = quotient(k_x, k_y) * kappa;
-    let equivalent = |a: f64| match options.slip {
-        Slip::Angle => {
-            let tangent = libm::tan(a);
-            libm::atan((tangent * tangent + ratio * ratio).sqrt()) * signum(a)
-        }
-        Slip::Tangent => (a * a + ratio * ratio).sqrt() * signum(a),
-    };
+    let (sine, cosine) = sines_and_cosines([alpha_t, alpha_r, alpha, 0.0]);
+    let cos_alpha = cosine[2];
     let b_t = (c.qbz1 + c.qbz2 * dfz + c.qbz3 * dfz * dfz)
         * (1.0 + c.qbz4 * lean_z + c.qbz5 * lean_z.abs())
         * stiffness_over_friction;
     let c_t = c.qcz1;
+    let combined = |a: f64| (a * a + ratio * ratio).sqrt();
+    let [angle_t, angle_r, curving, _] = atans([
+        combined(sine[0] / cosine[0]),
+        combined(sine[1] / cosine[1]),
+        bounded(b_t * c_t * alpha_t),
+        0.0,
+    ]);
+    let [equivalent_t, equivalent_r] = match options.slip {
+        Slip::Angle => [angle_t * signum(alpha_t), angle_r * signum(alpha_r)],
+        Slip::Tangent => [alpha_t, alpha_r].map(|a| combined(a) * signum(a)),
+    };
     let d_t = fz
         * (r0 / c.fnomin)
         * (c.qdz1 + c.qdz2 * dfz)
         * (1.0 + c.qdz3 * lean_z + c.qdz4 * lean_z * lean_z)
         * c.ltr;
     let e_t = (c.qez1 + c.qez2 * dfz + c.qez3 * dfz * dfz)
-        * (1.0 + (c.qez4 + c.qez5 * lean_z) * FRAC_2_PI * libm::atan(bounded(b_t * c_t * alpha_t)));
-    let cos_alpha = libm::cos(alpha);
-    let trail = fade * d_t * libm::cos(angle(b_t * equivalent(alpha_t), c_t, e_t)) * cos_alpha;
+        * (1.0 + (c.qez4 + c.qez5 * lean_z) * FRAC_2_PI * curving);
+    let trailing = Curve { b_x: b_t * equivalent_t, c: c_t, e: e_t };
+
+    let (sine, cosine) = sines_and_cosines(angles([along, across, induced, trailing]));
+    let (_, weights) = sines_and_cosines(angles([
+        weight_x(slip + shift_x),
+        weight_x(shift_x),
+        weight_y(kappa + shift_y),
+        weight_y(shift_y),
+    ]));
+    let fx0 = d_x * sine[0] + sv_x;
+    let fy0 = d_y * sine[1] + sv_y;
+    let fx = fx0 * weight(weights[0], weights[1]);
+    let fy_slip = fy0 * weight(weights[2], weights[3]);
+    let fy = fy_slip + d_vyk * sine[2] * c.lvyka;
+    let trail = fade * d_t * cosine[3] * cos_alpha;
     let b_r = c.qbz9 * stiffness_over_friction + c.qbz10 * b_y * c_y;
     let d_r = fz * r0 * ((c.qdz6 + c.qdz7 * dfz) * c.lres + (c.qdz8 + c.qdz9 * dfz) * lean_z) * lmuy;
-    let residual_decay = cos_atan(bounded(b_r * equivalent(alpha_r)));
+    let residual_decay = cos_atan(bounded(b_r * equivalent_r));
     let residual_torque = fade * d_r * residual_decay * cos_alpha;
     let arm = r0 * (fade * c.ssz1 + c.ssz2 * (fy / c.fnomin) + (c.ssz3 + c.ssz4 * dfz) * lean) * c.ls;
     let mz = -trail * fy_slip + residual_torque + arm * fx;
@@ -361,12 +380,24 @@ fn friction(nominal: f64, value: f64) -> f64 {
     if value * nominal < 0.0 { 0.0 } else { value }
 }
 
-/// C·atan(Bx − E·(Bx − atan(Bx))), the angle whose sine or cosine is taken. E is no more than 1: beyond, the curve
-/// would turn back before its peak.
-fn angle(b_x: f64, c: f64, e: f64) -> f64 {
-    let b_x = bounded(b_x);
-    let e = if e > 1.0 { 1.0 } else { e };
-    c * libm::atan(b_x - e * (b_x - libm::atan(b_x)))
+/// C·atan(Bx − E·(Bx − atan(Bx))), the angle whose sine or cosine is taken.
+#[derive(Clone, Copy)]
+struct Curve {
+    b_x: f64,
+    c: f64,
+    e: f64,
+}
+
+/// The angles of four curves. E is no more than 1: beyond, the curve would turn back before its peak.
+fn angles(curves: [Curve; 4]) -> [f64; 4] {
+    let b_x = curves.map(|curve| bounded(curve.b_x));
+    let first = atans(b_x);
+    let inner = std::array::from_fn(|i| {
+        let e = if curves[i].e > 1.0 { 1.0 } else { curves[i].e };
+        b_x[i] - e * (b_x[i] - first[i])
+    });
+    let second = atans(inner);
+    std::array::from_fn(|i| curves[i].c * second[i])
 }
 
 /// cos(atan(x)), without either: they are most of what the equations cost.
@@ -380,15 +411,10 @@ fn sin_twice_atan(x: f64) -> f64 {
     2.0 * x / (1.0 + x * x)
 }
 
-/// The factor by which slip in one direction reduces the force in the other: a cosine, 1 without that slip.
-fn weight(b: f64, c: f64, e: f64, slip: f64, shift: f64) -> f64 {
-    let cosine = |x: f64| libm::cos(angle(b * x, c, e));
+/// The factor by which slip in one direction reduces the force in the other, 1 without that slip, from the cosines at the slip and at its shift alone.
+fn weight(cosine: f64, at_shift: f64) -> f64 {
     // without a shift the denominator is 1; with one it is zero only for coefficients that make no sense
-    let factor = match shift == 0.0 {
-        true => cosine(slip),
-        false => quotient(cosine(slip + shift), cosine(shift)),
-    };
-    if factor < 0.0 { 0.0 } else { factor }
+    at_least_zero(quotient(cosine, at_shift))
 }
 
 /// Dividing without ever getting infinity or, from finite numbers, what is not a number. x/0 is 0: wherever a

@@ -1,9 +1,10 @@
 //! One contact point, steady forces at slips that lag by relaxation lengths.
 
 use super::{Input, Law, ON_ROAD, Pressed, Standstill, Steady};
-use crate::mechanics::{Link, Motion, Wrench, cross, rotation_z, turn};
+use crate::mechanics::{Link, Motion, Wrench, cross};
 use crate::model::{Access, Purpose, Role, Table, local, output, parameter};
 use crate::road::{Road, Window};
+use crate::tire::mounted::along_heading;
 use crate::tire::relaxation::follow;
 use crate::tire::{Ground, Plane, Rest, Tire, Vertical, check_upright};
 use crate::{Error, Result, clone_in_place, lens, real};
@@ -56,6 +57,17 @@ pub struct State {
     pub power_loss: f64,
     /// Energy lost in the contact since the start \[J\].
     pub energy_loss: f64,
+    /// How the contact point moved at the end of the last step, with the parameters that hold.
+    moved: Option<Moving>,
+}
+
+/// How the contact point and the tread move over the road.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+struct Moving {
+    /// Velocity of the contact point along and across \[m/s\].
+    travel: [f64; 2],
+    /// Velocity of the tread against the road along the wheel \[m/s\].
+    sliding_x: f64,
 }
 
 /// The wheel against the plane that its contact point is on, W axes: x along the wheel, z normal to the plane.
@@ -66,10 +78,9 @@ struct Contact {
     deflection_rate: f64,
     spin: f64,
     camber: f64,
-    yaw: f64,
-    /// Velocity of the contact point along and across \[m/s\], and of the tread against the road along the wheel.
-    travel: [f64; 2],
-    sliding_x: f64,
+    /// Sine and cosine of the wheel's heading on the plane.
+    heading: (f64, f64),
+    moving: Moving,
     /// Effective rolling radius times spin speed \[m/s\].
     rolling: f64,
 }
@@ -90,7 +101,8 @@ impl<L: Law> OnePoint<L> {
         let deflection = self.law.radius() - loaded;
         // turning without the spin carries the contact point along
         let turning = Vector3::new(rim.rates.x, 0.0, rim.rates.z);
-        let velocity = rotation_z(-rim.angles.z) * rim.velocity + cross(&turning, &arm);
+        let heading = libm::sincos(rim.angles.z);
+        let velocity = along_heading(heading, &rim.velocity) + cross(&turning, &arm);
         let spin = rim.rates.y + rim.rates.z * sin;
         let rolling = self.law.rolling_radius(deflection, spin) * spin;
         Contact {
@@ -99,9 +111,8 @@ impl<L: Law> OnePoint<L> {
             deflection_rate: -loaded_rate,
             spin,
             camber,
-            yaw: rim.angles.z,
-            travel: [velocity.x, velocity.y],
-            sliding_x: velocity.x - rolling,
+            heading,
+            moving: Moving { travel: [velocity.x, velocity.y], sliding_x: velocity.x - rolling },
             rolling,
         }
     }
@@ -130,18 +141,16 @@ impl<L: Law> OnePoint<L> {
         0.5 * (1.0 + libm::cos(std::f64::consts::PI * speed / low))
     }
 
-    /// Forces of the state's deflections at a load; W axes, at the contact point.
+    /// Forces of the state's deflections, with its relaxation lengths, at a load; W axes, at the contact point.
     fn evaluate(&mut self, at: &Contact, load: f64, friction: f64) -> Steady {
-        let relaxation = self.relaxation(load, at.camber);
         let state = &mut self.state;
         (state.deflected, state.spin) = (at.deflection, at.spin);
-        state.relaxation = relaxation;
-        let tangent_of = |i: usize| state.deflection[i] / relaxation[i];
+        let tangent_of = |i: usize| state.deflection[i] / state.relaxation[i];
         state.slip = [tangent_of(0), libm::atan(tangent_of(1))];
-        state.wheel_slip =
-            [slip_of(-at.sliding_x, at.travel[0]), libm::atan2(at.travel[1], at.travel[0].abs())];
+        let Moving { travel: [ahead, aside], sliding_x } = at.moving;
+        state.wheel_slip = [slip_of(-sliding_x, ahead), libm::atan2(aside, ahead.abs())];
         let [kappa, alpha] = state.slip;
-        let input = Input { fz: load, kappa, alpha, gamma: at.camber, vx: at.travel[0], friction };
+        let input = Input { fz: load, kappa, alpha, gamma: at.camber, vx: ahead, friction };
         let steady = if load > 0.0 { self.law.steady(&input) } else { Steady::default() };
         let [x, y] = steady.force;
         self.state.contact = Wrench { force: Vector3::new(x, y, load), moment: Vector3::from(steady.moment) };
@@ -152,12 +161,12 @@ impl<L: Law> OnePoint<L> {
 
     /// Brings force and moment from the contact point to the rim.
     fn pass_on(&mut self, at: &Contact, plane: &Plane) {
-        let axes = plane.rotation() * rotation_z(at.yaw);
         let Wrench { force, moment } = self.state.contact;
-        self.state.on_rim =
-            Wrench { force: turn(&axes, &force), moment: turn(&axes, &(moment + cross(&at.arm, &force))) };
-        let [_, aside] = at.travel;
-        self.state.power_loss = -(force.x * at.sliding_x + force.y * aside);
+        let (sin, cos) = at.heading;
+        let back = |v: &Vector3<f64>| plane.to_frame_0(&along_heading((-sin, cos), v));
+        self.state.on_rim = Wrench { force: back(&force), moment: back(&(moment + cross(&at.arm, &force))) };
+        let Moving { travel: [_, aside], sliding_x } = at.moving;
+        self.state.power_loss = -(force.x * sliding_x + force.y * aside);
     }
 
     /// The largest deflections \[m\] that standstill can build up: those at which all of the contact slides.
@@ -198,8 +207,8 @@ impl<L: Law> OnePoint<L> {
             false => force,
         };
         let force = &mut self.state.contact.force;
-        force.x = add(force.x, -damping * at.sliding_x, most[0]);
-        force.y = add(force.y, -damping * at.travel[1], most[1]);
+        force.x = add(force.x, -damping * at.moving.sliding_x, most[0]);
+        force.y = add(force.y, -damping * at.moving.travel[1], most[1]);
         Some(steady)
     }
 
@@ -240,6 +249,7 @@ impl<L: Law> Tire for OnePoint<L> {
     }
 
     fn tune(&mut self) -> Result<()> {
+        self.state.moved = None;
         self.law.mount()
     }
 
@@ -311,19 +321,19 @@ impl<L: Law> Tire for OnePoint<L> {
             still.position.z = rim_height;
             let at = tire.contact(&still);
             let load = tire.load(&at);
-            let [vx, vy] = at.travel;
-            if load > 0.0 && vx == 0.0 && (vy != 0.0 || at.sliding_x != 0.0) {
+            let Moving { travel: [vx, vy], sliding_x } = at.moving;
+            if load > 0.0 && vx == 0.0 && (vy != 0.0 || sliding_x != 0.0) {
                 return Err(Error::numeric(
                     "the wheel slides without rolling along: its slip is infinite, and the deflection of the tire has no stationary state",
                 ));
             }
             let relaxation = tire.relaxation(load, at.camber);
             let deflection = match load > 0.0 {
-                true => [relaxation[0] * slip_of(-at.sliding_x, vx), relaxation[1] * slip_of(vy, vx)],
+                true => [relaxation[0] * slip_of(-sliding_x, vx), relaxation[1] * slip_of(vy, vx)],
                 false => [0.0; 2],
             };
             let before = tire.state.contact.force;
-            tire.state.deflection = deflection;
+            (tire.state.deflection, tire.state.relaxation) = (deflection, relaxation);
             let steady = tire.evaluate(&at, load, friction);
             tire.stand(&steady, &at, load, friction, vx);
             tire.pass_on(&at, &Plane::level(rim_height, friction));
@@ -378,16 +388,18 @@ impl<L: Law> Tire for OnePoint<L> {
         ground: &impl Ground,
         dt: f64,
     ) -> Result<()> {
-        let under = |rim: &Motion<f64>, share: f64| {
-            let plane = ground.plane(rim, &self.window, share);
-            (plane.relative(rim), plane)
-        };
-        let ((from, _), (to, plane)) = (under(before, 0.0), under(after, 1.0));
+        let plane = ground.plane(after, &self.window, 1.0);
+        let to = plane.relative(after);
         check_upright(to.angles.x, MAX_CAMBER)?;
-        let (old, new) = (self.contact(&from), self.contact(&to));
+        let new = self.contact(&to);
+        let old = self.state.moved.unwrap_or_else(|| {
+            let plane = ground.plane(before, &self.window, 0.0);
+            self.contact(&plane.relative(before)).moving
+        });
+        self.state.moved = Some(new.moving);
         let mean = |old: f64, new: f64| 0.5 * (old + new);
-        let speed = mean(old.travel[0], new.travel[0]);
-        let sliding = [-mean(old.sliding_x, new.sliding_x), mean(old.travel[1], new.travel[1])];
+        let speed = mean(old.travel[0], new.moving.travel[0]);
+        let sliding = [-mean(old.sliding_x, new.moving.sliding_x), mean(old.travel[1], new.moving.travel[1])];
         let load = self.load(&new);
         let relaxation = self.relaxation(load, new.camber);
         let last = self.state.deflection;
@@ -395,6 +407,7 @@ impl<L: Law> Tire for OnePoint<L> {
             self.state.deflection[i] =
                 if load > 0.0 { follow(last[i], sliding[i], speed, relaxation[i], dt) } else { 0.0 };
         }
+        self.state.relaxation = relaxation;
         let mut steady = self.evaluate(&new, load, plane.friction);
         if let Some(standing) = self.stand(&steady, &new, load, plane.friction, speed) {
             steady = standing;
