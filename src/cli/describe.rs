@@ -1,10 +1,11 @@
 //! `latsch describe`: the variables of a model or FMU.
 
-use super::{Format, print, print_json};
+use super::{Format, check_outputs, print, print_json};
 use latsch::fmi::Entry;
 use latsch::fmi::archive::ModelLibrary;
 use latsch::fmi::import::{Archive, Description, MAX_LENGTH};
 use latsch::model::{Causality, Interface, Kind, Value, VariableInfo};
+use latsch::report::write_html;
 use latsch::shipped::MODELS;
 use latsch::{Error, Result};
 use serde_json::json;
@@ -25,19 +26,29 @@ pub struct Args {
     /// A library of own models made from fmu-template, instead of the shipped one
     #[arg(long, value_name = "LIBRARY")]
     library: Option<PathBuf>,
+    /// Page to write, as FMUs of the model carry it: equations, axes, limits, and all variables
+    #[arg(long, value_name = "F.html")]
+    page: Option<PathBuf>,
     /// How to print
     #[arg(long, value_enum, default_value = "text")]
     format: Format,
 }
 
 pub fn run(args: &Args) -> Result<()> {
-    let interface = match &args.library {
-        Some(path) => ModelLibrary::open(path)?.model(&args.model)?.clone(),
+    let (interface, page) = match &args.library {
+        Some(path) => {
+            let library = ModelLibrary::open(path)?;
+            (library.model(&args.model)?.clone(), library.page(&args.model))
+        }
         None => match Entry::find(MODELS, &args.model) {
-            Ok(entry) => (entry.table)(),
+            Ok(entry) => ((entry.table)(), entry.page()),
             Err(error) => return described_fmu(args, error),
         },
     };
+    if let Some(file) = &args.page {
+        check_outputs(&[file], &args.library.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+        return write_html(file, &page?);
+    }
     match args.format {
         Format::Json => print_json(&as_json(&interface)),
         Format::Text => {
@@ -53,6 +64,12 @@ fn described_fmu(args: &Args, no_model: Error) -> Result<()> {
     let looks_like_one = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu"));
     if !path.exists() && !looks_like_one {
         return Err(no_model.at("neither a model nor a file"));
+    }
+    if args.page.is_some() {
+        return Err(Error::call(format!(
+            "--page writes the page of a model, and {} is an FMU: it carries its own, as documentation/index.html",
+            args.model
+        )));
     }
     let (description, platforms) = read_fmu(path)?;
     match args.format {

@@ -194,6 +194,15 @@ impl ModelLibrary {
             .ok_or_else(|| no_model(name, self.models.iter().map(|m| m.name.as_str())))
     }
 
+    /// The page about a model that its FMUs carry, with the model's start values.
+    ///
+    /// # Errors
+    /// No such model.
+    pub fn page(&self, model: &str) -> Result<String> {
+        let (table, text) = self.find(model)?;
+        documentation::page_of_table(table, text)
+    }
+
     /// An FMU of a model with these settings, as the bytes of its archive, for FMI 2.0. The same arguments give
     /// the same bytes. With `binaries`, it has those instead of this library.
     ///

@@ -1,11 +1,13 @@
 //! What an FMU carries in `documentation/`: a page about the model, and licenses.
 
 use super::c::Fmi;
+use super::entry::guid;
 use super::import::Capabilities;
 use super::log::CATEGORIES;
 use super::platform::{PLATFORM, folder_of};
 use super::state::Function;
-use crate::model::{Causality, Interface, Kind, Value, Variability, VariableInfo};
+use crate::Result;
+use crate::model::{Causality, Interface, Kind, Settings, Value, Variability, VariableInfo};
 use crate::page::{Html, Page, Section, Table, escape, number as short};
 
 /// Files of `documentation/licenses/`: the project's own and what is linked into the binary.
@@ -21,6 +23,15 @@ pub const LICENSES: [(&str, &str); 3] = [
 /// [`DOCUMENTATION`](crate::model::Model::DOCUMENTATION).
 pub fn page(table: &Interface, interface: &Interface, guid: &str, text: &str, fmi: Fmi) -> String {
     page_with(table, interface, guid, text, (calls(interface, fmi), fmi))
+}
+
+/// The page of an FMU of a model with the start values of its table.
+///
+/// # Errors
+/// None that a table which can be exported has.
+pub fn page_of_table(table: &Interface, text: &str) -> Result<String> {
+    let resources = Settings::default().to_file(table)?;
+    Ok(page(table, table, &guid(table, &resources), text, Fmi::Two))
 }
 
 /// As [`page`], for an FMU that carries another one with these capabilities.
