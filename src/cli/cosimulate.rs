@@ -125,7 +125,7 @@ pub fn run(args: &Args) -> Result<()> {
         let measured = replay.as_ref().map(|r| comparable(r, &outcome.recording, &opened));
         let measured = measured.filter(|r| !r.channels.is_empty());
         let (simulated, measured) = sides(&outcome.recording, measured, &conditions)?;
-        let title = args.system.file_stem().unwrap_or_default().to_string_lossy();
+        let title = name_of(&args.system);
         let page = simulation_report(
             &title,
             "A co-simulated system. An input is what the component had until the communication point.",
@@ -153,6 +153,15 @@ pub fn run(args: &Args) -> Result<()> {
             args.output.display()
         ))),
     }
+}
+
+/// What a page calls a system: its file's name, or that of the folder where all systems have the same.
+fn name_of(file: &Path) -> String {
+    const OF_ALL: [&str; 2] = ["system", "SystemStructure"];
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let whole = std::path::absolute(file).unwrap_or_default();
+    let folder = whole.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+    if OF_ALL.contains(&&*stem) { folder.unwrap_or_else(|| stem.into_owned()) } else { stem.into_owned() }
 }
 
 /// Lets the system's only recorded inputs follow another file.

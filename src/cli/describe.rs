@@ -2,7 +2,7 @@
 
 use super::{Format, check_outputs, print, print_json};
 use latsch::fmi::Entry;
-use latsch::fmi::archive::ModelLibrary;
+use latsch::fmi::archive::{ModelLibrary, page_of};
 use latsch::fmi::import::{Archive, Description, MAX_LENGTH};
 use latsch::model::{Causality, Interface, Kind, Value, VariableInfo};
 use latsch::report::write_html;
@@ -41,7 +41,7 @@ pub fn run(args: &Args) -> Result<()> {
             (library.model(&args.model)?.clone(), library.page(&args.model))
         }
         None => match Entry::find(MODELS, &args.model) {
-            Ok(entry) => ((entry.table)(), entry.page()),
+            Ok(entry) => ((entry.table)(), page_of(&entry)),
             Err(error) => return described_fmu(args, error),
         },
     };

@@ -200,7 +200,7 @@ impl ModelLibrary {
     /// No such model.
     pub fn page(&self, model: &str) -> Result<String> {
         let (table, text) = self.find(model)?;
-        documentation::page_of_table(table, text)
+        page_of_table(table, text)
     }
 
     /// An FMU of a model with these settings, as the bytes of its archive, for FMI 2.0. The same arguments give
@@ -254,6 +254,19 @@ impl ModelLibrary {
         }
         Ok(files)
     }
+}
+
+/// The page about a model that its FMUs carry, with the model's start values.
+///
+/// # Errors
+/// None that a model which can be exported has.
+pub fn page_of(entry: &Entry) -> Result<String> {
+    page_of_table(&(entry.table)(), &entry.documentation.concat())
+}
+
+fn page_of_table(table: &Interface, text: &str) -> Result<String> {
+    let resources = Settings::default().to_file(table)?;
+    Ok(documentation::page(table, table, &guid(table, &resources), text, Fmi::Two))
 }
 
 /// The files of `documentation/`.

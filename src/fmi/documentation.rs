@@ -1,13 +1,11 @@
 //! What an FMU carries in `documentation/`: a page about the model, and licenses.
 
 use super::c::Fmi;
-use super::entry::guid;
 use super::import::Capabilities;
 use super::log::CATEGORIES;
 use super::platform::{PLATFORM, folder_of};
 use super::state::Function;
-use crate::Result;
-use crate::model::{Causality, Interface, Kind, Settings, Value, Variability, VariableInfo};
+use crate::model::{Causality, Interface, Kind, Value, Variability, VariableInfo};
 use crate::page::{Html, Page, Section, Table, escape, number as short};
 
 /// Files of `documentation/licenses/`: the project's own and what is linked into the binary.
@@ -23,15 +21,6 @@ pub const LICENSES: [(&str, &str); 3] = [
 /// [`DOCUMENTATION`](crate::model::Model::DOCUMENTATION).
 pub fn page(table: &Interface, interface: &Interface, guid: &str, text: &str, fmi: Fmi) -> String {
     page_with(table, interface, guid, text, (calls(interface, fmi), fmi))
-}
-
-/// The page of an FMU of a model with the start values of its table.
-///
-/// # Errors
-/// None that a table which can be exported has.
-pub fn page_of_table(table: &Interface, text: &str) -> Result<String> {
-    let resources = Settings::default().to_file(table)?;
-    Ok(page(table, table, &guid(table, &resources), text, Fmi::Two))
 }
 
 /// As [`page`], for an FMU that carries another one with these capabilities.
@@ -68,8 +57,12 @@ fn page_with(
         .html()
 }
 
+/// A drawing that stands where an author's HTML has this comment: axes and signs of a wheel.
+const DRAWN: (&str, &str) = ("<!-- axes of a wheel -->", include_str!("../rig/axes.svg"));
+
 /// The author's HTML, cut at its `<h2>`.
 fn author_sections(text: &str) -> Vec<Section> {
+    let text = &text.replacen(DRAWN.0, DRAWN.1, 1);
     let (before, rest) = text.split_once("<h2>").unwrap_or((text, ""));
     let mut sections = Vec::new();
     if !before.trim().is_empty() {
@@ -351,7 +344,7 @@ mod tests {
     #[test]
     fn markup_in_an_authors_text_is_well_formed() {
         for entry in MODELS {
-            let text = entry.documentation.concat();
+            let text = entry.documentation.concat().replacen(DRAWN.0, DRAWN.1, 1);
             let mut reader = quick_xml::Reader::from_str(&text);
             let mut open: Vec<String> = Vec::new();
             loop {
@@ -365,6 +358,17 @@ mod tests {
                 }
             }
             assert!(open.is_empty());
+        }
+    }
+
+    #[test]
+    fn wheels_that_steer_and_lean_have_a_drawing_of_their_axes() {
+        for (name, count) in [("flat-track", 1), ("wheel", 1), ("tire", 1), ("drum", 1), ("hydropulse", 0)] {
+            let entry = MODELS.iter().find(|entry| entry.name == format!("ring-brush-{name}")).unwrap();
+            let table = (entry.table)();
+            let html = page(&table, &table, "", &entry.documentation.concat(), Fmi::Two);
+            assert_eq!(html.matches("Axes and signs of a wheel from above").count(), count, "{name}");
+            assert!(!html.contains("<!-- axes"), "{name}");
         }
     }
 

@@ -52,15 +52,6 @@ impl Entry {
         (self.make_known)(settings)
     }
 
-    /// The page about the model that its FMUs carry, with the model's start values.
-    ///
-    /// # Errors
-    /// None that a model which can be exported has.
-    #[cfg(feature = "host")]
-    pub fn page(&self) -> Result<String> {
-        super::documentation::page_of_table(&(self.table)(), &self.documentation.concat())
-    }
-
     /// The entry called `name`.
     ///
     /// # Errors

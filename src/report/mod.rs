@@ -6,6 +6,7 @@
 //! their own with drawings of patches has their scales in [`Picture`].
 
 mod causes;
+mod channels;
 mod characteristic;
 mod curves;
 mod diagnosis;

@@ -1,5 +1,6 @@
 //! The page of one run.
 
+use super::channels::{Chapter, chapters};
 use super::patch::{PatchFrame, patch_frames};
 use super::plot::{Axis, Plot, Size};
 use crate::characteristic::laws::Known;
@@ -64,16 +65,11 @@ const LEAST: [(&str, f64); 13] = [
     ("Pa", 1e4),
 ];
 
-/// More lines than this in one plot cannot be told apart.
-const MAX_LINES: usize = 6;
-/// Channels share a plot if the largest values of any two differ by less than this factor.
-const MAX_RATIO: f64 = 30.0;
-
 /// The page of a simulation: what went in and out over time, forces over slip and the contact patch
 /// where there are such channels, what was measured beside it, and a table of all channels.
 ///
 /// Channels are found by the names that the tire models of this crate give them; all others are
-/// shown over time, grouped by unit, so that the page makes sense for any model. Measured channels
+/// shown over time, grouped by unit, those of systems by component and quantity, so that the page makes sense for any model. Measured channels
 /// belong to the simulated ones of the same name, and are compared with them. `facts` are rows of a table at the top (model,
 /// step size, settings, ...).
 pub fn simulation_report(
@@ -97,14 +93,16 @@ pub fn simulation_report(
     if !frames.is_empty() {
         patch = patch.with(patch_frames(frames));
     }
-    Page::new(title, description)
+    let page = Page::new(title, description)
         .section(about)
         .section(run.forces())
         .section(run.commands())
         .section(run.over_slip())
         .section(patch)
-        .section(run.inside())
-        .section(run.others())
+        .section(run.inside());
+    run.others()
+        .into_iter()
+        .fold(page, Page::section)
         .section(run.comparison())
         .section(run.channels())
         .html()
@@ -238,34 +236,33 @@ impl<'a> Run<'a> {
         side_by_side("Inside the patch", plots)
     }
 
-    /// All that has not been shown, grouped by unit and size in the order of the recording.
-    fn others(&mut self) -> Section {
-        let recording = self.recording;
-        let mut groups: Vec<Group> = Vec::new();
-        for channel in recording.channels.iter().filter(|c| !self.shown.contains(c.name.as_str())) {
-            match groups.iter_mut().find(|group| group.takes(channel)) {
-                Some(group) => group.add(channel),
-                None => {
-                    let mut group = Group { unit: &channel.unit, ..Group::default() };
-                    group.add(channel);
-                    groups.push(group);
-                }
-            }
-        }
+    /// All that has not been shown, a section for each component of a system.
+    fn others(&mut self) -> Vec<Section> {
         let first = self.shown.is_empty();
-        let size = if first && groups.len() < 4 { Size::Full } else { Size::Half };
-        let plots: Vec<Html> = groups
-            .into_iter()
-            .map(|Group { unit, names, .. }| {
-                let quantity = if let [only] = names[..] { only } else { "value" };
-                self.over_time("", quantity, unit, &names).size(size).html()
-            })
-            .collect();
         let heading = if first { "Channels over time" } else { "Other channels" };
-        match size {
-            Size::Half => side_by_side(heading, plots),
-            _ => plots.into_iter().fold(Section::new(heading), Section::with),
+        let recording = self.recording;
+        let left: Vec<&Channel> =
+            recording.channels.iter().filter(|c| !self.shown.contains(c.name.as_str())).collect();
+        let chapters = chapters(&left);
+        let few = chapters.iter().map(|chapter| chapter.pictures.len()).sum::<usize>() < 4;
+        let size = if first && few { Size::Full } else { Size::Half };
+        let mut sections = Vec::new();
+        for Chapter { components, pictures } in chapters {
+            let title = if components.is_empty() { heading.to_owned() } else { components.join(", ") };
+            let mut plots = Vec::new();
+            for picture in pictures {
+                let mut plot = Plot::new("", Axis::time(), Axis::new(&picture.quantity, picture.unit));
+                for (name, label) in &picture.lines {
+                    self.add(&mut plot, name, label, picture.unit);
+                }
+                plots.push(plot.size(size).html());
+            }
+            sections.push(match size {
+                Size::Half => side_by_side(&title, plots),
+                _ => plots.into_iter().fold(Section::new(&title), Section::with),
+            });
         }
+        sections
     }
 
     /// How far the simulation is from what was measured.
@@ -423,37 +420,6 @@ fn repeats(section: Section, differences: &[Difference]) -> Section {
     );
     let section = section.with(table.html()).with(Html::note(&about));
     notes.iter().fold(section, |section, note| section.with(Html::note(note)))
-}
-
-/// Channels that share a plot.
-#[derive(Default)]
-struct Group<'a> {
-    unit: &'a str,
-    names: Vec<&'a str>,
-    /// Smallest and largest of the channels' largest magnitudes; none if all are zero.
-    sizes: Option<(f64, f64)>,
-}
-
-impl<'a> Group<'a> {
-    /// The group's sizes with those of one more channel.
-    fn with(&self, channel: &Channel) -> Option<(f64, f64)> {
-        let size = channel.values.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
-        match self.sizes {
-            sizes if size == 0.0 => sizes,
-            None => Some((size, size)),
-            Some((low, high)) => Some((low.min(size), high.max(size))),
-        }
-    }
-
-    fn takes(&self, channel: &Channel) -> bool {
-        let alike = self.with(channel).is_none_or(|(low, high)| high < MAX_RATIO * low);
-        self.unit == channel.unit && self.names.len() < MAX_LINES && alike
-    }
-
-    fn add(&mut self, channel: &'a Channel) {
-        self.sizes = self.with(channel);
-        self.names.push(&channel.name);
-    }
 }
 
 /// True if the values vary by more than rounding.
