@@ -18,6 +18,7 @@ mod patch;
 mod plan;
 mod plot;
 mod scale;
+mod shade;
 mod simulation;
 
 pub use crate::page::{Html, Page, Section, Table, escape};

@@ -1,6 +1,7 @@
 //! Line plots as inline SVG.
 
 use super::scale::Scale;
+use super::shade::shade;
 use crate::page::{Html, escape};
 use crate::stats::extent;
 use plotters::prelude::*;
@@ -21,6 +22,8 @@ const AXES: RGBColor = RGBColor(150, 158, 164);
 
 /// A long series is drawn with up to four points for each of so many columns.
 const COLUMNS: usize = 800;
+/// The palest shade of a line: it has to be seen on white.
+const PALEST: f64 = 0.35;
 /// What is beside dots on every side, as a share of what they span.
 const DOTS: f64 = 0.04;
 
@@ -191,6 +194,14 @@ impl Plot {
     #[must_use]
     pub fn toned(mut self, name: &str, tone: Tone, x: &[f64], y: &[f64]) -> Self {
         self.push(name, x, y, tone.color(), Look::Line);
+        self
+    }
+
+    /// The same with a line that is darker the more there is of something, a share of the most.
+    #[must_use]
+    pub fn shaded(mut self, name: &str, share: f64, x: &[f64], y: &[f64]) -> Self {
+        let [r, g, b] = shade(PALEST + (1.0 - PALEST) * share);
+        self.push(name, x, y, RGBColor(r, g, b), Look::Line);
         self
     }
 

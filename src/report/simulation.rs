@@ -210,8 +210,11 @@ impl<'a> Run<'a> {
             };
             let Some((xs, ys)) = curve(self.recording) else { continue };
             let axes = (Axis::new(&x.replace('_', " "), x_unit), Axis::new(&y.replace('_', " "), y_unit));
-            let mut plot =
-                Plot::new("", axes.0, axes.1).size(Size::Half).line(&format!("{y} over {x}"), &xs, &ys);
+            let plot = Plot::new("", axes.0, axes.1).size(Size::Half);
+            let mut plot = match self.recording.channel_in("force_z", "kN") {
+                Ok(load) if y != "force_z" && is_several(&load) => by_load(plot, &load, &xs, &ys),
+                _ => plot.line(&format!("{y} over {x}"), &xs, &ys),
+            };
             if let Some((xs, ys)) = self.beside.and_then(|beside| curve(beside.measured)) {
                 plot = plot.measured("measured", &xs, &ys);
             }
@@ -428,6 +431,32 @@ fn spread(values: &[f64]) -> bool {
     high - low > 1e-6 * low.abs().max(high.abs()) && high - low > 1e-9
 }
 
+/// Whether a rig drove several loads, and not one that its controller holds to a few percent.
+fn is_several(load: &[f64]) -> bool {
+    let (low, high) = extent(load.iter().copied().filter(|v| v.is_finite()));
+    high > 0.0 && high - low.max(0.0) > 0.2 * high
+}
+
+/// A curve in shades of the load \[kN\], each for a part of its range.
+fn by_load(plot: Plot, load: &[f64], x: &[f64], y: &[f64]) -> Plot {
+    /// A run at three loads has each in a shade of its own, with one between.
+    const SHADES: usize = 6;
+    let (low, high) = extent(load.iter().copied().filter(|v| v.is_finite()));
+    let width = (high - low) / SHADES as f64;
+    let shade_at = |k: usize| (((load[k] - low) / width) as usize).min(SHADES - 1);
+    (0..SHADES).fold(plot, |plot, shade| {
+        // a line goes on to the first point of the next shade
+        let is_in = |k: usize| shade_at(k) == shade || k > 0 && shade_at(k - 1) == shade;
+        if !(0..load.len()).any(|k| shade_at(k) == shade) {
+            return plot;
+        }
+        let cut: Vec<f64> = x.iter().enumerate().map(|(k, x)| if is_in(k) { *x } else { f64::NAN }).collect();
+        let [from, to] = [shade, shade + 1].map(|edge| low + width * edge as f64);
+        let share = shade as f64 / (SHADES - 1) as f64;
+        plot.shaded(&format!("force_z {from:.1} to {to:.1} kN"), share, &cut, y)
+    })
+}
+
 fn side_by_side(heading: &str, plots: Vec<Html>) -> Section {
     let section = Section::new(heading);
     if plots.is_empty() { section } else { section.side_by_side(plots) }
@@ -499,6 +528,20 @@ mod tests {
         assert!(!html.contains("camber [deg]") && !html.contains("Contact patch"));
         // forces, aligning moment, two commands, four over slip, two inside, one other
         assert_eq!(html.matches("<svg").count(), 2 + 2 + 4 + 2 + 1);
+    }
+
+    #[test]
+    fn forces_over_slip_are_in_shades_of_several_loads() {
+        let mut run = tire();
+        let load = run.channels.iter_mut().find(|c| c.name == "force_z").unwrap();
+        load.values.iter_mut().enumerate().for_each(|(k, v)| *v = if k < 100 { 2000.0 } else { 6000.0 });
+        let html = simulation_report("t", "", &run, None, &[], &[]);
+        let over_slip = html.split("<h2>").find(|section| section.starts_with("Force over slip")).unwrap();
+        for figure in over_slip.split("<figcaption>").skip(1) {
+            let keys: Vec<&str> = figure.split("</i>").skip(1).filter_map(|k| k.split('<').next()).collect();
+            assert_eq!(keys, ["force_z 2.0 to 2.7 kN", "force_z 5.3 to 6.0 kN"]);
+        }
+        assert_eq!(over_slip.matches("<svg").count(), 4);
     }
 
     #[test]
