@@ -148,6 +148,10 @@ struct UnderRim {
 }
 
 impl Ground for UnderRim {
+    fn moves(&self) -> bool {
+        true
+    }
+
     fn point(&self, x: f64, y: f64, share: f64) -> Point {
         let ((from_place, from), (to_place, to)) = (&self.from, &self.to);
         let at = |from: f64, to: f64| from + share * (to - from);

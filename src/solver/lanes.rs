@@ -220,7 +220,7 @@ pub fn sin_cos<S: Simd>(simd: S, x: f64x4<S>) -> (f64x4<S>, f64x4<S>) {
     (f64x4::from_bits(sin.to_bits() ^ sign(turn)), f64x4::from_bits(cos.to_bits() ^ sign(turn + 1)))
 }
 
-/// The arc tangent, with an error of 2.3e-16 of it.
+/// The arc tangent: within 4.5e-16 of it that of libm.
 #[inline(always)]
 pub fn atan<S: Simd>(simd: S, x: f64x4<S>) -> f64x4<S> {
     let sign = x.to_bits() & (1 << 63);

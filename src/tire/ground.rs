@@ -36,6 +36,11 @@ pub trait Ground {
         (height, slope)
     }
 
+    /// Whether it moves by itself, so that a body that ends a step on one plane may begin the next one on another.
+    fn moves(&self) -> bool {
+        false
+    }
+
     /// A height that no point of the road exceeds \[m\]: infinite if none is known.
     fn highest(&self) -> f64 {
         f64::INFINITY

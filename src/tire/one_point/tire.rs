@@ -392,7 +392,7 @@ impl<L: Law> Tire for OnePoint<L> {
         let to = plane.relative(after);
         check_upright(to.angles.x, MAX_CAMBER)?;
         let new = self.contact(&to);
-        let old = self.state.moved.unwrap_or_else(|| {
+        let old = self.state.moved.filter(|_| !ground.moves()).unwrap_or_else(|| {
             let plane = ground.plane(before, &self.window, 0.0);
             self.contact(&plane.relative(before)).moving
         });
