@@ -21,7 +21,7 @@ pub struct Args {
     /// The system: TOML, an SSP System Structure Description (.ssd) beside its FMUs, or an SSP archive (.ssp)
     #[arg(value_name = "F.toml|F.ssd|F.ssp")]
     system: PathBuf,
-    /// Results to write: CSV with the columns `component.variable [unit]`, TYDEX (.tdx) or RPC III (.rsp, .drv, .tim, .rpc)
+    /// Results to write: CSV with the columns `component.variable [unit]`, TYDEX (.tdx), RPC III (.rsp, .drv, .tim, .rpc), MDF 4 (.mf4) or Parquet (.parquet)
     #[arg(long, short, value_name = "F.csv")]
     output: PathBuf,
     /// Page with plots to write

@@ -26,14 +26,14 @@ pub struct Args {
     /// Name of a shipped model (see `latsch models`), an FMU file or a wired system
     #[arg(value_name = "MODEL|F.fmu|F.ssd|F.toml")]
     pub(super) model: String,
-    /// Folder of recordings, CSV with the columns `time [s]` and `name [unit]`, TYDEX or RPC III; columns named like inputs drive the
+    /// Folder of recordings, CSV with the columns `time [s]` and `name [unit]`, TYDEX, RPC III, MDF 4, MATLAB or Parquet; columns named like inputs drive the
     /// model, columns named like outputs are compared. `runs.toml` in it says which runs are to fit and which to check
     #[arg(long, value_name = "DIR")]
     pub(super) recordings: PathBuf,
     /// Parameters of the model: TOML with [parameters], and [fit] for those that may be fitted
     #[arg(long, value_name = "F.toml")]
     pub(super) parameters: Option<PathBuf>,
-    /// What the channels are: TOML with [channels] and [roles]
+    /// What the channels are: TOML with [channels] and [roles]; above them, only_named = true leaves out all others, times_of = "NAME" takes those of several rates at the times of one
     #[arg(long, value_name = "F.toml")]
     pub(super) map: Option<PathBuf>,
     /// Communication step [s] [default: one that suits model and recordings]

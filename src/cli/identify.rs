@@ -4,11 +4,12 @@ use super::digits::short;
 use super::planned::{numbers, plan, slave};
 use super::{Format, check_outputs, files_in, print, print_json};
 use clap::ValueEnum;
+use latsch::diagnose::Map;
 use latsch::identify::benchmark::{Benchmark, kaden};
 use latsch::identify::recorded::{Answer, Beforehand, Light, Unmet, identify};
 use latsch::identify::{Plan, Stand, ring_brush};
 use latsch::model::Interface;
-use latsch::recording::{Recording, read_recording, recording_endings};
+use latsch::recording::{Recording, read_recording_as, recording_endings};
 use latsch::report::{identification_report, write_html};
 use latsch::{Error, Result};
 use std::fmt::Write as _;
@@ -24,9 +25,12 @@ pub struct Args {
     #[arg(value_name = "PLAN|F.toml", requires_all = ["recordings", "output"])]
     plan: Option<String>,
     /// Folder with the recordings: CSV with the columns `time [s]` and `name [unit]`, inputs and outputs of the plan's model,
-    /// TYDEX (.tdx, .tda, .tdb) or RPC III (.rsp, .drv, .tim, .rpc)
+    /// TYDEX, RPC III, MDF 4, MATLAB or Parquet
     #[arg(long, value_name = "DIR", requires = "plan")]
     recordings: Option<PathBuf>,
+    /// What columns of the recordings are: TOML with a table [channels] of "Fz (kN)" = { variable = "force_z", unit = "kN" }, or {} for one that is left out
+    #[arg(long, value_name = "F.toml", requires = "plan")]
+    map: Option<PathBuf>,
     /// Parameters to write: TOML for `latsch export` and `latsch simulate`, with intervals, within which `latsch diagnose` then looks
     #[arg(long, short, value_name = "F.toml", requires = "plan")]
     output: Option<PathBuf>,
@@ -72,7 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
     let (Some(name), Some(folder), Some(output)) = (&args.plan, &args.recordings, &args.output) else {
         return Err(Error::call("a plan, --recordings and --output are needed"));
     };
-    let read: Vec<&Path> = args.parameters.iter().map(PathBuf::as_path).collect();
+    let read: Vec<&Path> = args.parameters.iter().chain(&args.map).map(PathBuf::as_path).collect();
     let outputs: Vec<&Path> = std::iter::once(output).chain(&args.report).map(PathBuf::as_path).collect();
     check_outputs(&outputs, &read)?;
     let stated = plan(name)?;
@@ -98,7 +102,7 @@ fn from_recordings(plan: &Plan, stand: &Stand, folder: &Path, args: &Args) -> Re
     let within = args.within.iter().map(|text| share(text)).collect::<Result<_>>()?;
     let beforehand = Beforehand { values, within };
     let unmet = if args.nearest { Unmet::Nearest } else { Unmet::Refused };
-    identify(plan, stand, ring_brush::REGISTRY, &beforehand, unmet, &recordings(folder)?)
+    identify(plan, stand, ring_brush::REGISTRY, &beforehand, unmet, &recordings(folder, args.map.as_deref())?)
 }
 
 /// `name=0.1`
@@ -114,8 +118,10 @@ fn share(text: &str) -> Result<(String, f64)> {
 }
 
 /// All recordings of a folder, in the order of their names.
-fn recordings(folder: &Path) -> Result<Vec<Recording>> {
-    files_in(folder, &recording_endings())?.iter().map(|file| read_recording(file)).collect()
+fn recordings(folder: &Path, map: Option<&Path>) -> Result<Vec<Recording>> {
+    let map = map.map(Map::read).transpose()?.unwrap_or_default();
+    let files = files_in(folder, &recording_endings())?;
+    files.iter().map(|file| read_recording_as(file, map.columns())).collect()
 }
 
 /// How far beyond its interval (90 %) a diagnosis may move a parameter, in half intervals: what scatters normally is outside of

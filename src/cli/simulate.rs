@@ -10,8 +10,7 @@ use latsch::fmi::import::ImportedFmu;
 use latsch::fmi::{Entry, guid};
 use latsch::model::{Causality, Interface, Kind, Model, Native, Settings, Slave, Value};
 use latsch::recording::{
-    Columns, Recording, add_noise, profile_value, read_recording_as, read_settings, recording_endings,
-    write_recording,
+    Recording, add_noise, profile_value, read_recording_as, read_settings, recording_endings, write_recording,
 };
 use latsch::report::{Beside, PatchFrame, patch_caption, simulation_report, write_html};
 use latsch::rig::RingBrushFlatTrack;
@@ -34,15 +33,15 @@ pub struct Args {
     /// Name of a shipped model (see `latsch models`) or an FMU file
     #[arg(value_name = "MODEL|F.fmu")]
     model: String,
-    /// Recorded inputs: CSV with the columns `time [s]` and `name [unit]`, TYDEX (.tdx, .tda, .tdb) or RPC III (.rsp, .drv,
-    /// .tim, .rpc); columns named like outputs are shown beside the simulation. A folder, such as `latsch rig-program` writes, is run file by file, each with the values in
+    /// Recorded inputs: CSV with the columns `time [s]` and `name [unit]`, TYDEX (.tdx, .tda, .tdb), RPC III (.rsp, .drv,
+    /// .tim, .rpc), MDF 4 (.mf4), MATLAB (.mat) or Parquet (.parquet); columns named like outputs are shown beside the simulation. A folder, such as `latsch rig-program` writes, is run file by file, each with the values in
     /// the TOML of its name
     #[arg(long, value_name = "F.csv|DIR")]
     inputs: Option<PathBuf>,
     /// A column of the recording that is left out
     #[arg(long, value_name = "COLUMN")]
     ignore: Vec<String>,
-    /// What columns of the recording are: TOML with a table [channels] of "Force (kN)" = { variable = "axle_force_z", unit = "kN" }, or {} for one that is left out; the time's variable is time
+    /// What columns of the recording are: TOML with a table [channels] of "Force (kN)" = { variable = "axle_force_z", unit = "kN" }, or {} for one that is left out; the time's variable is time. Above it, only_named = true leaves out all others
     #[arg(long, value_name = "F.toml", requires = "inputs")]
     map: Option<PathBuf>,
     /// Value of a parameter, or of an input for the whole run; `path_speed="90 km/h"` is converted, `road_profile=@F.csv` takes the points of a road from a file with the columns `x [m],z [m]`
@@ -59,7 +58,7 @@ pub struct Args {
     /// Communication step [s] [default: the model's]
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     step: Option<f64>,
-    /// Results to write: CSV with the inputs and outputs, or TYDEX or RPC III if the name ends like that; a folder of them, which is made, if --inputs is one
+    /// Results to write: CSV with the inputs and outputs, or TYDEX, RPC III, MDF 4 or Parquet if the name ends like that; a folder of them, which is made, if --inputs is one
     #[arg(long, short, value_name = "F.csv|DIR")]
     output: PathBuf,
     /// White noise on the outputs, as a share of what each of them ranges over in all that is run: 0.01 for 1 %
@@ -163,8 +162,8 @@ fn every_file(args: &Args, folder: &Path) -> Result<()> {
 
 /// A recording without what is to be left out.
 fn read_inputs(args: &Args, file: &Path) -> Result<Recording> {
-    let columns = args.map.as_deref().map(Map::read).transpose()?;
-    let mut inputs = read_recording_as(file, columns.as_ref().map_or(&Columns::new(), Map::columns))?;
+    let map = args.map.as_deref().map(Map::read).transpose()?.unwrap_or_default();
+    let mut inputs = read_recording_as(file, map.columns())?;
     for name in &args.ignore {
         inputs.channel(name)?;
         inputs.channels.retain(|c| c.name != *name);

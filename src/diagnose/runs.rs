@@ -6,7 +6,7 @@ use crate::bounded::{self, MAX_TEXT};
 use crate::effect::Role;
 use crate::fit::{Channel, Drive, Run};
 use crate::model::{Causality, Interface, Kind};
-use crate::recording::{Columns, Recording, Smooth, recording_endings};
+use crate::recording::{Column, Columns, Recording, Smooth, recording_endings};
 use crate::stats::{about_mean, deviation, mean, mean_or_zero, median_interval};
 use crate::{Error, Result};
 use serde::Deserialize;
@@ -23,13 +23,22 @@ const MAX_PARTS: f64 = 2.0;
 const MAX_POINTS: usize = 2_000_000;
 
 /// What the channels of the recordings are: the content of a file of `--map`.
-#[derive(Debug, Clone, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Default)]
 pub struct Map {
-    /// Columns by their header in the recordings, with its unit or without.
-    #[serde(default)]
-    channels: Columns,
+    columns: Columns,
     /// Roles of variables whose names do not tell.
+    roles: BTreeMap<String, Role>,
+}
+
+/// A map as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MapFile {
+    #[serde(default)]
+    only_named: bool,
+    times_of: Option<String>,
+    #[serde(default)]
+    channels: BTreeMap<String, Column>,
     #[serde(default)]
     roles: BTreeMap<String, Role>,
 }
@@ -42,10 +51,12 @@ impl Map {
     pub fn read(path: &Path) -> Result<Self> {
         let place = path.display();
         let text = bounded::read_text(path, MAX_TEXT).map_err(|e| Error::file(format!("{place}: {e}")))?;
-        toml::from_str(&text).map_err(|e| {
+        let file: MapFile = toml::from_str(&text).map_err(|e| {
             let line = e.span().map_or(1, |s| crate::model::line_of(&text, s.start));
             Error::file(format!("{place}:{line}: {}", e.message()))
-        })
+        })?;
+        let MapFile { only_named, times_of, channels, roles } = file;
+        Ok(Self { columns: Columns { named: channels, only_named, times_of }, roles })
     }
 
     /// Roles that the user gave.
@@ -55,7 +66,7 @@ impl Map {
 
     /// What the columns of recordings are, by their headers.
     pub fn columns(&self) -> &Columns {
-        &self.channels
+        &self.columns
     }
 }
 

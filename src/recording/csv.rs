@@ -35,7 +35,7 @@ pub fn read_csv(path: &Path) -> Result<Recording> {
     read_csv_over(&TIME, path)
 }
 
-const TIME: Axis = Axis { name: "time", unit: "s", quantity: "time", repeats: false };
+pub(super) const TIME: Axis = Axis { name: "time", unit: "s", quantity: "time", repeats: false };
 
 /// Reads a CSV file whose first column is not the time. It still is `time` of the recording.
 ///
@@ -102,7 +102,7 @@ pub(super) fn read_csv_as(path: &Path, names: &Columns) -> Result<Recording> {
 }
 
 fn parse_csv_over(axis: &Axis, text: &str, source: &str) -> Result<Recording> {
-    parse_rows(axis, &Columns::new(), text, source, &mut |defect| Err(defect.error))
+    parse_rows(axis, &Columns::default(), text, source, &mut |defect| Err(defect.error))
 }
 
 /// Reads CSV text; `judge` says of every bad cell, row and order of times whether to go on.
@@ -141,7 +141,7 @@ fn parse_rows(
             axis.name, axis.unit
         )));
     };
-    let mut titles = Titles { names: record.clone(), line, units: None };
+    let mut titles = Titles { names: record.clone(), line: Some(line), units: None };
     refuse_rows_as_comments(text.as_bytes(), separator, first_line, &titles, source)?;
     let mut pending = next(&mut record)?;
     if let Some(line) = pending
@@ -184,7 +184,9 @@ fn parse_rows(
             };
             let Some(channel) = channel else {
                 let time = value * factor;
-                if let Some(error) = out_of_order(axis, &recording, time, line, column) {
+                if let Some(error) =
+                    out_of_order(axis, &recording, time, &|| format!("{source}:{line}:{column}"))
+                {
                     judge(Defect { row, channel: None, error })?;
                 }
                 recording.time.push(time);
@@ -193,9 +195,15 @@ fn parse_rows(
             recording.channels[channel].values.push(value);
         }
     }
+    long_enough(recording)
+}
+
+/// That there are two rows.
+pub(super) fn long_enough(recording: Recording) -> Result<Recording> {
     match recording.time.len() {
         n @ (0 | 1) => Err(Error::file(format!(
-            "{source}: {n} row{} of numbers; at least 2 are needed",
+            "{}: {n} row{} of numbers; at least 2 are needed",
+            recording.source,
             if n == 1 { "" } else { "s" }
         ))),
         _ => Ok(recording),
@@ -225,7 +233,7 @@ fn refuse_rows_as_comments(
     source: &str,
 ) -> Result<()> {
     let lines = (first_line..).zip(text.split(|byte| *byte == b'\n'));
-    let behind = lines.filter(|(line, text)| *line > titles.line && text.first() == Some(&COMMENT));
+    let behind = lines.filter(|(line, text)| Some(*line) > titles.line && text.first() == Some(&COMMENT));
     for (line, text) in behind {
         let cells = text.iter().filter(|byte| **byte == separator).count() + 1;
         if cells > 1 && cells == titles.names.len() {
@@ -238,15 +246,20 @@ fn refuse_rows_as_comments(
     Ok(())
 }
 
-/// What is wrong with `time` as the next one of the recording.
-fn out_of_order(axis: &Axis, recording: &Recording, time: f64, line: u64, column: &str) -> Option<Error> {
+/// What is wrong with `time` as the next one of the recording, at a place in it.
+pub(super) fn out_of_order(
+    axis: &Axis,
+    recording: &Recording,
+    time: f64,
+    place: &dyn Fn() -> String,
+) -> Option<Error> {
     let Axis { name, unit, repeats, .. } = axis;
     let before =
         recording.time.last().filter(|before| if *repeats { time < **before } else { time <= **before })?;
     let rule = if *repeats { "must not decrease" } else { "has to increase" };
     Some(Error::file(format!(
-        "{}:{line}:{column}: {time} {unit} comes after {before} {unit}; {name} {rule} from row to row",
-        recording.source
+        "{}: {time} {unit} comes after {before} {unit}; {name} {rule} from row to row",
+        place()
     )))
 }
 
@@ -415,6 +428,7 @@ mod tests {
     use super::super::{Channel, Column};
     use super::*;
     use proptest::prelude::*;
+    use std::collections::BTreeMap;
 
     fn read(text: &str) -> Recording {
         parse_csv(text, "rig.csv").unwrap()
@@ -446,13 +460,16 @@ mod tests {
             variable: variable.map(str::to_owned),
             unit: unit.map(str::to_owned),
         };
-        let names = Columns::from([
-            ("Force (N)".to_owned(), column(Some("force"), Some("N"))),
-            ("note".to_owned(), column(None, None)),
-            ("t/ms".to_owned(), column(Some("time"), Some("ms"))),
-            ("way".to_owned(), column(Some("deflection"), None)),
-            ("slip [%]".to_owned(), column(Some("slip"), Some("1"))),
-        ]);
+        let names = Columns {
+            named: BTreeMap::from([
+                ("Force (N)".to_owned(), column(Some("force"), Some("N"))),
+                ("note".to_owned(), column(None, None)),
+                ("t/ms".to_owned(), column(Some("time"), Some("ms"))),
+                ("way".to_owned(), column(Some("deflection"), None)),
+                ("slip [%]".to_owned(), column(Some("slip"), Some("1"))),
+            ]),
+            ..Columns::default()
+        };
         let read = |text: &str| parse_rows(&TIME, &names, text, "rig.csv", &mut |defect| Err(defect.error));
         let recording = read("Force (N);note;t/ms;way [mm];slip [%]\n5;cold;0;1;0.1\n6;;10;2;0.2\n").unwrap();
         assert_eq!(recording.time, [0.0, 0.01]);
@@ -464,6 +481,15 @@ mod tests {
         // a column that is not left out needs a unit, from one of the two
         let refused = read("time [s],way\n0,1\n1,2\n").unwrap_err().to_string();
         assert!(refused.contains("`deflection [unit]`"), "{refused}");
+        // and what is not named may be left out, but for the time
+        let names = Columns { only_named: true, ..names };
+        let text = "t [s];Force (N);x;other [m]\n0;5;cold;1\n1;6;;2\n";
+        let recording = parse_rows(&TIME, &names, text, "rig.csv", &mut |defect| Err(defect.error)).unwrap();
+        let [force] = &recording.channels[..] else { panic!("{recording:?}") };
+        assert_eq!(
+            (&*force.name, &force.values[..], &recording.time[..]),
+            ("force", &[5.0, 6.0][..], &[0.0, 1.0][..])
+        );
     }
 
     #[test]

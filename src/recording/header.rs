@@ -1,4 +1,4 @@
-//! The head of a CSV file: what its columns are.
+//! The heads of files in columns, of CSV above all: what the columns are.
 
 use super::{Channel, Recording};
 use crate::model::unit::Unit;
@@ -29,8 +29,28 @@ pub struct Column {
     pub unit: Option<String>,
 }
 
-/// What columns are, by what stands above them, with its unit or without.
-pub type Columns = BTreeMap<String, Column>;
+/// What the columns of files are, in place of what stands above them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Columns {
+    /// By what stands above a column, with its unit or without.
+    pub named: BTreeMap<String, Column>,
+    /// Leave out the columns that are not among those.
+    pub only_named: bool,
+    /// The column at whose times all are taken where a file has columns of several rates.
+    pub times_of: Option<String>,
+}
+
+impl Columns {
+    /// What is said of the column below this title: by all of it, or by the name before the unit.
+    pub(super) fn of(&self, title: &str) -> Option<&Column> {
+        self.named.get(title).or_else(|| self.named.get(name_and_unit(title)?.0))
+    }
+
+    /// Whether the column below this title is not read. The time is always read.
+    pub(super) fn leaves_out(&self, title: &str) -> bool {
+        self.of(title).map_or(self.only_named, |column| column.variable.is_none())
+    }
+}
 
 /// A recording whose channels are what is said of them.
 ///
@@ -41,9 +61,11 @@ pub(super) fn renamed(recording: Recording, columns: &Columns) -> Result<Recordi
     let mut named: Vec<Channel> = Vec::new();
     for channel in channels {
         let said = columns
+            .named
             .get(&channel.name)
-            .or_else(|| columns.get(&format!("{} [{}]", channel.name, channel.unit)));
+            .or_else(|| columns.named.get(&format!("{} [{}]", channel.name, channel.unit)));
         let channel = match said {
+            None if columns.only_named => continue,
             None => channel,
             Some(Column { variable: None, .. }) => continue,
             Some(Column { variable: Some(name), unit }) => Channel {
@@ -66,8 +88,8 @@ pub(super) fn renamed(recording: Recording, columns: &Columns) -> Result<Recordi
 pub(super) struct Titles {
     /// The first line that is no comment.
     pub names: StringRecord,
-    /// Its number.
-    pub line: u64,
+    /// Its number, in files that have lines.
+    pub line: Option<u64>,
     /// A line with nothing but units, and its number.
     pub units: Option<(StringRecord, u64)>,
 }
@@ -76,21 +98,42 @@ impl Titles {
     /// Whether no column has a unit.
     pub fn lack_units(&self, given: &Columns) -> bool {
         let has = |cell: &str| {
-            name_and_unit(cell).is_some()
-                || column_of(given, cell).is_some_and(|column| column.unit.is_some())
+            name_and_unit(cell).is_some() || given.of(cell).is_some_and(|column| column.unit.is_some())
         };
         !self.names.iter().any(has)
     }
 
     /// The column that the rows are over: the one that is said to be, else the one with that name, else the first.
     pub fn time(&self, axis: &Axis, given: &Columns) -> usize {
-        let is_said = |cell: &str| {
-            column_of(given, cell).is_some_and(|column| column.variable.as_deref() == Some(axis.name))
-        };
+        let is_said =
+            |cell: &str| given.of(cell).is_some_and(|column| column.variable.as_deref() == Some(axis.name));
         let find = |is_it: &dyn Fn(&str) -> bool| self.names.iter().position(is_it);
         find(&is_said)
             .or_else(|| find(&|cell| axis.is_called(name_and_unit(cell).map_or(cell, |(name, _)| name))))
             .unwrap_or(0)
+    }
+
+    /// What to do about a column without unit.
+    fn no_unit(&self, name: &str, column: usize, given: &Columns) -> String {
+        if self.line.is_some() {
+            return format!(
+                "no unit; write `{name} [unit]`, for instance `{name} [N]`, or `{name} [1]` for a number without unit"
+            );
+        }
+        let lacks = |title: &&str| {
+            !given.leaves_out(title)
+                && name_and_unit(title).is_none()
+                && given.of(title).is_none_or(|column| column.unit.is_none())
+        };
+        let others = self.names.iter().skip(column + 1).filter(lacks).count();
+        let others = match others {
+            0 => String::new(),
+            1 => ", and one more has none".into(),
+            more => format!(", and {more} more have none"),
+        };
+        format!(
+            "no unit{others}; a file of --map says it: \"{name}\" = {{ variable = \"{name}\", unit = \"N\" }} below [channels]; with only_named = true at its top, it leaves out what it does not name"
+        )
     }
 
     /// The unit in the second line: nothing stands for a number without one.
@@ -142,8 +185,9 @@ impl Header {
         let mut seen = HashMap::new();
         let mut factor = 1.0;
         let Axis { name: axis_name, unit: axis_unit, quantity, .. } = axis;
-        let (time, line) =
-            (titles.time(axis, names), titles.units.as_ref().map_or(titles.line, |(_, line)| *line));
+        let time = titles.time(axis, names);
+        let line = titles.units.as_ref().map_or(titles.line, |(_, line)| Some(*line));
+        let place = line.map_or_else(|| format!("{source}: "), |line| format!("{source}:{line}:"));
         if let Some((units, line)) = &titles.units
             && units.len() != titles.names.len()
         {
@@ -154,19 +198,19 @@ impl Header {
             )));
         }
         for (i, cell) in titles.names.iter().enumerate() {
-            let (number, given) = (i + 1, column_of(names, cell));
+            let (number, given) = (i + 1, names.of(cell));
             let fail = |column: &str, what: String| {
-                Err(Error::file(format!("{source}:{line}:{column} (column {number}): {what}")))
+                Err(Error::file(format!("{place}{column} (column {number}): {what}")))
             };
             let own = name_and_unit(cell);
-            let named = given.map(|column| (column.variable.as_deref(), column.unit.as_deref()));
+            if i != time && names.leaves_out(cell) {
+                columns.push(format!("{cell} (column {number})"));
+                places.push(None);
+                continue;
+            }
+            let named = given.and_then(|column| Some((column.variable.as_deref()?, column.unit.as_deref())));
             let (name, unit) = match (named, own) {
-                (Some((None, _)), _) => {
-                    columns.push(format!("{cell} (column {number})"));
-                    places.push(None);
-                    continue;
-                }
-                (Some((Some(name), unit)), own) => (name, unit.or(own.map(|(_, unit)| unit))),
+                (Some((name, unit)), own) => (name, unit.or(own.map(|(_, unit)| unit))),
                 (None, Some((name, unit))) => (name, Some(unit)),
                 (None, None) => (cell, None),
             };
@@ -174,18 +218,13 @@ impl Header {
                 if cell.is_empty() {
                     return fail("", "the header cell is empty; write `name [unit]`".into());
                 }
-                if i == time && given.is_none() {
+                if i == time && given.is_none() && (titles.line.is_some() || !axis.may_be(name, i)) {
                     return fail(
                         cell,
                         format!("a column has to be the {quantity}, `{axis_name} [{axis_unit}]`"),
                     );
                 }
-                return fail(
-                    cell,
-                    format!(
-                        "no unit; write `{name} [unit]`, for instance `{name} [N]`, or `{name} [1]` for a number without unit"
-                    ),
-                );
+                return fail(cell, titles.no_unit(name, i, names));
             };
             let parsed = match Unit::parse(unit) {
                 Ok(unit) => unit,
@@ -217,11 +256,6 @@ impl Header {
         }
         Ok(Self { recording, columns, places, factor })
     }
-}
-
-/// What is said of the column with this header: by all of it, or by the name before the unit.
-fn column_of<'a>(names: &'a Columns, cell: &str) -> Option<&'a Column> {
-    names.get(cell).or_else(|| names.get(name_and_unit(cell)?.0))
 }
 
 /// Splits `name [unit]`. Without the space, and in parentheses, `name(unit)`, only what is a unit is taken for one: `x[1]` may be the name

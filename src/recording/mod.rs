@@ -1,20 +1,27 @@
-//! Recordings: measured or simulated channels over time, with units, and the CSV, TYDEX and RPC III files that hold them.
+//! Recordings: measured or simulated channels over time, with units, and the files that hold them: CSV, TYDEX, RPC III, MDF 4, MATLAB, Parquet.
 
 mod csv;
 mod header;
+mod mat;
+mod mdf;
 mod names;
 mod noise;
+mod parquet;
 mod profile;
 mod rpc;
 mod shortest;
 mod smooth;
 mod tydex;
+mod typed;
 
 pub(crate) use csv::Defect;
 pub use csv::{parse_csv, read_csv, to_csv, write_csv};
 pub use header::{Column, Columns};
+pub use mat::MAT_ENDINGS;
+pub use mdf::MDF_ENDINGS;
 pub use names::{Names, read_names};
 pub use noise::add_noise;
+pub use parquet::PARQUET_ENDINGS;
 pub(crate) use profile::points_from_csv;
 pub(crate) use profile::profile_file;
 pub use profile::{profile_from_csv, profile_value, read_settings};
@@ -114,34 +121,41 @@ impl Recording {
 }
 
 /// The files that hold recordings.
+#[derive(Clone, Copy, PartialEq)]
 enum Form {
     Csv,
     Tydex,
     Rpc,
+    Mdf,
+    Mat,
+    Parquet,
 }
+
+/// The forms that a file's name tells, and their endings; any other is CSV.
+const FORMS: [(Form, &[&str]); 5] = [
+    (Form::Tydex, &TYDEX_ENDINGS),
+    (Form::Rpc, &RPC_ENDINGS),
+    (Form::Mdf, &MDF_ENDINGS),
+    (Form::Mat, &MAT_ENDINGS),
+    (Form::Parquet, &PARQUET_ENDINGS),
+];
 
 impl Form {
     /// By the ending of a file's name, in small letters or capitals.
     fn of(path: &Path) -> Self {
         let ending = crate::file::ending(path);
-        match () {
-            () if TYDEX_ENDINGS.contains(&ending.as_str()) => Self::Tydex,
-            () if RPC_ENDINGS.contains(&ending.as_str()) => Self::Rpc,
-            () => Self::Csv,
-        }
+        let form = FORMS.iter().find(|(_, endings)| endings.contains(&ending.as_str()));
+        form.map_or(Self::Csv, |(form, _)| *form)
     }
 }
 
-/// Reads a recording: a TYDEX or RPC III file if its name ends like one of those ([`TYDEX_ENDINGS`], [`RPC_ENDINGS`]), else CSV.
+/// Reads a recording: TYDEX, RPC III, MDF 4, MATLAB or Parquet if its name ends like one of those ([`recording_endings`]), else CSV.
 ///
 /// # Errors
-/// As [`read_tydex`], [`read_rpc`] and [`read_csv`].
+/// A file that cannot be read, or content that is not of that form; a channel that has no unit or one that is not known, a value that is no
+/// number, a time that does not increase. With the place in the file.
 pub fn read_recording(path: &Path) -> Result<Recording> {
-    match Form::of(path) {
-        Form::Csv => read_csv(path),
-        Form::Tydex => read_tydex(path),
-        Form::Rpc => read_rpc(path),
-    }
+    read_recording_as(path, &Columns::default())
 }
 
 /// The same of a recording whose columns are what is said of them, by what stands above them.
@@ -151,17 +165,25 @@ pub fn read_recording(path: &Path) -> Result<Recording> {
 pub fn read_recording_as(path: &Path, columns: &Columns) -> Result<Recording> {
     match Form::of(path) {
         Form::Csv => csv::read_csv_as(path, columns),
-        Form::Tydex | Form::Rpc => header::renamed(read_recording(path)?, columns),
+        Form::Tydex => header::renamed(read_tydex(path)?, columns),
+        Form::Rpc => header::renamed(read_rpc(path)?, columns),
+        Form::Mdf => typed::faultless(mdf::read_mdf(path, columns)?),
+        Form::Mat => typed::faultless(mat::read_mat(path, columns)?),
+        Form::Parquet => typed::faultless(parquet::read_parquet(path, columns)?),
     }
 }
 
-/// The same of a recording that may be faulty, as far as its form knows of faults: cells and rows of CSV that [`read_csv`] refuses.
+/// The same of a recording that may be faulty, as far as its form knows of faults: single cells and rows that are refused by
+/// [`read_recording_as`].
 ///
 /// # Errors
 /// As [`read_recording_as`], without those.
 pub(crate) fn read_with_defects(path: &Path, columns: &Columns) -> Result<(Recording, Vec<Defect>)> {
     match Form::of(path) {
         Form::Csv => csv::read_csv_with_defects(path, columns),
+        Form::Mdf => mdf::read_mdf(path, columns),
+        Form::Mat => mat::read_mat(path, columns),
+        Form::Parquet => parquet::read_parquet(path, columns),
         Form::Tydex | Form::Rpc => Ok((read_recording_as(path, columns)?, Vec::new())),
     }
 }
@@ -169,18 +191,24 @@ pub(crate) fn read_with_defects(path: &Path, columns: &Columns) -> Result<(Recor
 /// Writes a recording as [`read_recording`] would read it.
 ///
 /// # Errors
-/// As [`write_tydex`], [`write_rpc`] and [`write_csv`].
+/// As [`write_tydex`], [`write_rpc`] and [`write_csv`]; MATLAB files are not written.
 pub fn write_recording(path: &Path, recording: &Recording) -> Result<()> {
     match Form::of(path) {
         Form::Csv => write_csv(path, recording),
         Form::Tydex => write_tydex(path, recording),
         Form::Rpc => write_rpc(path, recording),
+        Form::Mdf => mdf::write_mdf(path, recording),
+        Form::Parquet => parquet::write_parquet(path, recording),
+        Form::Mat => Err(Error::file(format!(
+            "{}: MATLAB files are read and not written; .csv, .mf4 and .parquet are",
+            path.display()
+        ))),
     }
 }
 
 /// What the names of recordings in a folder end in, in small letters.
 pub fn recording_endings() -> Vec<&'static str> {
-    std::iter::once("csv").chain(TYDEX_ENDINGS).chain(RPC_ENDINGS).collect()
+    std::iter::once("csv").chain(FORMS.iter().flat_map(|(_, endings)| endings.iter().copied())).collect()
 }
 
 #[cfg(test)]
