@@ -2,10 +2,12 @@
 //! review. `UPDATE_DESCRIPTIONS=1 cargo test --test model_description` writes the files anew.
 #![allow(missing_docs, clippy::unwrap_used, clippy::panic)]
 
-use latsch::fmi::archive::{ModelLibrary, description_of};
+use latsch::fmi::archive::{ModelLibrary, description_of, page_of};
 use latsch::model::unit::Unit;
 use latsch::model::{Causality, Settings};
+use latsch::report::escape;
 use latsch::shipped::MODELS;
+use quick_xml::events::Event;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -87,5 +89,51 @@ fn tables_are_well_formed() {
                 v.accept(start).unwrap();
             }
         }
+    }
+}
+
+#[test]
+fn pages_have_every_variable_and_nothing_from_outside() {
+    for entry in MODELS {
+        let html = page_of(entry).unwrap();
+        for v in &(entry.table)().variables {
+            assert!(html.contains(&format!("<code>{}</code></td>", v.name)), "{}", v.name);
+            assert!(html.contains(&escape(&v.description)), "{}", v.name);
+        }
+        for outside in ["http:", "https:", "url(", "@import", "src=", "<script", "<link"] {
+            assert!(!html.contains(outside), "{outside}");
+        }
+        for topic in ["Equations", "Validity and limits", "Axes and signs", "Numerics", "License"] {
+            let mut headings = html.split("<h2").filter_map(|part| part.split_once('>'));
+            assert!(headings.any(|(_, text)| text.starts_with(topic)), "{}: {topic}", entry.name);
+        }
+    }
+}
+
+#[test]
+fn markup_in_an_authors_text_is_well_formed() {
+    let drawing = include_str!("../src/rig/axes.svg").to_owned();
+    for text in MODELS.iter().map(|entry| entry.documentation.concat()).chain([drawing]) {
+        let mut reader = quick_xml::Reader::from_str(&text);
+        let mut open: Vec<String> = Vec::new();
+        loop {
+            match reader.read_event().unwrap() {
+                Event::Start(tag) => open.push(tag.name().as_ref().to_string()),
+                Event::End(tag) => assert_eq!(open.pop().as_deref(), Some(tag.name().as_ref())),
+                Event::Eof => break,
+                _ => {}
+            }
+        }
+        assert!(open.is_empty());
+    }
+}
+
+#[test]
+fn wheels_that_steer_and_lean_have_a_drawing_of_their_axes() {
+    for (name, count) in [("flat-track", 1), ("wheel", 1), ("tire", 1), ("drum", 1), ("hydropulse", 0)] {
+        let entry = MODELS.iter().find(|entry| entry.name == format!("ring-brush-{name}")).unwrap();
+        let html = page_of(entry).unwrap();
+        assert_eq!(html.matches("Axes and signs of a wheel from above").count(), count, "{name}");
+        assert!(!html.contains("<!-- axes"), "{name}");
     }
 }

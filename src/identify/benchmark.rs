@@ -4,9 +4,8 @@ use super::registry::Numbers;
 use super::ring_brush;
 use super::solve::{Goal, Targets};
 use super::{Plan, Readings, Stand};
-use crate::fmi::Entry;
-use crate::model::Settings;
-use crate::shipped::MODELS;
+use crate::model::{Native, Settings};
+use crate::rig::RingBrushFlatTrack;
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -161,8 +160,7 @@ fn unit_of(value: f64, digits: i32) -> f64 {
 /// The targets cannot be computed.
 pub fn kaden() -> Result<Benchmark> {
     let plan = Plan::read(ring_brush::PLAN)?;
-    let slave = Entry::find(MODELS, &plan.model)?.slave(&Settings::default())?;
-    let stand = Stand::new(slave, &[]);
+    let stand = Stand::new(Box::new(Native::<RingBrushFlatTrack>::new(&Settings::default())?), &[]);
     let numbers = |of: fn(&Published) -> f64| -> Numbers {
         PARAMETERS.iter().map(|p| (p.name.to_owned(), of(p))).collect()
     };
