@@ -77,7 +77,7 @@ const ORDER: &[(&str, &str)] = &[
     ("causes", "stats model recording cosimulate fit loads"),
     ("freeze", "model fmi/import cosimulate"),
     ("manoeuvre", "stats model recording cosimulate"),
-    ("identify", "stats model fmi fmi/entry shipped recording"),
+    ("identify", "stats model rig recording"),
     (
         "diagnose",
         "page stats model effect fmi fmi/entry fmi/import shipped recording simulate cosimulate fit",
