@@ -46,10 +46,20 @@ pub(super) fn read_csv_over(axis: &Axis, path: &Path) -> Result<Recording> {
     parse_csv_over(axis, &text, &source)
 }
 
-fn read_text(path: &Path) -> Result<(String, String)> {
+/// The bytes of a file of recordings, and its name for messages.
+///
+/// # Errors
+/// A file that cannot be read or is too long.
+pub(super) fn read_bytes(path: &Path) -> Result<(Vec<u8>, String)> {
     let source = path.display().to_string();
-    let bytes =
-        bounded::read(path, MAX_LENGTH).map_err(|e| Error::file(format!("{source} cannot be read: {e}")))?;
+    match bounded::read(path, MAX_LENGTH) {
+        Ok(bytes) => Ok((bytes, source)),
+        Err(e) => Err(Error::file(format!("{source} cannot be read: {e}"))),
+    }
+}
+
+fn read_text(path: &Path) -> Result<(String, String)> {
+    let (bytes, source) = read_bytes(path)?;
     let text = String::from_utf8(bytes).map_err(|e| {
         let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
         let line = 1 + valid.iter().filter(|b| **b == b'\n').count();

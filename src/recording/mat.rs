@@ -2,10 +2,10 @@
 //! says them, and which variable is the time.
 
 use super::Recording;
-use super::csv::{Defect, MAX_COLUMNS, MAX_LENGTH};
+use super::csv::{Defect, MAX_COLUMNS, MAX_LENGTH, read_bytes};
 use super::header::Columns;
 use super::typed::{MAX_NUMBERS, TypedColumn, inflated, recording_of};
-use crate::{Error, Result, bounded};
+use crate::{Error, Result};
 use std::path::Path;
 
 /// What the names of MATLAB files end in, in small letters.
@@ -17,9 +17,7 @@ pub const MAT_ENDINGS: [&str; 1] = ["mat"];
 /// A file that cannot be read, is none of version 5 to 7, or is damaged; no variable that is said to be the time; one that is named and no
 /// vector as long as that.
 pub(super) fn read_mat(path: &Path, names: &Columns) -> Result<(Recording, Vec<Defect>)> {
-    let source = path.display().to_string();
-    let bytes =
-        bounded::read(path, MAX_LENGTH).map_err(|e| Error::file(format!("{source} cannot be read: {e}")))?;
+    let (bytes, source) = read_bytes(path)?;
     parse_mat(&bytes, names, &source)
 }
 

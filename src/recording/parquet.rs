@@ -1,10 +1,10 @@
 //! Recordings as Apache Parquet, as data frames of Python write them: columns `name [unit]`, or names alone with a map that has the units.
 
 use super::Recording;
-use super::csv::{Defect, MAX_LENGTH, check_lengths};
+use super::csv::{Defect, check_lengths, read_bytes};
 use super::header::Columns;
 use super::typed::{MAX_NUMBERS, TypedColumn, recording_of, time_of};
-use crate::{Error, Result, VERSION, bounded};
+use crate::{Error, Result, VERSION};
 use ::parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
 use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use ::parquet::data_type::{DataType, DoubleType};
@@ -31,9 +31,7 @@ type Read<T> = std::result::Result<T, String>;
 /// # Errors
 /// A file that cannot be read, is damaged or compressed in a way that is not read; what the header of a CSV file is refused for.
 pub(super) fn read_parquet(path: &Path, names: &Columns) -> Result<(Recording, Vec<Defect>)> {
-    let source = path.display().to_string();
-    let bytes =
-        bounded::read(path, MAX_LENGTH).map_err(|e| Error::file(format!("{source} cannot be read: {e}")))?;
+    let (bytes, source) = read_bytes(path)?;
     parse_parquet(bytes, names, &source)
 }
 

@@ -5,10 +5,10 @@
 //! sample of two bytes times SCALE is the value, as `rpc3-file` has it. `rpc-reader` multiplies by INT_FULL_SCALE / 32768 as well, which is
 //! 0.05 % less for what is usual, 32752.
 
-use super::csv::{MAX_LENGTH, check_lengths};
+use super::csv::{check_lengths, read_bytes};
 use super::{Channel, Recording};
 use crate::model::unit::Unit;
-use crate::{Error, Result, VERSION, bounded};
+use crate::{Error, Result, VERSION};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -33,9 +33,7 @@ const UNEVEN: f64 = 5e-3;
 /// # Errors
 /// A file that cannot be read, or whose header is no such header or does not fit the file's length; with what it says.
 pub fn read_rpc(path: &Path) -> Result<Recording> {
-    let source = path.display().to_string();
-    let bytes =
-        bounded::read(path, MAX_LENGTH).map_err(|e| Error::file(format!("{source} cannot be read: {e}")))?;
+    let (bytes, source) = read_bytes(path)?;
     parse_rpc(&bytes, &source)
 }
 

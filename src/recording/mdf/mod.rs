@@ -14,11 +14,11 @@ mod tests;
 pub(super) use write::write_mdf;
 
 use super::Recording;
-use super::csv::{Defect, MAX_COLUMNS, MAX_LENGTH};
+use super::csv::{Defect, MAX_COLUMNS, read_bytes};
 use super::header::Columns;
 use super::typed::{MAX_NUMBERS, TypedColumn, recording_of};
 use crate::stats::interpolate;
-use crate::{Error, Result, bounded};
+use crate::{Error, Result};
 use blocks::{Block, Blocks, Read};
 use conversion::Conversion;
 use records::{Layout, Length};
@@ -36,9 +36,7 @@ pub const MDF_ENDINGS: [&str; 2] = ["mf4", "mdf"];
 /// A file that cannot be read, is no MDF 4 file, is damaged or stored in a way that is not read; a channel that has no unit, or is no number
 /// though it is named; channels of several rates, unless it is said at which times they are wanted.
 pub(super) fn read_mdf(path: &Path, names: &Columns) -> Result<(Recording, Vec<Defect>)> {
-    let source = path.display().to_string();
-    let bytes =
-        bounded::read(path, MAX_LENGTH).map_err(|e| Error::file(format!("{source} cannot be read: {e}")))?;
+    let (bytes, source) = read_bytes(path)?;
     parse_mdf(&bytes, names, &source)
 }
 
