@@ -126,10 +126,15 @@ pub fn run(args: &Args) -> Result<()> {
         let measured = measured.filter(|r| !r.channels.is_empty());
         let (simulated, measured) = sides(&outcome.recording, measured, &conditions)?;
         let title = name_of(&args.system);
+        let names = system.components().iter().flat_map(|component| {
+            let variables = component.interface().variables.iter();
+            variables.filter_map(|v| Some((format!("{}.{}", component.name, v.name), v.items()?)))
+        });
         let page = simulation_report(
             &title,
             "A co-simulated system. An input is what the component had until the communication point.",
             &simulated,
+            &names.collect(),
             measured.as_ref().map(|measured| Beside { measured, conditions: &conditions }),
             &[],
             &facts,

@@ -1,7 +1,7 @@
 //! `latsch diagnose`: what a model leaves out.
 
 use super::console::share_bar;
-use super::digits::digits;
+use super::digits::{digits, short};
 use super::{Format, print, print_json_text};
 use latsch::cosimulate::write_corrected;
 use latsch::diagnose::{Base, Map, Outcome, Request, diagnose};
@@ -141,8 +141,11 @@ fn text(outcome: &Outcome) -> String {
     let mut lines = vec![diagnosis.summary.clone()];
     for check in &diagnosis.check {
         let noise = check.noise.filter(|noise| *noise > 0.0);
-        let times = noise.map(|noise| format!(", {} times its noise", digits(check.after / noise, 2)));
-        let [before, after] = [check.before, check.after].map(|error| digits(error, 3));
+        let times = noise.map(|noise| match check.after / noise {
+            few if few < 0.01 => ", less than a hundredth of its noise".to_owned(),
+            times => format!(", {} times its noise", digits(times, 2)),
+        });
+        let [before, after] = [check.before, check.after].map(|error| short(error, 3));
         lines.push(format!(
             "  {:<28} error on the check runs {before} -> {after} {}{}",
             check.channel,

@@ -387,10 +387,12 @@ impl Subject {
         };
         let measured = experiment.inputs.map(|r| measured(interface, r)).filter(|r| !r.channels.is_empty());
         let (simulated, measured) = sides(&outcome.recording, measured, conditions)?;
+        let names = interface.variables.iter().filter_map(|v| Some((v.name.clone(), v.items()?)));
         Ok(simulation_report(
             &interface.name,
             &interface.description,
             &simulated,
+            &names.collect(),
             measured.as_ref().map(|measured| Beside { measured, conditions }),
             &frames,
             &facts,

@@ -2,6 +2,7 @@
 
 use super::candidates::Tried;
 use super::judge::{Case, Chosen, Evidence, judge};
+use super::negligible::resolution;
 use super::numbers::{MIN_OF_A_CHANNEL, MIN_OF_ITS_MOTION};
 use super::plausible::{runs_out, sets_apart};
 use super::rest::Rest;
@@ -153,6 +154,7 @@ fn family(effect: &Effect) -> String {
 /// True if an effect takes away an error that matters in some channel.
 fn visible(study: &Study<'_>, t: &Tried, before: &Rest) -> bool {
     let channels = study.check_runs.first().map_or(0, |r| r.channels.len());
+    let samples: usize = study.check_runs.iter().map(|r| r.time.len()).sum();
     (0..channels).any(|c| {
         let (mut a, mut b, mut spread) = (0.0, 0.0, 0.0);
         for ((run, old), new) in study.check_runs.iter().zip(&before.simulated).zip(&t.check_rest.simulated) {
@@ -164,7 +166,9 @@ fn visible(study: &Study<'_>, t: &Tried, before: &Rest) -> bool {
                 spread += (m - mean).powi(2);
             }
         }
-        a - b > MIN_OF_A_CHANNEL * a && a - b > MIN_OF_ITS_MOTION * spread
+        let least =
+            (MIN_OF_ITS_MOTION * spread).max(samples as f64 * resolution(&study.check_runs, c).powi(2));
+        a - b > MIN_OF_A_CHANNEL * a && a - b > least
     })
 }
 

@@ -106,12 +106,15 @@ mod tests {
         // 10 s of it, two communication steps for a sample
         let drive = Drive::new(1.0, 0.05, 201, vec![(0, course(201))]);
         let time: Vec<f64> = (0..101).map(|k| 1.0 + 0.1 * f64::from(k)).collect();
-        let channels = vec![Channel { variable: 1, values: course(101), counts: true }];
+        let channels = vec![Channel { variable: 1, values: course(101), counts: true, resolution: 0.0 }];
         let run = Run { name: "a.csv".into(), drive: Arc::new(drive), time, channels };
         let piece = beginning(&run, 3.0);
         assert_eq!((piece.drive.points, piece.time.len()), (61, 31));
         assert_eq!(piece.drive.inputs, [(0, course(61))]);
-        assert_eq!(piece.channels, [Channel { variable: 1, values: course(31), counts: true }]);
+        assert_eq!(
+            piece.channels,
+            [Channel { variable: 1, values: course(31), counts: true, resolution: 0.0 }]
+        );
         // a shorter run is left as it is
         let whole = beginning(&piece, 3.0);
         assert_eq!((whole.drive, whole.time), (piece.drive.clone(), piece.time.clone()));

@@ -7,13 +7,13 @@
 //! is the noise of each measured channel.
 
 use super::locate;
+use super::negligible::{error, negligible};
 use super::placement::Placement;
 use super::programmes::{Programme, library, rounded};
 use super::rest::Rest;
 use super::result::{Experiment, Separation};
 use super::roles::Roles;
 use super::study::{Fitted, Model, Study};
-use super::weights::negligible;
 use crate::fit::{Drive, Run, Setup};
 use crate::stats::mean_or_zero;
 use nalgebra::{DMatrix, DVector};
@@ -91,17 +91,9 @@ pub(super) fn propose(study: &Study<'_>, roles: &Roles, rivals: &[Rival], left: 
 /// Noise of every measured channel, in its unit: what is left of it where it cannot be told from that, and never
 /// less than what says something of a channel.
 fn noises(study: &Study<'_>, left: &Rest) -> Vec<f64> {
-    let error = |c: usize| {
-        let (mut square, mut n) = (0.0, 0.0);
-        for (run, traces) in study.check_runs.iter().zip(&left.simulated) {
-            let Some((channel, trace)) = run.channels.get(c).zip(traces.get(c)) else { continue };
-            square += channel.values.iter().zip(trace).map(|(m, s)| (m - s).powi(2)).sum::<f64>();
-            n += trace.len() as f64;
-        }
-        (square / f64::max(n, 1.0)).sqrt()
-    };
-    let noise = |c: usize| locate::noise(&study.check_runs, &left.simulated, c).unwrap_or_else(|| error(c));
-    (0..study.weights.len()).map(|c| noise(c).max(negligible(&study.check_runs, c))).collect()
+    let (runs, left) = (&study.check_runs, &left.simulated);
+    let noise = |c: usize| locate::noise(runs, left, c).unwrap_or_else(|| error(runs, left, c));
+    (0..study.weights.len()).map(|c| noise(c).max(negligible(runs, c))).collect()
 }
 
 fn propose_within(

@@ -1,6 +1,7 @@
 //! What the named effects leave that is no noise of sensors.
 
 use super::locate;
+use super::negligible::negligible;
 use super::numbers::{
     BESIDE, FAR, FAR_ALONE, FORETOLD_LEVEL, LEFT_OVER, LEFT_OVER_FAR, LIKELY_LEVEL, MIN_FORETOLD, MUCH,
     NOISE_MARGIN, OFTEN_RIGHT, TOO_FAR,
@@ -12,7 +13,6 @@ use super::roles::Roles;
 use super::study::{Fitted, Study};
 use super::subject::Subject;
 use super::wander::wandering;
-use super::weights::negligible;
 use crate::fit::Run;
 
 /// What the named effects leave that is no noise of sensors.
@@ -64,8 +64,9 @@ impl Left {
     ) -> Self {
         let runs = &study.check_runs;
         let errors = check.by_channel();
-        let before = locate::Seen { runs: &study.fit_runs, simulated: &fit.simulated };
-        let then = locate::Seen { runs, simulated: &check.simulated };
+        let (fit_told, check_told) = (study.telling(&study.fit_runs, fit), study.telling(runs, check));
+        let before = locate::Seen { runs: &study.fit_runs, simulated: &fit_told };
+        let then = locate::Seen { runs, simulated: &check_told };
         let mut foretold = 0.0;
         let mut structure = None;
         let mut most = 0.0;
@@ -82,7 +83,7 @@ impl Left {
         }
         // sensors have noise of their own: what their residuals share has a cause in the machine
         let all: Vec<&Run> = study.fit_runs.iter().chain(runs).copied().collect();
-        let simulated = [&fit.simulated[..], &check.simulated[..]].concat();
+        let simulated = [&fit_told[..], &check_told[..]].concat();
         let common = locate::common_cause(&all, &simulated);
         let shared = common.as_ref().map_or(0.0, |common| {
             let channels = study.check_runs.first().map_or(&[][..], |r| &r.channels[..]);
@@ -99,13 +100,10 @@ impl Left {
                 samples as f64 * (most.max(negligible(runs, c)) * study.weights[c]).powi(2)
             })
             .collect();
-        // recordings without noise are met to what steps and rounding allow
-        let is_visible =
-            |c: usize| errors[c] > samples as f64 * (FAR * negligible(runs, c) * study.weights[c]).powi(2);
         // what is said is how many times the noise that is reported
         let times = |c: usize| Some((c, study.error(check, c) / noise[c].least()?.max(negligible(runs, c))));
         let far = (0..study.weights.len())
-            .filter(|c| is_visible(*c) && errors[*c] > FAR.powi(2) * squared_noise[*c])
+            .filter(|c| errors[*c] > FAR.powi(2) * squared_noise[*c])
             .filter_map(times)
             .max_by(|a, b| a.1.total_cmp(&b.1));
         let scatter = far.and_then(|(c, _)| Some(noise[c].scatter? / study.error(check, c)));
@@ -129,12 +127,10 @@ impl Left {
         let depends_on = match (&structure, &common, far) {
             (Some(s), ..) => s.depends_on.clone(),
             (None, None, None) if unchecked.is_none() => Vec::new(),
-            (None, None, None) => {
-                locate::depends_on(&study.fit_runs, &fit.simulated, &subject.interface, roles)
-            }
+            (None, None, None) => locate::depends_on(&study.fit_runs, &fit_told, &subject.interface, roles),
             _ => match likely {
                 Some(s) => s.depends_on.clone(),
-                None => locate::depends_on(runs, &check.simulated, &subject.interface, roles),
+                None => locate::depends_on(runs, &check_told, &subject.interface, roles),
             },
         };
         Self {

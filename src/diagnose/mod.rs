@@ -16,6 +16,7 @@ mod judge;
 mod left;
 mod linear;
 pub mod locate;
+mod negligible;
 mod numbers;
 mod one_function;
 mod others;

@@ -21,8 +21,14 @@ pub const MIN_GAIN: f64 = 0.01;
 pub const MIN_FORETOLD: f64 = 0.03;
 /// An effect has to take away this share of the error of some channel,
 pub const MIN_OF_A_CHANNEL: f64 = 0.05;
-/// and this share of what that channel moves: a thousandth of the motion, below which nobody looks.
-pub const MIN_OF_ITS_MOTION: f64 = 1e-6;
+/// and this share of what that channel moves: the square of what is little.
+pub const MIN_OF_ITS_MOTION: f64 = LITTLE * LITTLE;
+/// An error of less than this share of what a channel moves is no error: a thousandth, below which nobody looks; half of what the best
+/// sensors err by, which are those of class 0.2.
+pub const LITTLE: f64 = 1e-3;
+/// Nor is one of less than this share of the size of a channel: the distance of numbers in single precision, with which recorders and other
+/// programs store.
+pub const RESOLUTION: f64 = f32::EPSILON as f64;
 /// A large share, where a small one says little: of what is foretold without being sure; of the residual of a band that has to be
 /// shared, of all that is left in that band; what a signal has to make of the most important one's part to be mentioned.
 pub const MUCH: f64 = 0.3;

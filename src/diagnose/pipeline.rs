@@ -94,6 +94,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         std::thread::available_parallelism().map_or(1, usize::from)
     };
     let bench = Bench::new(&subject.factory, &subject.fixed, threads)?;
+    known.recorded.find_resolutions(&bench);
     notes.extend(known.recorded.take_shorter_steps(&bench, &subject, &roles)?);
     let asked = Asked { subject: &subject, roles: &roles, bench: &bench, notes };
     let Explained { diagnosis, parameters, attachments, intervals, step, check } =
@@ -269,9 +270,10 @@ impl Asked<'_> {
         }
         let current_check = study.rest(&current.model, &study.check_runs)?;
         let base_rest = study.rest(&base_model, &check_runs)?;
+        let told = study.telling(&check_runs, &base_rest);
         let noise: Vec<Option<f64>> =
-            (0..study.weights.len()).map(|c| locate::noise(&check_runs, &base_rest.simulated, c)).collect();
-        let map = locate::map(&check_runs, &base_rest.simulated, &subject.interface, roles, &noise);
+            (0..study.weights.len()).map(|c| locate::noise(&check_runs, &told, c)).collect();
+        let map = locate::map(&check_runs, &told, &subject.interface, roles, &noise);
         progress("writing it down", 0.95);
         let nominal_rest = study.rest(&study.nominal_as_recorded()?, &study.check_runs)?;
         let units = base_rest.by_channel();
@@ -284,7 +286,9 @@ impl Asked<'_> {
             is_at_fault: faults.iter().any(Fault::is_fatal),
             is_mended: faults.iter().any(Fault::counts),
             is_noise: check.iter().all(|c| c.noise.is_none_or(|noise| c.after < NOISE_MARGIN * noise)),
-            is_refitted: improved < LEVEL && base_rest.total < 0.98 * nominal_rest.total,
+            is_refitted: improved < LEVEL
+                && base_rest.total < 0.98 * nominal_rest.total
+                && study.says_anything(&study.check_runs, &nominal_rest),
         };
         let verdict = facts.verdict(&findings, unknown.as_ref());
         let without_faults = (!aside.is_empty()).then(|| recorded.without_faults(verdict, aside));

@@ -5,9 +5,9 @@ use super::numbers::PRECISION;
 use super::rest::Rest;
 use super::study::{Model, Study};
 use crate::Result;
-use crate::fit::{Drive, Run, Traces};
+use crate::fit::{Run, Traces};
 use nalgebra::DVector;
-use std::sync::Arc;
+use std::collections::BTreeSet;
 
 /// The step of derivatives by inputs, as a share of these: ten times their precision, so that rounding inside a model is far below it.
 const STEP: f64 = 1e-3;
@@ -17,15 +17,17 @@ const STEP: f64 = 1e-3;
 /// # Errors
 /// The model cannot be run on one of them.
 pub(super) fn within_precision(study: &Study<'_>, model: &Model, runs: &[&Run], rest: &Rest) -> Result<Rest> {
-    let count = runs.iter().map(|run| run.drive.inputs.len()).max().unwrap_or(0);
+    let inputs: BTreeSet<usize> =
+        runs.iter().flat_map(|run| run.drive.inputs.iter().map(|(v, _)| *v)).collect();
     // the same input of all runs at once
     let change = |input: usize| -> Result<Vec<Traces>> {
-        let moved: Vec<Run> = runs.iter().map(|run| scaled(run, input)).collect();
+        let larger = |variable, _, v| if variable == input { v * (1.0 + STEP) } else { v };
+        let moved: Vec<Run> = runs.iter().map(|run| run.with_inputs(larger)).collect();
         let simulated = study.rest(model, &moved.iter().collect::<Vec<_>>())?.simulated;
         let change = |a: &f64, b: &f64| (a - b) * (PRECISION / STEP);
         Ok(simulated.iter().zip(&rest.simulated).map(|(a, b)| combined(a, b, change)).collect())
     };
-    let changes = (0..count).map(change).collect::<Result<Vec<Vec<Traces>>>>()?;
+    let changes = inputs.into_iter().map(change).collect::<Result<Vec<Vec<Traces>>>>()?;
     let weighted = |traces: &Traces| {
         let rows =
             traces.iter().zip(&study.weights).flat_map(|(values, w)| values.iter().map(move |v| v * w));
@@ -51,13 +53,4 @@ pub(super) fn within_precision(study: &Study<'_>, model: &Model, runs: &[&Run], 
 fn combined(a: &Traces, b: &Traces, of: impl Fn(&f64, &f64) -> f64) -> Traces {
     let channel = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| of(a, b)).collect();
     a.iter().zip(b).map(channel).collect()
-}
-
-/// A run with one of its inputs a little larger.
-fn scaled(run: &Run, input: usize) -> Run {
-    let mut inputs = run.drive.inputs.clone();
-    if let Some((_, values)) = inputs.get_mut(input) {
-        values.iter_mut().for_each(|v| *v *= 1.0 + STEP);
-    }
-    Run { drive: Arc::new(Drive { inputs, coarser: None, ..Drive::clone(&run.drive) }), ..run.clone() }
 }

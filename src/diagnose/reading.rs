@@ -3,6 +3,7 @@
 use super::aside::Aside;
 use super::clock::Drift;
 use super::hygiene;
+use super::negligible::resolutions;
 use super::pipeline::Request;
 use super::prepared::{leave_out_after, leave_out_rails, unwrap};
 use super::result::{RunUse, Use, Verdict, WithoutFaults};
@@ -39,6 +40,8 @@ pub(super) struct Recorded {
     step: Option<f64>,
     /// Those that are used, ready to be simulated.
     pub runs: Vec<(Run, Use)>,
+    /// The resolution of each measured channel, once that is known.
+    resolutions: Vec<f64>,
     /// Runs and measured channels that are not used because they are at fault, by name.
     runs_aside: BTreeSet<String>,
     channels_aside: BTreeSet<String>,
@@ -145,6 +148,7 @@ impl Recorded {
             are_given,
             step,
             runs: Vec::new(),
+            resolutions: Vec::new(),
             runs_aside: BTreeSet::new(),
             channels_aside: BTreeSet::new(),
         };
@@ -171,11 +175,18 @@ impl Recorded {
                 let counting = run.channels.iter().filter(|c| c.counts);
                 let begins = counting.filter_map(|c| Some((c.variable, *c.values.first()?))).collect();
                 run.drive = Arc::new(Drive { begins, ..Drive::clone(&run.drive) });
+                set_resolutions(&mut run, &self.resolutions);
                 Ok((run, *use_))
             })
             .collect::<Result<_>>()?;
         follow_each_other(&mut runs);
         Ok(runs)
+    }
+
+    /// Finds what errors the numbers of each channel tell.
+    pub fn find_resolutions(&mut self, bench: &Bench) {
+        self.resolutions = resolutions(bench, &self.all());
+        self.runs.iter_mut().for_each(|(run, _)| set_resolutions(run, &self.resolutions));
     }
 
     /// Has the runs simulated with as many communication steps per sample as the model needs; says so, if these are more
@@ -366,6 +377,10 @@ impl Recorded {
     }
 }
 
+fn set_resolutions(run: &mut Run, resolutions: &[f64]) {
+    run.channels.iter_mut().zip(resolutions).for_each(|(channel, own)| channel.resolution = *own);
+}
+
 /// Tells each run which were before it.
 fn follow_each_other(runs: &mut [(Run, Use)]) {
     let all: Vec<Arc<Earlier>> = runs.iter().map(|(run, _)| Arc::new(run.as_earlier())).collect();
@@ -510,7 +525,12 @@ mod tests {
         let run = |k: usize| {
             let coarser = Arc::new(Drive::new(0.0, 1.0, 2, vec![(0, vec![k as f64; 2])]));
             let drive = Drive::new(0.0, 0.5, 3, vec![(0, vec![k as f64; 3])]);
-            let channels = vec![crate::fit::Channel { variable: 1, values: vec![7.0, 8.0], counts: false }];
+            let channels = vec![crate::fit::Channel {
+                variable: 1,
+                values: vec![7.0, 8.0],
+                counts: false,
+                resolution: 0.0,
+            }];
             let drive = Arc::new(Drive { coarser: Some(coarser), ..drive });
             (Run { name: format!("{k}"), drive, time: vec![0.0, 1.0], channels }, Use::Fit)
         };

@@ -1,6 +1,7 @@
 //! What a model leaves of runs, in blocks and over their noise.
 
 use super::locate;
+use super::negligible::error;
 use super::study::{Fitted, Model, Study};
 use crate::fit::{Covariance, Kept, Run, Traces};
 use crate::stats::about_mean;
@@ -138,13 +139,7 @@ impl Study<'_> {
 
     /// Root mean square of what is left of a channel of the check runs, in the unit of the model's output.
     pub fn error(&self, rest: &Rest, channel: usize) -> f64 {
-        let (mut sum, mut n) = (0.0, 0.0);
-        for (run, traces) in self.check_runs.iter().zip(&rest.simulated) {
-            let values = &run.channels[channel].values;
-            sum += traces[channel].iter().zip(values).map(|(s, m)| (s - m).powi(2)).sum::<f64>();
-            n += run.time.len() as f64;
-        }
-        (sum / f64::max(n, 1.0)).sqrt()
+        error(&self.check_runs, &rest.simulated, channel)
     }
 
     /// The noise of every channel of the check runs, with what a model leaves of the fit runs and of them.

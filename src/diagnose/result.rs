@@ -195,7 +195,8 @@ pub struct ChannelCheck {
     pub before: f64,
     /// Error of the corrected model.
     pub after: f64,
-    /// What the noise of the recordings leaves to any model; `None` if it could not be estimated.
+    /// What the noise of the recordings leaves to any model, and at least what is too little to say anything: a thousandth of the motion, and
+    /// what numbers in single precision tell. `None` if it could not be estimated.
     pub noise: Option<f64>,
 }
 

@@ -139,7 +139,9 @@ pub(super) fn search(
     let (mut round, mut anew) = (0, 0);
     let mut laws: Vec<Law> = Vec::new();
     while round < MAX_EFFECTS {
-        if round > 1 && is_noise(study, &found.check) {
+        let says_anything = study.says_anything(&study.fit_runs, &fit)
+            || study.says_anything(&study.check_runs, &found.check);
+        if !says_anything || round > 1 && is_noise(study, &found.check) {
             break;
         }
         let progressed = 0.15 + 0.7 * round as f64 / MAX_EFFECTS as f64;

@@ -1,6 +1,7 @@
 //! Steps of simulations, held against the noise of the recordings: the model's own ones as long as they cannot tell, so that
 //! every simulation takes as much less time, and communication steps as short as they ask for.
 
+use super::negligible::resolution;
 use super::result::Use;
 use super::subject::Subject;
 use crate::Result;
@@ -136,7 +137,10 @@ impl ShorterSteps {
         let to_fit: Vec<&Run> =
             runs.iter().filter(|(_, use_)| *use_ == Use::Fit).map(|(run, _)| run).collect();
         let spreads = spreads(to_fit.iter().map(|r| r.channels.iter().map(|c| &c.values[..]).collect()));
-        let noises: Vec<f64> = noises(&to_fit).iter().zip(spreads).map(|(n, s)| n.max(CLASS * s)).collect();
+        let least = |(c, spread): (usize, f64)| (CLASS * spread).max(resolution(&to_fit, c));
+        let least = spreads.into_iter().enumerate().map(least);
+        let noises: Vec<f64> =
+            noises(&to_fit).into_iter().zip(least).map(|(n, least)| n.max(least)).collect();
         let Some(with_usual) = answer(runs) else { return Ok(None) };
         let mut now = with_usual.clone();
         let (mut finer, mut found) = (1, None);
@@ -180,7 +184,7 @@ impl ShorterSteps {
 }
 
 /// What a model answers in runs, if it does, with a parameter set to this value.
-fn simulated(bench: &Bench, runs: &[&Run], with: Option<(usize, f64)>) -> Option<Vec<Traces>> {
+pub(super) fn simulated(bench: &Bench, runs: &[&Run], with: Option<(usize, f64)>) -> Option<Vec<Traces>> {
     let problem = OutputError {
         bench,
         runs: runs.to_vec(),
@@ -279,7 +283,7 @@ mod tests {
             bench.run(&[Arc::default()], &[Arc::clone(&run.drive)], &watch).pop().unwrap().unwrap();
         let mut random = SplitMix64::new(3);
         let values = traces.remove(0).into_iter().map(|f| f + noise * random.normal()).collect();
-        run.channels = vec![Channel { variable: find("force_y"), values, counts: false }];
+        run.channels = vec![Channel { variable: find("force_y"), values, counts: false, resolution: 0.0 }];
         run
     }
 
@@ -382,7 +386,7 @@ mod tests {
             name: String::new(),
             time,
             drive,
-            channels: vec![Channel { variable: find("force_y"), values, counts: false }],
+            channels: vec![Channel { variable: find("force_y"), values, counts: false, resolution: 0.0 }],
         }
     }
 

@@ -1,5 +1,6 @@
 //! What a diagnosis tells in numbers and sentences: estimates, errors, traces, the summary.
 
+use super::negligible::negligible;
 use super::pipeline::CheckTraces;
 use super::placement::Placement;
 use super::reading::Recorded;
@@ -140,6 +141,12 @@ pub(super) fn channel_checks(
 ) -> Vec<ChannelCheck> {
     let channels = study.check_runs.first().map_or(&[][..], |r| &r.channels[..]);
     let noise = study.noise(after_fit, after);
+    let noise_of = |c: usize| {
+        let (noise, least) = (noise.get(c).and_then(Noise::least), negligible(&study.check_runs, c));
+        // of an error that says nothing the noise is not missed
+        let noise = noise.or_else(|| (!study.says_something(&study.check_runs, after, c)).then_some(least));
+        noise.map(|noise| noise.max(least))
+    };
     let of = |(c, channel): (usize, &crate::fit::Channel)| {
         let info = &subject.interface.variables[channel.variable];
         ChannelCheck {
@@ -147,7 +154,7 @@ pub(super) fn channel_checks(
             unit: info.unit.clone().unwrap_or_else(|| "1".into()),
             before: study.error(before, c),
             after: study.error(after, c),
-            noise: noise.get(c).and_then(Noise::least),
+            noise: noise_of(c),
         }
     };
     channels.iter().enumerate().map(of).collect()

@@ -152,6 +152,7 @@ fn friction_at_the_reference_pressure_is_fitted() {
                 variable: *v,
                 values,
                 counts: false,
+                resolution: 0.0,
             });
             Run {
                 name: deflection.to_string(),
@@ -233,7 +234,7 @@ impl Brake {
             name: String::new(),
             time: (0..self.drive.points).map(|k| self.drive.time(k)).collect(),
             drive: Arc::clone(&self.drive),
-            channels: vec![Channel { variable: self.torque, values, counts: false }],
+            channels: vec![Channel { variable: self.torque, values, counts: false, resolution: 0.0 }],
         }
     }
 

@@ -1,9 +1,10 @@
 //! How much each channel counts: in multiples of its own error, as far as that is not negligible.
 
+use super::negligible::{negligible, resolution};
 use super::rest::Rest;
 use super::study::{Fitted, Study};
 use crate::fit::Run;
-use crate::stats::{about_line, about_mean, median, redundancy};
+use crate::stats::{about_mean, median, redundancy};
 use nalgebra::DMatrix;
 
 impl Study<'_> {
@@ -57,15 +58,6 @@ impl Study<'_> {
     }
 }
 
-/// An error of a channel that is too small to say anything: a thousandth of what it moves about a straight line: an
-/// angle that grows and grows is not more imprecise for that.
-pub(super) fn negligible(runs: &[&Run], channel: usize) -> f64 {
-    let channels = || runs.iter().filter_map(|r| r.channels.get(channel));
-    let size: f64 = channels().map(|c| about_line(&c.values)).sum();
-    let n: usize = channels().map(|c| c.values.len()).sum();
-    1e-3 * (size / n.max(1) as f64).sqrt()
-}
-
 /// Weights of channels before anything is known: one over their spread.
 pub fn first_weights(runs: &[&Run]) -> Vec<f64> {
     let count = runs.first().map_or(0, |r| r.channels.len());
@@ -76,7 +68,7 @@ pub fn first_weights(runs: &[&Run]) -> Vec<f64> {
                 square += about_mean(&channel.values);
                 n += channel.values.len() as f64;
             }
-            let spread = (square / f64::max(n, 1.0)).sqrt();
+            let spread = (square / f64::max(n, 1.0)).sqrt().max(resolution(runs, c));
             if spread > 0.0 { 1.0 / spread } else { 1.0 }
         })
         .collect()

@@ -1,9 +1,9 @@
 //! Runs that show what the refitted model leaves: some have to be for fitting, and some for checking.
 
 use super::excerpt::{beginning, end};
+use super::negligible::negligible;
 use super::rest::Rest;
 use super::result::Use;
-use super::weights::negligible;
 use crate::fit::Run;
 use crate::stats::quantile_below;
 
@@ -202,7 +202,7 @@ mod tests {
                 name: i.to_string(),
                 drive: Arc::new(drive.clone()),
                 time: time.clone(),
-                channels: vec![Channel { variable: 0, values, counts: false }],
+                channels: vec![Channel { variable: 0, values, counts: false, resolution: 0.0 }],
             }
         };
         let runs: Vec<Run> = more.iter().enumerate().map(run).collect();

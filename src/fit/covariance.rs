@@ -1,6 +1,7 @@
 //! [`Covariance`]: how sure a fit is of its unknowns.
 
 use super::least_squares::{Fit, Unknown};
+use super::quadratic::variance;
 use nalgebra::linalg::SVD;
 use nalgebra::{DMatrix, DVector};
 
@@ -24,7 +25,7 @@ const TOLD: f64 = 1.8;
 /// ```
 ///
 /// where n is the number of residuals, q how many of them tell as much as one that is independent of its neighbours
-/// (the redundancy), and P is diagonal, with what is known beforehand: one over the variance of each unknown.
+/// (the redundancy); s^2 is at least what rounding makes. P is diagonal, with what is known beforehand: one over the variance of each unknown.
 ///
 /// What that assumes:
 ///
@@ -59,8 +60,7 @@ impl Fit {
 
     /// The variance of a residual, times how many of them tell as much as one.
     fn variance(&self, redundancy: f64) -> f64 {
-        let n = self.residuals.len().max(1) as f64;
-        (self.cost / n).max(f64::MIN_POSITIVE) * redundancy.max(1.0)
+        variance(&self.residuals, self.least_variance, redundancy.max(1.0))
     }
 
     /// The covariance where residuals are not noise of one kind: with deviations as large as blocks of residuals show them to be,

@@ -2,7 +2,7 @@
 //! Jacobian evaluated together, and with Broyden's update of columns that are known nearly enough.
 
 use super::derivatives::{broyden, differentiate};
-use super::quadratic::{LEAST_DAMPING, Quadratic, square};
+use super::quadratic::{LEAST_DAMPING, Quadratic, square, variance};
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector};
 
@@ -15,6 +15,11 @@ pub trait Problem {
     /// problem that has a cheaper way to tell than by all residuals may take that.
     fn changes(&self, _from: &[f64], residuals: &[f64], points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
         changes(residuals, self.residuals(points))
+    }
+
+    /// A variance of the residuals below which they are rounding: unknowns are not known any better for less.
+    fn least_variance(&self) -> f64 {
+        0.0
     }
 }
 
@@ -116,6 +121,8 @@ pub struct Fit {
     pub jacobian: DMatrix<f64>,
     /// Sum of squared residuals, without the prior.
     pub cost: f64,
+    /// The least variance that residuals of the problem have.
+    pub least_variance: f64,
     /// Why the fit ended,
     pub end: End,
     /// with derivatives that were known or updated instead of computed where the last step began: then the end may be
@@ -150,13 +157,14 @@ const NEARBY: f64 = 0.01;
 
 /// The unknowns with the least sum of squares within their bounds.
 ///
-/// The sum is that of the residuals over their present variance and redundancy, plus what is known
-/// beforehand.
+/// The sum is that of the residuals over their present variance, which is not less than the problem's least, and redundancy, plus what
+/// is known beforehand.
 ///
 /// # Errors
 /// The model cannot be run at the start.
 pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Options<'_>) -> Result<Fit> {
     let n = unknowns.len();
+    let least_variance = problem.least_variance();
     let mut x: Vec<f64> = unknowns.iter().map(|u| u.start.clamp(u.low, u.high)).collect();
     let first = problem.residuals(std::slice::from_ref(&x)).pop().flatten();
     let mut residuals =
@@ -187,7 +195,8 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         if exact {
             computed = cost;
         }
-        let here = Quadratic::at(&x, &residuals, &jacobian, unknowns, options.redundancy);
+        let variance = variance(&residuals, least_variance, options.redundancy);
+        let here = Quadratic::at(&x, &residuals, &jacobian, unknowns, variance);
         let total = here.total;
         // less damping than what was good before, then more and more
         let mut better: Option<(f64, Vec<f64>, Vec<f64>, f64)> = None;
@@ -238,7 +247,7 @@ pub fn least_squares(problem: &dyn Problem, unknowns: &[Unknown], options: Optio
         }
     }
     let cost = square(&residuals);
-    Ok(Fit { x, residuals, jacobian, cost, end, updated: !last_exact, iterations })
+    Ok(Fit { x, residuals, jacobian, cost, least_variance, end, updated: !last_exact, iterations })
 }
 
 #[cfg(test)]
@@ -311,6 +320,35 @@ mod tests {
         assert!((half(&settled) / whole - 1.0).abs() < 0.02, "{} {whole}", half(&settled));
         // and it is where both are nearest to what was known beforehand
         assert!((settled.x[0] - 1.2).abs() < 0.01 && (settled.x[1] - 1.2).abs() < 0.01, "{:?}", settled.x);
+    }
+
+    /// A line of which rounding is all that is left, and what an unknown does to it, too.
+    struct Rounding(f64);
+
+    impl Problem for Rounding {
+        fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+            let of = |k: i32, x: &[f64]| 1e-12 * (x[0] - 7.0 + f64::from(k % 3));
+            points.iter().map(|x| Some((0..300).map(|k| of(k, x)).collect())).collect()
+        }
+
+        fn least_variance(&self) -> f64 {
+            self.0
+        }
+    }
+
+    #[test]
+    fn rounding_tells_nothing_of_an_unknown() {
+        let free = [Unknown { prior: 0.3, step: 1e-3, ..unknown(1.0, -5.0, 5.0) }];
+        let fit = |least| least_squares(&Rounding(least), &free, Options::default()).unwrap();
+        // taken for noise it leads far away
+        assert_eq!(fit(0.0).x, [5.0]);
+        let fit = fit(1e-18);
+        let half = fit.covariance(&free, 1.0).half_width(0);
+        assert!(
+            (fit.x[0] - 1.0).abs() < 1e-3 && (half / (1.96 * 0.3) - 1.0).abs() < 1e-3,
+            "{:?} {half}",
+            fit.x
+        );
     }
 
     #[test]

@@ -17,6 +17,8 @@ pub struct Channel {
     /// True if it counts on and on from a zero that means nothing, as the angle of a wheel does: only
     /// its changes within a run are compared.
     pub counts: bool,
+    /// An error that its numbers do not tell, or that rounding makes, in its unit; 0 as long as it is not known.
+    pub resolution: f64,
 }
 
 impl Channel {
@@ -49,6 +51,15 @@ impl Run {
         let inputs = self.drive.inputs.iter().map(|(v, values)| (*v, self.sample(values, 0.0)));
         let measured = self.channels.iter().map(|c| (c.variable, c.values.clone()));
         Earlier { time: self.time.clone(), signals: inputs.chain(measured).collect() }
+    }
+
+    /// The same run with other inputs: each value by its variable and communication point.
+    pub fn with_inputs(&self, of: impl Fn(usize, usize, f64) -> f64) -> Self {
+        let inputs = self.drive.inputs.iter().map(|(variable, values)| {
+            (*variable, values.iter().enumerate().map(|(k, v)| of(*variable, k, *v)).collect())
+        });
+        let drive = Drive { inputs: inputs.collect(), coarser: None, ..Drive::clone(&self.drive) };
+        Self { drive: Arc::new(drive), ..self.clone() }
     }
 
     /// A trace on the grid of communication points at the times of the samples less `lag` \[s\], linear in
@@ -364,6 +375,17 @@ impl Problem for OutputError<'_> {
             residuals
         };
         self.simulate(points).into_iter().map(|simulated| simulated.map(residuals)).collect()
+    }
+
+    fn least_variance(&self) -> f64 {
+        let (mut square, mut n) = (0.0, 0.0);
+        for run in &self.runs {
+            for (channel, weight) in run.channels.iter().zip(&self.weights) {
+                square += channel.values.len() as f64 * (weight * channel.resolution).powi(2);
+                n += channel.values.len() as f64;
+            }
+        }
+        square / f64::max(n, 1.0)
     }
 
     fn changes(&self, from: &[f64], residuals: &[f64], points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {

@@ -12,6 +12,12 @@ pub(super) fn square(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum()
 }
 
+/// The variance of residuals of which so many tell as much as one; it is not less than that of rounding, `least`.
+pub(super) fn variance(residuals: &[f64], least: f64, redundancy: f64) -> f64 {
+    let mean = square(residuals) / residuals.len().max(1) as f64;
+    mean.max(least).max(f64::MIN_POSITIVE) * redundancy
+}
+
 /// The sum of squares near a point, in units of the residuals' variance there, with what is known beforehand.
 pub(super) struct Quadratic<'a> {
     x: &'a [f64],
@@ -26,16 +32,14 @@ pub(super) struct Quadratic<'a> {
 }
 
 impl<'a> Quadratic<'a> {
-    /// Near a point, by the residuals and their derivatives there.
+    /// Near a point, by the residuals and their derivatives there, and the [`variance`].
     pub fn at(
         x: &'a [f64],
         residuals: &[f64],
         jacobian: &DMatrix<f64>,
         unknowns: &'a [Unknown],
-        redundancy: f64,
+        variance: f64,
     ) -> Self {
-        let mean = square(residuals) / residuals.len().max(1) as f64;
-        let variance = mean.max(f64::MIN_POSITIVE) * redundancy;
         let mut normal = jacobian.tr_mul(jacobian) / variance;
         let mut gradient = jacobian.tr_mul(&DVector::from_column_slice(residuals)) / variance;
         for (i, u) in unknowns.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::derivatives::differentiate_centrally;
 use super::least_squares::{Fit, Problem, Unknown};
-use super::quadratic::{Quadratic, square};
+use super::quadratic::{Quadratic, square, variance};
 
 /// Steps of [`settle`]: what the first leaves is of second order.
 const SETTLED: usize = 2;
@@ -26,7 +26,8 @@ pub fn settle(problem: &dyn Problem, unknowns: &[Unknown], mut fit: Fit, redunda
         if is_far {
             differentiate_centrally(problem, unknowns, &fit.x, &fit.residuals, &mut fit.jacobian);
         }
-        let here = Quadratic::at(&fit.x, &fit.residuals, &fit.jacobian, unknowns, redundancy);
+        let variance = variance(&fit.residuals, fit.least_variance, redundancy);
+        let here = Quadratic::at(&fit.x, &fit.residuals, &fit.jacobian, unknowns, variance);
         let to = here.step(0.0);
         let Some(residuals) = problem.residuals(std::slice::from_ref(&to)).pop().flatten() else { break };
         if here.sum(&to, &residuals) >= here.total {

@@ -176,6 +176,14 @@ impl VariableInfo {
         self.kind == Kind::Real
     }
 
+    /// What its values 1, 2, ... are called, if it is an enumeration.
+    pub fn items(&self) -> Option<Vec<String>> {
+        match &self.kind {
+            Kind::Enumeration(items) => Some(items.iter().map(|(name, _)| name.clone()).collect()),
+            _ => None,
+        }
+    }
+
     /// As [`accept`](Self::accept), but a real variable also takes a text with a unit: `"170 N/mm"`.
     ///
     /// # Errors

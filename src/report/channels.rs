@@ -3,7 +3,7 @@
 use crate::recording::Channel;
 
 /// More lines than this in one plot cannot be told apart.
-const MAX_LINES: usize = 6;
+pub const MAX_LINES: usize = 6;
 /// Channels share a plot if the largest values of any two differ by less than this factor.
 const MAX_RATIO: f64 = 30.0;
 

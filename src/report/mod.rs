@@ -32,7 +32,7 @@ pub use loads::loads_report;
 pub use patch::{PULLING, PatchFrame, Picture, SLIDING, patch_caption, patch_frames, pressure_color};
 pub use plan::plan_report;
 pub use plot::{Axis, Plot, Size, Tone};
-pub use simulation::{Beside, simulation_report};
+pub use simulation::{Beside, Names, simulation_report};
 
 use crate::Result;
 use std::path::Path;

@@ -123,6 +123,8 @@ pub struct Plot {
     columns: Option<usize>,
     /// What the axis of y spans at least.
     least: f64,
+    /// What 1, 2, ... on it are called, if they are names.
+    names: Vec<String>,
 }
 
 impl Plot {
@@ -137,7 +139,15 @@ impl Plot {
             bands: Vec::new(),
             columns: None,
             least: 0.0,
+            names: Vec::new(),
         }
+    }
+
+    /// The same with names for the values 1, 2, ... of y.
+    #[must_use]
+    pub fn named(mut self, names: &[String]) -> Self {
+        self.names = names.to_vec();
+        self
     }
 
     /// The same with an axis of y that spans this at least: what changes by much less looks level. The largest of several counts.
@@ -283,7 +293,13 @@ impl Plot {
         let (low, high) = extent(finite().map(|p| p.1));
         let room = (0.5 * (self.least - (high - low))).max(0.0);
         let heights = self.with_margin(finite().map(|p| p.1)).chain([low - room, high + room]);
-        let y = Scale::new(heights, (height as usize) / 120, true);
+        let y = match &self.names[..] {
+            [] => Scale::new(heights, (height as usize) / 120, true),
+            names => Scale::of_names(names),
+        };
+        // a letter is a little more than half as wide as it is high
+        let widest = self.names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+        let room_for_labels = letters * 5.max(widest as u32 * 3 / 5 + 2);
 
         let mut svg = String::new();
         let mut data = String::new();
@@ -296,7 +312,7 @@ impl Plot {
                 .margin_right(letters)
                 .margin_left(letters / 3)
                 .x_label_area_size(letters * 12 / 5)
-                .y_label_area_size(letters * 5)
+                .y_label_area_size(room_for_labels)
                 .build_cartesian_2d(x.clone(), y.clone())?;
             chart
                 .configure_mesh()
@@ -308,6 +324,7 @@ impl Plot {
                 .axis_desc_style(font)
                 .x_desc(x.title(&self.x))
                 .y_desc(y.title(&self.y))
+                .y_labels(y.ticks.len().max(2))
                 .draw()?;
             let place = |point: &(f64, f64)| chart.backend_coord(point);
             ends = [place(&(x.low, y.low)), place(&(x.high, y.high))];

@@ -18,6 +18,8 @@ pub struct Scale {
     pub decimals: usize,
     /// Labels are in this power of ten of the unit.
     pub exponent: i32,
+    /// What the numbers 1, 2, ... are called, if they are names.
+    names: Vec<String>,
 }
 
 impl Scale {
@@ -44,7 +46,20 @@ impl Scale {
         let size = low.abs().max(high.abs());
         let exponent = exponent_of(size);
         let decimals = (-(step / 10_f64.powi(exponent)).log10() - 1e-9).ceil().max(0.0) as usize;
-        Self { low, high, ticks, decimals, exponent }
+        Self { low, high, ticks, decimals, exponent, names: Vec::new() }
+    }
+
+    /// A scale of what 1, 2, ... are called.
+    pub fn of_names(names: &[String]) -> Self {
+        let ticks = (1..=names.len()).map(|k| k as f64).collect();
+        Self {
+            low: 0.5,
+            high: names.len() as f64 + 0.5,
+            ticks,
+            decimals: 0,
+            exponent: 0,
+            names: names.to_vec(),
+        }
     }
 
     /// A scale over finite values with about ten labels, or as many as have room beside each other: `room` is
@@ -60,14 +75,25 @@ impl Scale {
     }
 
     pub fn label(&self, value: f64) -> String {
+        if let Some(name) = called(&self.names, value) {
+            return name.into();
+        }
         let text = format!("{:.*}", self.decimals, value / 10_f64.powi(self.exponent));
         let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
         if is_zero { text.replace('-', "") } else { text.replace('-', "−") }
     }
 
     pub fn title(&self, axis: &Axis) -> String {
+        if !self.names.is_empty() {
+            return axis.quantity.clone();
+        }
         title(&axis.quantity, &axis.unit, self.exponent)
     }
+}
+
+/// What a value is called, if 1, 2, ... have names.
+pub fn called(names: &[String], value: f64) -> Option<&str> {
+    names.get((value as usize).checked_sub(1)?).map(String::as_str)
 }
 
 /// The power of ten in which numbers of this size are short; 0 where they are as they are.

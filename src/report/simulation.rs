@@ -1,14 +1,15 @@
 //! The page of one run.
 
-use super::channels::{Chapter, chapters};
+use super::channels::{Chapter, MAX_LINES, chapters};
 use super::patch::{PatchFrame, patch_frames};
 use super::plot::{Axis, Plot, Size};
+use super::scale::called;
 use crate::characteristic::laws::Known;
 use crate::comparison::{Conditions, Difference, Gate, compare};
 use crate::page::{Html, Page, Section, Table, number};
 use crate::recording::{Channel, Recording};
 use crate::stats::extent;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Commands of a rig and the unit to show them in.
 const COMMANDS: [(&str, &str); 6] = [
@@ -45,6 +46,9 @@ const OVER_SLIP: [(&str, &str, &str, &str); 4] = [
     ("force_y", "N", "force_x", "N"),
 ];
 
+/// What the numbers 1, 2, ... of channels are called, by the name of the channel: the items of enumerations.
+pub type Names = BTreeMap<String, Vec<String>>;
+
 /// What a plot over time spans at least, as a share of its largest value,
 const LEAST_SHARE: f64 = 0.1;
 /// and by unit, so that noise and rounding about 0 do not look like a signal: some ten times the noise of sensors on rigs. It decides no
@@ -76,11 +80,12 @@ pub fn simulation_report(
     title: &str,
     description: &str,
     recording: &Recording,
+    names: &Names,
     beside: Option<Beside<'_>>,
     frames: &[PatchFrame],
     facts: &[(String, String)],
 ) -> String {
-    let mut run = Run { recording, beside, shown: BTreeSet::new() };
+    let mut run = Run { recording, names, beside, shown: BTreeSet::new() };
     let mut table = Table::new(&[]);
     for (name, value) in facts {
         table = table.row([name, value]);
@@ -99,7 +104,8 @@ pub fn simulation_report(
         .section(run.commands())
         .section(run.over_slip())
         .section(patch)
-        .section(run.inside());
+        .section(run.inside())
+        .section(run.states());
     run.others()
         .into_iter()
         .fold(page, Page::section)
@@ -120,6 +126,7 @@ pub struct Beside<'a> {
 /// A run and which of its channels the page has shown so far.
 struct Run<'a> {
     recording: &'a Recording,
+    names: &'a Names,
     beside: Option<Beside<'a>>,
     shown: BTreeSet<&'a str>,
 }
@@ -239,6 +246,31 @@ impl<'a> Run<'a> {
         side_by_side("Inside the patch", plots)
     }
 
+    /// Channels whose values have names: those of the same variable in several places, or with the same names, in one picture.
+    fn states(&mut self) -> Section {
+        let mut pictures: Vec<(&[String], Vec<&'a str>)> = Vec::new();
+        for channel in &self.recording.channels {
+            let Some(names) = self.names.get(&channel.name) else { continue };
+            match pictures.iter_mut().find(|(others, own)| *others == names && own.len() < MAX_LINES) {
+                Some((_, own)) => own.push(&channel.name),
+                None => pictures.push((names, vec![&channel.name])),
+            }
+        }
+        let mut section = Section::new("States");
+        for (names, channels) in pictures {
+            let quantity = if let [one] = channels[..] { one } else { "state" };
+            let mut plot =
+                Plot::new("", Axis::time(), Axis::new(quantity, "1")).size(Size::Strip).named(names);
+            for name in channels {
+                self.add(&mut plot, name, name, "1");
+            }
+            if !plot.is_empty() {
+                section = section.with(plot.html());
+            }
+        }
+        section
+    }
+
     /// All that has not been shown, a section for each component of a system.
     fn others(&mut self) -> Vec<Section> {
         let first = self.shown.is_empty();
@@ -303,7 +335,13 @@ impl<'a> Run<'a> {
                 values.iter().copied().fold(f64::NAN, f64::min),
                 values.iter().copied().fold(f64::NAN, f64::max),
             ];
-            let numbers = [low, mean, high, end].map(number);
+            let numbers = match self.names.get(name) {
+                Some(names) => {
+                    let called = |v: f64| called(names, v).map_or_else(|| number(v), str::to_owned);
+                    [called(low), number(f64::NAN), called(high), called(end)]
+                }
+                None => [low, mean, high, end].map(number),
+            };
             table = table.row([name.clone(), unit.clone()].into_iter().chain(numbers));
         }
         let section = Section::new("All channels");
@@ -505,7 +543,15 @@ mod tests {
 
     #[test]
     fn a_tire_has_its_sections_and_units() {
-        let html = simulation_report("t", "d", &tire(), None, &[], &[("step size".into(), "1 ms".into())]);
+        let html = simulation_report(
+            "t",
+            "d",
+            &tire(),
+            &Names::new(),
+            None,
+            &[],
+            &[("step size".into(), "1 ms".into())],
+        );
         for text in [
             "Forces and moments",
             "Commands",
@@ -535,7 +581,7 @@ mod tests {
         let mut run = tire();
         let load = run.channels.iter_mut().find(|c| c.name == "force_z").unwrap();
         load.values.iter_mut().enumerate().for_each(|(k, v)| *v = if k < 100 { 2000.0 } else { 6000.0 });
-        let html = simulation_report("t", "", &run, None, &[], &[]);
+        let html = simulation_report("t", "", &run, &Names::new(), None, &[], &[]);
         let over_slip = html.split("<h2>").find(|section| section.starts_with("Force over slip")).unwrap();
         for figure in over_slip.split("<figcaption>").skip(1) {
             let keys: Vec<&str> = figure.split("</i>").skip(1).filter_map(|k| k.split('<').next()).collect();
@@ -547,7 +593,15 @@ mod tests {
     #[test]
     fn nothing_is_loaded_from_elsewhere() {
         let frame = PatchFrame { cells: vec![crate::tire::Cell::default(); 2], ..PatchFrame::default() };
-        let html = simulation_report("t", "d", &tire(), Some(beside(&tire())), &[frame.clone(), frame], &[]);
+        let html = simulation_report(
+            "t",
+            "d",
+            &tire(),
+            &Names::new(),
+            Some(beside(&tire())),
+            &[frame.clone(), frame],
+            &[],
+        );
         let rest = still(&html).replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
         for outside in ["http:", "https:", "url(", "@import", "src=", "href=\"h"] {
             assert!(!rest.contains(outside), "{outside}");
@@ -556,7 +610,7 @@ mod tests {
 
     #[test]
     fn every_plot_says_its_units() {
-        let html = simulation_report("t", "", &tire(), None, &[], &[]);
+        let html = simulation_report("t", "", &tire(), &Names::new(), None, &[], &[]);
         for svg in html.split("<svg").skip(1) {
             let svg = svg.split("</svg>").next().unwrap();
             let texts = svg.split("<text").skip(1).filter(|t| t.contains(']')).count();
@@ -571,7 +625,7 @@ mod tests {
             ("velocity", "m/s", &|t| t.cos()),
             ("target", "m", &|_| 0.0),
         ]);
-        let html = simulation_report("oscillator", "", &run, None, &[], &[]);
+        let html = simulation_report("oscillator", "", &run, &Names::new(), None, &[], &[]);
         assert!(
             html.contains("Channels over time")
                 && html.contains("velocity [m/s]")
@@ -587,7 +641,7 @@ mod tests {
         let names: Vec<String> = (0..14).map(|i| format!("c{i}")).collect();
         let channels: Vec<Course> =
             names.iter().map(|n| (n.as_str(), "N", &(|t| t) as &dyn Fn(f64) -> f64)).collect();
-        let html = simulation_report("", "", &recording(&channels), None, &[], &[]);
+        let html = simulation_report("", "", &recording(&channels), &Names::new(), None, &[], &[]);
         assert_eq!(html.matches("<svg").count(), 3);
     }
 
@@ -599,7 +653,7 @@ mod tests {
             ("yaw", "rad", &|t| -0.2 * t),
             ("still", "rad", &|_| 0.0),
         ]);
-        let html = simulation_report("", "", &run, None, &[], &[]);
+        let html = simulation_report("", "", &run, &Names::new(), None, &[], &[]);
         let captions: Vec<&str> =
             html.split("<figcaption>").skip(1).filter_map(|f| f.split("</figcaption>").next()).collect();
         let [large, small] = captions[..] else { panic!("{captions:?}") };
@@ -615,7 +669,7 @@ mod tests {
     fn measured_channels_are_drawn_in_the_unit_of_the_simulation_and_compared() {
         let run = recording(&[("force_z", "N", &|t| 1000.0 * t)]);
         let rig = recording(&[("force_z", "kN", &|t| t - 0.1), ("noise", "Pa", &|_| 0.0)]);
-        let html = simulation_report("", "", &run, Some(beside(&rig)), &[], &[]);
+        let html = simulation_report("", "", &run, &Names::new(), Some(beside(&rig)), &[], &[]);
         assert!(html.contains("force_z, measured"));
         assert_eq!(html.matches("stroke-dasharray").count(), 1);
         // 100 N off everywhere, 1890 N at most measured
@@ -633,15 +687,54 @@ mod tests {
             cells: vec![crate::tire::Cell::default()],
             ..PatchFrame::default()
         };
-        let html =
-            simulation_report(bad, bad, &run, Some(beside(&run)), &[frame], &[(bad.into(), bad.into())]);
+        let html = simulation_report(
+            bad,
+            bad,
+            &run,
+            &Names::new(),
+            Some(beside(&run)),
+            &[frame],
+            &[(bad.into(), bad.into())],
+        );
         assert!(!still(&html).contains("<script>"));
         assert!(html.contains("&lt;script&gt;alert(1)"));
     }
 
     #[test]
+    fn states_are_called_by_their_names() {
+        let phase = |t: f64| {
+            if t < 0.5 {
+                1.0
+            } else if t < 1.0 {
+                3.0
+            } else {
+                2.0
+            }
+        };
+        let run =
+            recording(&[("phase_1", "1", &phase), ("phase_2", "1", &|_| 0.0), ("level", "1", &|_| 2.0)]);
+        let items = ["off", "hold", "dump"].map(String::from).to_vec();
+        let names = Names::from([("phase_1".into(), items.clone()), ("phase_2".into(), items)]);
+        let html = simulation_report("", "", &run, &names, None, &[], &[]);
+        let states = html.split("<h2").find(|part| part.contains(">States</h2>")).unwrap();
+        // one picture with two lines, and a name at each height
+        assert_eq!((states.matches("<figure>").count(), states.matches("class=\"key\"").count()), (1, 2));
+        for name in ["off", "hold", "dump"] {
+            assert!(states.contains(&format!("\n{name}\n")), "{states}");
+        }
+        let row =
+            |name: &str| html.rsplit("<tr>").find(|row| row.contains(&format!("<td>{name}</td>"))).unwrap();
+        // smallest, largest, and at the end; 0 is called nothing
+        for (name, words) in
+            [("phase_1", ["off", "dump", "hold"]), ("phase_2", ["0", "0", "0"]), ("level", ["2"; 3])]
+        {
+            assert!(words.iter().all(|word| row(name).contains(&format!(">{word}</td>"))), "{}", row(name));
+        }
+    }
+
+    #[test]
     fn an_empty_run_is_a_page() {
-        let html = simulation_report("nothing", "", &Recording::default(), None, &[], &[]);
+        let html = simulation_report("nothing", "", &Recording::default(), &Names::new(), None, &[], &[]);
         assert!(html.contains("nothing") && !html.contains("<svg"));
     }
 }

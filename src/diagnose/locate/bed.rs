@@ -15,7 +15,12 @@ pub fn run(name: &str, step: f64, inputs: &[Vec<f64>], channels: &[Vec<f64>]) ->
         channels: channels
             .iter()
             .enumerate()
-            .map(|(c, values)| Channel { variable: first + c, values: values.clone(), counts: false })
+            .map(|(c, values)| Channel {
+                variable: first + c,
+                values: values.clone(),
+                counts: false,
+                resolution: 0.0,
+            })
             .collect(),
         drive: Arc::new(Drive::new(0.0, step, points, inputs)),
     }

@@ -69,8 +69,9 @@ pub fn map(
         let memory = memory(&values);
         let measured = runs.iter().flat_map(|r| &r.channels[c].values);
         let scale = noise.get(c).copied().flatten().unwrap_or_else(|| rms(measured));
-        let scale = if scale > 0.0 { scale } else { rms(values.iter().flatten()) };
-        if scale <= 0.0 || !scale.is_finite() {
+        let left = rms(values.iter().flatten());
+        let scale = if scale > 0.0 { scale } else { left };
+        if left <= 0.0 || scale <= 0.0 || !scale.is_finite() {
             continue;
         }
         let channel = Channel { runs, values: &values, memory };
