@@ -1,5 +1,6 @@
 //! Which parameters of the model are fitted: those that matter.
 
+use super::negligible::resolution;
 use super::numbers::PRIOR;
 use super::study::Study;
 use super::subject::FreeParameter;
@@ -57,7 +58,8 @@ impl Study<'_> {
         for (i, change) in problem.changes(&from, &base, &points).into_iter().enumerate() {
             let Some(change) = change else { continue };
             let step = points[i][i] - from[i];
-            let effect = DVector::from_vec(change) * (PRIOR / size / step);
+            let mut effect = DVector::from_vec(change) * (PRIOR / size / step);
+            self.clear_unresolved(&mut effect, size);
             if effect.norm() > MIN_EFFECT || self.free[i].asked {
                 effects.push((i, effect));
             }
@@ -75,6 +77,29 @@ impl Study<'_> {
             DMatrix::from_columns(&derivatives)
         };
         Ok(Derivatives { matrix, weights: self.weights.clone() })
+    }
+
+    /// Clears what a parameter does to channels by less than these tell: that is rounding. `effect` is over the root of the number of all
+    /// samples, `size`.
+    fn clear_unresolved(&self, effect: &mut DVector<f64>, size: f64) {
+        // rows are run by run, channel by channel
+        let lengths =
+            self.fit_runs.iter().flat_map(|run| run.channels.iter().map(|c| c.values.len()).enumerate());
+        let rows: Vec<(usize, usize, usize)> = lengths
+            .scan(0, |first, (channel, n)| {
+                *first += n;
+                Some((channel, *first - n, n))
+            })
+            .collect();
+        for channel in 0..self.weights.len() {
+            let own = || rows.iter().filter(|(c, ..)| *c == channel);
+            let square: f64 = own().map(|(_, first, n)| effect.rows(*first, *n).norm_squared()).sum();
+            let samples: usize = own().map(|(.., n)| n).sum();
+            let least = self.weights[channel] * resolution(&self.fit_runs, channel);
+            if square * size.powi(2) < samples as f64 * least.powi(2) {
+                own().for_each(|(_, first, n)| effect.rows_mut(*first, *n).fill(0.0));
+            }
+        }
     }
 
     /// The error of a run that fails.
