@@ -1,7 +1,7 @@
 //! The text of a tire property file without loss, and where its values are.
 
 use crate::{Error, Result};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ops::Range;
 
 /// The most bytes that a tire property file may have: a hundred times the longest that is met.
@@ -92,6 +92,9 @@ struct Item {
     next: usize,
 }
 
+/// Sections that a note names at most.
+const MANY: usize = 20;
+
 impl Document {
     /// The document that `bytes` hold. `name` is what messages call the file.
     ///
@@ -165,9 +168,23 @@ impl Document {
             .filter(|section| !told.contains(section))
             .map(|section| format!("[{section}]"))
             .collect();
-        let more = if others.len() > 20 { ", ..." } else { "" };
-        let first = others.get(..20).unwrap_or(&others).join(", ");
+        let more = if others.len() > MANY { ", ..." } else { "" };
+        let first = others.get(..MANY).unwrap_or(&others).join(", ");
         (!others.is_empty()).then(|| format!("{}: rows that are not used stand in {first}{more}", self.name))
+    }
+
+    /// Notes on keys that no tire uses, given as `[SECTION] KEY`.
+    pub(super) fn unused_keys(&self, unused: &[String]) -> Vec<String> {
+        let keys = unused.iter().filter_map(|entry| entry.strip_prefix('[')?.split_once("] "));
+        let sections = by_section(keys);
+        let note = |(section, keys): &(&str, String)| {
+            format!("{}: [{section}] has {} that the model does not use: {keys}", self.name, counted(keys))
+        };
+        let mut notes: Vec<String> = sections.iter().take(MANY).map(note).collect();
+        if sections.len() > MANY {
+            notes.push(format!("{}: so have {} sections more", self.name, sections.len() - MANY));
+        }
+        notes
     }
 
     /// All assignments in the order of the file.
@@ -644,4 +661,31 @@ pub(crate) fn number_text(value: f64) -> Option<String> {
     }
     let size = value.abs();
     Some(if size == 0.0 || (1e-5..1e15).contains(&size) { format!("{value}") } else { format!("{value:e}") })
+}
+
+/// Keys, a list for each section, so that nobody has to read a hundred in a line.
+pub(super) fn by_section<'a>(keys: impl Iterator<Item = (&'a str, &'a str)>) -> Vec<(&'a str, String)> {
+    let mut sections: Vec<(&str, String)> = Vec::new();
+    let mut places = HashMap::new();
+    for (section, key) in keys {
+        match places.get(section).and_then(|place: &usize| sections.get_mut(*place)) {
+            Some((_, list)) => {
+                list.push_str(", ");
+                list.push_str(key);
+            }
+            None => {
+                places.insert(section, sections.len());
+                sections.push((section, key.into()));
+            }
+        }
+    }
+    sections
+}
+
+/// How many keys a list has.
+pub(super) fn counted(keys: &str) -> String {
+    match keys.split(", ").count() {
+        1 => "a key".into(),
+        count => format!("{count} keys"),
+    }
 }

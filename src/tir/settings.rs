@@ -1,5 +1,6 @@
 //! A tire property file as parameters of a model.
 
+use super::document::{by_section, counted};
 use super::{Document, MAX_BYTES, Side, magic_formula, read, super_elastic};
 use crate::bounded;
 use crate::model::{Causality, Interface, Setting, Settings, Value};
@@ -176,22 +177,15 @@ fn magic_formula_settings(document: &Document) -> Result<(Settings, Vec<String>)
         })
         .collect();
     let mut notes = reading.notes;
-    if !reading.missing.is_empty() {
+    let section = |key: &&str| FIELDS.iter().find(|f| f.name == *key).map_or("", |f| f.section);
+    for (section, keys) in by_section(reading.missing.iter().map(|key| (section(key), *key))) {
         notes.push(format!(
-            "{}: {} keys are missing, their terms are left out: {}",
+            "{}: [{section}] lacks {}, whose terms are left out: {keys}",
             document.name(),
-            reading.missing.len(),
-            reading.missing.join(", ")
+            counted(&keys)
         ));
     }
-    if !reading.unused.is_empty() {
-        notes.push(format!(
-            "{}: {} keys are not used by the model: {}",
-            document.name(),
-            reading.unused.len(),
-            reading.unused.join(", ")
-        ));
-    }
+    notes.extend(document.unused_keys(&reading.unused));
     if let Some(side) = reading.side {
         let said = match side {
             Side::Left => {

@@ -182,14 +182,7 @@ pub(super) fn read(document: &Document) -> Result<(Settings, Vec<String>)> {
     notes.extend(document.unused_tables(&[]));
     slip_stiffness(document, &mut notes);
     let unused = unused(document, &used, &mut notes);
-    if !unused.is_empty() {
-        notes.push(format!(
-            "{}: {} keys are not known and not used: {}",
-            document.name(),
-            unused.len(),
-            unused.join(", ")
-        ));
-    }
+    notes.extend(document.unused_keys(&unused));
     notes.extend(document.told());
     Ok((Settings { values, ..Settings::default() }, notes))
 }
