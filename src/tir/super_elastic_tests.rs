@@ -264,7 +264,7 @@ fn faults_are_named_with_file_line_and_key() {
         (
             "UMIN = 0.85",
             "UMIN = 0.85\nUNHEARD = 3",
-            "se.tir: 1 keys are not known and not used: [PARAMETER] UNHEARD",
+            "se.tir: [PARAMETER] has a key that the model does not use: UNHEARD",
         ),
         (
             "RADIAL_NONLINEAR = 'yes'",
