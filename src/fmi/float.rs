@@ -6,7 +6,8 @@
 
 /// What a host has set, if that is unusual; put back when this is dropped.
 #[derive(Default)]
-pub struct HostSettings(Option<u32>);
+// other processors have no settings that are looked at
+pub struct HostSettings(#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] Option<u32>);
 
 /// MXCSR with all signals masked, rounding to nearest, subnormal numbers kept.
 #[cfg(target_arch = "x86_64")]

@@ -19,11 +19,11 @@ pub fn level() -> Level {
 
 /// All that this processor offers, with names, the best first: for tests and benchmarks.
 pub fn levels() -> Vec<(&'static str, Level)> {
-    let best = level();
     #[allow(unused_mut)] // other processors have one only
     let mut all = Vec::new();
     #[cfg(target_arch = "x86_64")]
     {
+        let best = level();
         all.extend(best.as_avx512().map(|l| ("AVX-512", l.level())));
         all.extend(best.as_avx2().map(|l| ("AVX2", l.level())));
         all.extend(best.as_sse4_2().map(|l| ("SSE4.2", l.level())));
