@@ -109,12 +109,13 @@ fn one_file(args: &Args) -> Result<()> {
     notes.iter().for_each(|text| note(text));
     let interface = subject.slave.interface();
     sense(args, interface, std::slice::from_mut(&mut outcome.recording));
-    write_recording(&args.output, &written(args, interface, &outcome.recording)?)?;
+    let written = written(args, interface, &outcome.recording)?;
+    write_recording(&args.output, &written)?;
     if let Some(report) = &args.report {
         let page = subject.report(&experiment, &outcome, &conditions)?;
         write_html(report, &page)?;
     }
-    finish(&args.output, outcome)
+    finish(&args.output, outcome, written.time.len())
 }
 
 /// Runs every recording of a folder, each with the values in the TOML of its name.
@@ -271,9 +272,8 @@ fn recorded(interface: &Interface, inputs: Option<&Recording>) -> Vec<usize> {
     variables.filter(|v| interface.variables[*v].causality == Causality::Input).collect()
 }
 
-/// Says what was written, or why the run ended early.
-fn finish(output: &Path, outcome: Outcome) -> Result<()> {
-    let samples = outcome.recording.time.len();
+/// Says how many samples were written, or why the run ended early.
+fn finish(output: &Path, outcome: Outcome, samples: usize) -> Result<()> {
     match outcome.stopped {
         None => print(&format!("{}: {samples} samples", output.display())),
         Some(error) => Err(Error::numeric(format!(

@@ -1,7 +1,7 @@
 //! What the named effects leave that is no noise of sensors.
 
 use super::locate;
-use super::negligible::negligible;
+use super::negligible::{negligible, resolution};
 use super::numbers::{
     BESIDE, FAR, FAR_ALONE, FORETOLD_LEVEL, LEFT_OVER, LEFT_OVER_FAR, LIKELY_LEVEL, MIN_FORETOLD, MUCH,
     NOISE_MARGIN, OFTEN_RIGHT, TOO_FAR,
@@ -67,14 +67,17 @@ impl Left {
         let (fit_told, check_told) = (study.telling(&study.fit_runs, fit), study.telling(runs, check));
         let before = locate::Seen { runs: &study.fit_runs, simulated: &fit_told };
         let then = locate::Seen { runs, simulated: &check_told };
+        let samples: usize = runs.iter().map(|r| r.time.len()).sum();
+        // a part of an error is no more than the whole
+        let resolved = |c: usize| samples as f64 * (resolution(runs, c) * study.weights[c]).powi(2);
         let mut foretold = 0.0;
         let mut structure = None;
         let mut most = 0.0;
         let wandering = wandering(study, current, (fit, check));
         let structures = locate::structure(before, then, &wandering, &subject.interface, roles);
         for s in structures.iter().cloned() {
-            if s.p < FORETOLD_LEVEL && s.share > MIN_FORETOLD {
-                let part = s.share * errors[s.channel];
+            let part = s.share * errors[s.channel];
+            if s.p < FORETOLD_LEVEL && s.share > MIN_FORETOLD && part > resolved(s.channel) {
                 foretold += part;
                 if part > most {
                     (most, structure) = (part, Some(s));
@@ -84,14 +87,18 @@ impl Left {
         // sensors have noise of their own: what their residuals share has a cause in the machine
         let all: Vec<&Run> = study.fit_runs.iter().chain(runs).copied().collect();
         let simulated = [&fit_told[..], &check_told[..]].concat();
-        let common = locate::common_cause(&all, &simulated);
-        let shared = common.as_ref().map_or(0.0, |common| {
+        let pair = |common: &locate::Common| -> Vec<usize> {
             let channels = study.check_runs.first().map_or(&[][..], |r| &r.channels[..]);
             let pair = common.channels.iter().take(2);
-            let numbers = pair.filter_map(|v| channels.iter().position(|c| c.variable == *v));
-            common.share * numbers.map(|c| errors[c]).sum::<f64>()
-        });
-        let samples: usize = runs.iter().map(|r| r.time.len()).sum();
+            pair.filter_map(|v| channels.iter().position(|c| c.variable == *v)).collect()
+        };
+        let is_resolved = |common: &locate::Common| {
+            pair(common).into_iter().all(|c| common.share * errors[c] > resolved(c))
+        };
+        let common = locate::common_cause(&all, &simulated).filter(is_resolved);
+        let shared = common
+            .as_ref()
+            .map_or(0.0, |common| common.share * pair(common).into_iter().map(|c| errors[c]).sum::<f64>());
         let noise = study.noise(fit, check);
         let squared_noise: Vec<f64> = (noise.iter().enumerate())
             .map(|(c, noise)| {

@@ -1,5 +1,6 @@
-//! Errors that say nothing, whatever their course: below a thousandth of what a channel moves, and below what numbers tell. Without noise
-//! the rounding of files and solvers is all that is left, and it has causes and courses as physics has.
+//! Errors that say nothing, whatever their course: below a thousandth of what a channel moves, below what numbers tell, and below what
+//! nobody knows of inputs. Without noise the rounding of files and solvers, and the way of inputs between samples, is all that is left, and it
+//! has causes and courses as physics has.
 
 use super::numbers::{LITTLE, RESOLUTION};
 use super::rest::Rest;
@@ -13,6 +14,8 @@ use std::cell::RefCell;
 const LAST_DIGITS: f64 = 64.0 * f64::EPSILON;
 /// How many times as much it may be at most: steps, of which others are taken later, are up to 16 times as many.
 const AT_MOST: f64 = 16.0;
+/// How many times what two ways between samples differ the way that inputs took may differ from either.
+const WAYS: f64 = 2.0;
 
 /// An error of a channel that is too small to say anything: a thousandth of what it moves about a straight line, since an
 /// angle that grows and grows is not more imprecise for that, or its resolution.
@@ -20,14 +23,15 @@ pub(super) fn negligible(runs: &[&Run], channel: usize) -> f64 {
     (LITTLE * per_sample(runs, channel, about_line)).max(resolution(runs, channel))
 }
 
-/// An error of a channel that its numbers do not tell, or that rounding makes.
+/// An error of a channel that its numbers do not tell, or that rounding makes, or the way of inputs between samples.
 pub(super) fn resolution(runs: &[&Run], channel: usize) -> f64 {
     runs.iter().filter_map(|r| r.channels.get(channel)).map(|c| c.resolution).fold(0.0, f64::max)
 }
 
-/// The resolution of each channel of runs. What rounding makes is measured: how much the channel changes if inputs are changed by their
-/// last digits. Its size does not tell that, as of a force that is the difference of two others and ought to be 0.
-pub(super) fn resolutions(bench: &Bench, runs: &[&Run]) -> Vec<f64> {
+/// The resolution of each channel of runs: what their numbers tell, and what two things change of it. What rounding makes is measured, with
+/// inputs that are changed by their last digits: a channel's size does not tell it, as of a force that is the difference of two others and
+/// ought to be 0. And nobody knows how inputs ran between their samples: `smooth` and `straight` are the runs with both ways.
+pub(super) fn resolutions(bench: &Bench, runs: &[&Run], (smooth, straight): (&[&Run], &[&Run])) -> Vec<f64> {
     let variables = &bench.interface().variables;
     let random = RefCell::new(SplitMix64::new(0));
     let moved = |run: &&Run| {
@@ -37,18 +41,26 @@ pub(super) fn resolutions(bench: &Bench, runs: &[&Run]) -> Vec<f64> {
         })
     };
     let moved: Vec<Run> = runs.iter().map(moved).collect();
-    let all: Vec<&Run> = runs.iter().copied().chain(&moved).collect();
-    // a model that cannot be run is told by what comes next
-    let traces = simulated(bench, &all, None).unwrap_or_default();
-    let (own, moved) = traces.split_at(runs.len().min(traces.len()));
-    let rounding = |c: usize| {
-        let pairs = moved.iter().zip(own).filter_map(|(a, b)| Some((a.get(c)?, b.get(c)?)));
-        let change = root_mean_square(pairs.flat_map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b)));
-        if change.is_finite() { AT_MOST * change } else { 0.0 }
-    };
+    let rounding = changes(bench, runs, &moved.iter().collect::<Vec<_>>());
+    let between = changes(bench, smooth, straight);
     let told = |c: usize| RESOLUTION * per_sample(runs, c, |values| values.iter().map(|v| v * v).sum());
-    let count = runs.iter().map(|r| r.channels.len()).max().unwrap_or(0);
-    (0..count).map(|c| rounding(c).max(told(c))).collect()
+    let of =
+        |(c, (rounding, between)): (usize, (&f64, &f64))| told(c).max(AT_MOST * rounding).max(WAYS * between);
+    rounding.iter().zip(&between).enumerate().map(of).collect()
+}
+
+/// How much each channel differs between runs and others that are driven otherwise, root mean square. All zeros if the model cannot be run,
+/// which is told by what comes next.
+fn changes(bench: &Bench, runs: &[&Run], others: &[&Run]) -> Vec<f64> {
+    let all = [runs, others].concat();
+    let traces = simulated(bench, &all, None).unwrap_or_default();
+    let (own, other) = traces.split_at(runs.len().min(traces.len()));
+    let change = |c: usize| {
+        let pairs = own.iter().zip(other).filter_map(|(a, b)| Some((a.get(c)?, b.get(c)?)));
+        let change = root_mean_square(pairs.flat_map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b)));
+        if change.is_finite() { change } else { 0.0 }
+    };
+    (0..runs.iter().map(|r| r.channels.len()).max().unwrap_or(0)).map(change).collect()
 }
 
 /// Root mean square over all runs of what a square sums up.
@@ -128,7 +140,7 @@ mod tests {
         let time = (0..points).map(|k| drive.time(k)).collect();
         let run = Run { name: String::new(), drive, time, channels: channels.map(channel).collect() };
         let load = run.channels[1].values[points - 1];
-        let [along, up] = resolutions(&bench, &[&run])[..] else { panic!() };
+        let [along, up] = resolutions(&bench, &[&run], (&[&run], &[&run]))[..] else { panic!() };
         // no slip, so no longitudinal force: it is some last digits of forces of thousands of newtons
         assert!(run.channels[0].values.iter().all(|f| f.abs() < 1e-9) && load > 4000.0);
         assert!(along > f64::EPSILON * load && along < 1e-9, "{along}");

@@ -94,7 +94,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         std::thread::available_parallelism().map_or(1, usize::from)
     };
     let bench = Bench::new(&subject.factory, &subject.fixed, threads)?;
-    known.recorded.find_resolutions(&bench);
+    known.recorded.find_resolutions(&bench, &subject, &roles)?;
     notes.extend(known.recorded.take_shorter_steps(&bench, &subject, &roles)?);
     let asked = Asked { subject: &subject, roles: &roles, bench: &bench, notes };
     let Explained { diagnosis, parameters, attachments, intervals, step, check } =
@@ -345,8 +345,9 @@ fn plain_step(step: f64) -> f64 {
 /// How much was simulated.
 fn words_on(simulated: f64, runs: &[&Run]) -> String {
     let recorded: f64 = runs.iter().map(|run| run.drive.length()).sum();
+    let decimals = if recorded < 10.0 { 1 } else { 0 };
     format!(
-        "Simulated for this: {simulated:.0} s, {:.0} times the {recorded:.0} s of recordings.",
+        "Simulated for this: {simulated:.0} s, {:.0} times the {recorded:.decimals$} s of recordings.",
         simulated / recorded.max(f64::MIN_POSITIVE)
     )
 }

@@ -8,7 +8,7 @@ use super::pipeline::Request;
 use super::prepared::{leave_out_after, leave_out_rails, unwrap};
 use super::result::{RunUse, Use, Verdict, WithoutFaults};
 use super::roles::Roles;
-use super::runs::{Map, are_given, courses, prepare, split, uses};
+use super::runs::{Between, Map, are_given, courses, prepare, split, uses};
 use super::steps::ShorterSteps;
 use super::study::{Model, Study};
 use super::subject::Subject;
@@ -22,6 +22,9 @@ use crate::{Error, Result, ending};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Communication steps, where there is usually one, with which it is looked at how inputs run between samples.
+const BETWEEN_SAMPLES: u32 = 2;
 
 /// The recordings of a diagnosis.
 #[derive(Clone)]
@@ -152,7 +155,7 @@ impl Recorded {
             runs_aside: BTreeSet::new(),
             channels_aside: BTreeSet::new(),
         };
-        recorded.runs = recorded.prepared(subject, roles, 1)?;
+        recorded.runs = recorded.prepared(subject, roles, (Between::Smoothly, 1))?;
         same_channels(subject, &recorded.runs)?;
         // where other runs are left, those are not needed
         let known = Known { recorded, faults, aside };
@@ -161,14 +164,20 @@ impl Recorded {
 
     /// All runs that are used, ready to be simulated, with communication points so much closer than usual, where no step is
     /// given.
-    fn prepared(&self, subject: &Subject, roles: &Roles, finer: u32) -> Result<Vec<(Run, Use)>> {
+    fn prepared(
+        &self,
+        subject: &Subject,
+        roles: &Roles,
+        (between, finer): (Between, u32),
+    ) -> Result<Vec<(Run, Use)>> {
         let counts =
             |variable: usize| [Role::WheelAngle, Role::TravelDistance].iter().any(|r| roles.is(variable, *r));
         let used = self.names.iter().zip(&self.recordings).zip(&self.drives).zip(&self.uses);
         let used = used.filter(|(_, use_)| **use_ != Use::Leave);
         let mut runs: Vec<(Run, Use)> = used
             .map(|(((name, recording), drive), use_)| {
-                let mut run = prepare(&subject.interface, (recording, drive), name, self.step, finer)?;
+                let mut run =
+                    prepare(&subject.interface, (recording, drive, between), name, self.step, finer)?;
                 run.channels.iter_mut().for_each(|c| c.counts = counts(c.variable));
                 let angles = run.channels.iter_mut().filter(|c| roles.is(c.variable, Role::WheelAngle));
                 angles.for_each(|c| unwrap(&mut c.values));
@@ -183,10 +192,18 @@ impl Recorded {
         Ok(runs)
     }
 
-    /// Finds what errors the numbers of each channel tell.
-    pub fn find_resolutions(&mut self, bench: &Bench) {
-        self.resolutions = resolutions(bench, &self.all());
+    /// Finds what errors each channel tells.
+    ///
+    /// # Errors
+    /// Too many steps.
+    pub fn find_resolutions(&mut self, bench: &Bench, subject: &Subject, roles: &Roles) -> Result<()> {
+        // with one step from sample to sample there is nothing between
+        let [smooth, straight] = [Between::Smoothly, Between::Straight]
+            .map(|between| self.prepared(subject, roles, (between, BETWEEN_SAMPLES)));
+        let (smooth, straight) = (smooth?, straight?);
+        self.resolutions = resolutions(bench, &self.all(), (&runs_of(&smooth), &runs_of(&straight)));
         self.runs.iter_mut().for_each(|(run, _)| set_resolutions(run, &self.resolutions));
+        Ok(())
     }
 
     /// Has the runs simulated with as many communication steps per sample as the model needs; says so, if these are more
@@ -203,7 +220,7 @@ impl Recorded {
         if self.step.is_some() {
             return Ok(None);
         }
-        let with = |finer: u32| self.prepared(subject, roles, finer);
+        let with = |finer: u32| self.prepared(subject, roles, (Between::Smoothly, finer));
         let Some((shorter, runs)) = ShorterSteps::of(bench, &self.runs, with)? else { return Ok(None) };
         self.runs = runs;
         Ok(Some(shorter.words()))
@@ -217,7 +234,7 @@ impl Recorded {
 
     /// All runs that are used.
     pub fn all(&self) -> Vec<&Run> {
-        self.runs.iter().map(|(run, _)| run).collect()
+        runs_of(&self.runs)
     }
 
     /// Those for one use.
@@ -389,6 +406,10 @@ fn follow_each_other(runs: &mut [(Run, Use)]) {
         let coarser = run.drive.coarser.as_ref().map(|coarser| Arc::new(after(coarser)));
         run.drive = Arc::new(Drive { coarser, ..after(&run.drive) });
     }
+}
+
+fn runs_of(runs: &[(Run, Use)]) -> Vec<&Run> {
+    runs.iter().map(|(run, _)| run).collect()
 }
 
 /// Runs for one use.

@@ -6,7 +6,7 @@ use crate::bounded::{self, MAX_TEXT};
 use crate::effect::Role;
 use crate::fit::{Channel, Drive, Run};
 use crate::model::{Causality, Interface, Kind};
-use crate::recording::{Column, Columns, Recording, Smooth, recording_endings};
+use crate::recording::{Column, Columns, Recording, Smooth, interpolate, recording_endings};
 use crate::stats::{about_mean, deviation, mean, mean_or_zero, median_interval};
 use crate::{Error, Result};
 use serde::Deserialize;
@@ -204,14 +204,23 @@ fn traits(run: &[&[f64]]) -> Vec<f64> {
     all
 }
 
+/// How inputs run between samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Between {
+    /// Smoothly, as [`Smooth`] has them.
+    Smoothly,
+    /// On straight lines.
+    Straight,
+}
+
 /// A run of a recording on a model: inputs on an even grid, outputs as measured. Inputs are those of `drive`, in all rows in which
-/// they are known. Communication points are `step` apart, if that is given, or else `finer` times as close as usual.
+/// they are known, and run `between` these as said. Communication points are `step` apart, if that is given, or else `finer` times as close as usual.
 ///
 /// # Errors
 /// Channels that are no variables or cannot be converted, no inputs or outputs, too many steps.
 pub fn prepare(
     interface: &Interface,
-    (recording, drive): (&Recording, &Recording),
+    (recording, drive, between): (&Recording, &Recording, Between),
     name: &str,
     step: Option<f64>,
     finer: u32,
@@ -252,8 +261,11 @@ pub fn prepare(
         match info.causality {
             Causality::Input if info.kind == Kind::Real => {
                 let smooth = Smooth::new(&recording.time, &values);
-                let on_grid = grid.iter().map(|t| smooth.at(*t)).collect();
-                driven.inputs.push((variable, on_grid));
+                let at = |t: &f64| match between {
+                    Between::Smoothly => smooth.at(*t),
+                    Between::Straight => interpolate(&recording.time, &values, *t),
+                };
+                driven.inputs.push((variable, grid.iter().map(at).collect()));
             }
             Causality::Input => {
                 let hold = |t: &f64| {

@@ -229,8 +229,9 @@ pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, 
             what_remains(&diagnosis.check)
         ),
         (Verdict::Effect, findings) => format!(
-            "The model lacks: {}. With it the error of the check runs is {gain:.0} % lower than after refitting the parameters alone.",
-            all(findings)
+            "The model lacks: {}. With {} the error of the check runs is {gain:.0} % lower than after refitting the parameters alone.",
+            all(findings),
+            if findings.len() > 1 { "them" } else { "it" }
         ),
         (Verdict::Family, [first, ..]) => {
             let others: Vec<String> =
@@ -244,7 +245,13 @@ pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, 
         (Verdict::Unknown, [first, names @ ..]) => {
             unknown(first, &all(names), gain, diagnosis.is_mostly_named())
         }
-        _ => "Nothing is missing: the model explains the check runs as well as anything that was tried. Its parameters need no change.".into(),
+        _ => {
+            let held = diagnosis.parameters.iter().any(|p| p.held_at.is_some());
+            let parameters = if held { "" } else { " Its parameters need no change." };
+            format!(
+                "Nothing is missing: the model explains the check runs as well as anything that was tried.{parameters}"
+            )
+        }
     }
 }
 

@@ -17,7 +17,8 @@ pub struct Channel {
     /// True if it counts on and on from a zero that means nothing, as the angle of a wheel does: only
     /// its changes within a run are compared.
     pub counts: bool,
-    /// An error that its numbers do not tell, or that rounding makes, in its unit; 0 as long as it is not known.
+    /// An error that its numbers do not tell, or that rounding makes, or the way of inputs between samples, in its unit; 0 as long as it is
+    /// not known.
     pub resolution: f64,
 }
 

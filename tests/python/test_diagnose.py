@@ -490,6 +490,34 @@ def test_rounding_is_no_physics(tmp_path, single):
     assert all(p["held_at"] is None and p["value"] == pytest.approx(p["start"], rel=1e-4) for p in found["parameters"])
 
 
+BETWEEN = {
+    # a tire that stands under a swinging deflection, without noise: damping goes by slopes between samples
+    "sine": ("fiala-flat-track", [], lambda t, k: {"deflection": 0.02 + 0.004 * np.sin((6 + 5 * k) * t)}),
+    # steps, each of which is a ramp of one interval, with noise
+    "steps": ("tmeasy-flat-track", ["--noise", "0.005"], lambda t, k: {
+        "slip_angle": 0.02 * np.floor(2 * t + k) % 0.07,
+        "deflection": 0.015 + 0.003 * (np.floor(3 * t + k) % 3),
+        "path_speed": np.full_like(t, 20.0),
+    }),
+}
+
+
+@pytest.mark.parametrize("course", BETWEEN)
+def test_the_way_of_inputs_between_samples_is_no_physics(tmp_path, course):
+    """A simulation takes straight lines between recorded inputs, a diagnosis smooth curves: nobody knows which it was."""
+    model, noise, inputs = BETWEEN[course]
+    units = {"deflection": "m", "slip_angle": "rad", "path_speed": "m/s"}
+    (tmp_path / "inputs").mkdir()
+    time = np.arange(0, 3, 0.01)
+    for k in range(4):
+        values = inputs(time, k)
+        write(tmp_path / "inputs" / f"run-{k}.csv", ["time [s]", *(f"{n} [{units[n]}]" for n in values)], time, *values.values())
+    latsch("simulate", model, "--inputs", tmp_path / "inputs", "--output", tmp_path / "runs", "--step", "0.01", *noise)
+    latsch("diagnose", model, "--recordings", tmp_path / "runs", "--output", tmp_path / "out")
+    found = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
+    assert (found["verdict"], found["findings"]) == ("nothing", []), found["summary"]
+
+
 def test_what_cannot_be_diagnosed_is_said(study, tmp_path):
     model = study / "models" / "oscillator.fmu"
     done = latsch("diagnose", model, "--recordings", tmp_path, "--output", tmp_path / "out")

@@ -1,6 +1,7 @@
 //! Faults that the values of one channel show by themselves: rails, frozen values, spikes, coarse steps.
 
 use super::{Fault, FaultKind, Severity, short};
+use crate::diagnose::numbers::RESOLUTION;
 use crate::recording::{Channel, Recording};
 use crate::stats::{amplitude, mean_or_zero, noise, quantile};
 
@@ -74,7 +75,9 @@ impl<'a> Look<'a> {
 
     /// True if the channel has the noise that a measured one has.
     fn measured(&self) -> bool {
-        self.amplitude > 0.0 && self.noise > ROUGH * self.amplitude
+        // what moves by less than its numbers tell is a constant that was computed
+        let size = self.values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        self.amplitude > RESOLUTION * size && self.noise > ROUGH * self.amplitude
     }
 
     fn near_zero(&self, value: f64) -> bool {
@@ -486,5 +489,9 @@ mod tests {
         };
         assert_eq!(kinds(2.0), []);
         assert_eq!(kinds(0.95), [FaultKind::Saturated]);
+        // the same in the last digits of a constant that was computed
+        let mut computed = sine(0.95);
+        computed.channels.iter_mut().flat_map(|c| &mut c.values).for_each(|v| *v = -34.0 + 1e-9 * *v);
+        assert!(faults_of_values(&computed).faults.is_empty());
     }
 }

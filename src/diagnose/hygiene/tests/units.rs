@@ -49,6 +49,20 @@ fn a_unit_may_be_that_of_all_runs() {
     }
 }
 
+/// The height of a body that stays where it is but for rounding, on a road that was not flat: it moves as what was measured does.
+#[test]
+fn rounding_has_no_unit_and_no_clock() {
+    let road = |k: u32, i: usize| 3e-3 * ((0.05 + 0.01 * i as f64) * f64::from(k)).sin();
+    let runs: Vec<(Vec<f64>, Vec<f64>)> = (0..4)
+        .map(|i| {
+            let measured: Vec<f64> = (0..800).map(|k| road(k, i)).collect();
+            (measured.iter().map(|v| 2e-16 * v).collect(), measured)
+        })
+        .collect();
+    let [simulated, measured] = channel_of(&runs);
+    assert_eq!(faults_against(&measured, &simulated, &["wheel_speed".into()]), []);
+}
+
 #[test]
 fn noise_about_a_level_has_no_gain() {
     for seed in 0..40 {
