@@ -2,7 +2,9 @@
 
 use super::align::Pair;
 use super::{Fault, clock, odd, swap, unit_sign};
+use crate::diagnose::numbers::RESOLUTION;
 use crate::recording::Recording;
+use crate::stats::{deviation, mean};
 
 /// What is looked at: every measured output of every run beside its simulation.
 pub struct Table<'a> {
@@ -32,10 +34,11 @@ impl Table<'_> {
 /// Swapped channels are looked for first, then sign and unit, then what single runs have, then clocks;
 /// what one look finds is taken out before the next.
 pub fn faults_against(measured: &[Recording], simulated: &[Recording], channels: &[String]) -> Vec<Fault> {
+    let simulated: Vec<Recording> = measured.iter().zip(simulated).map(|(m, s)| at_rest(m, s)).collect();
     let pairs = channels
         .iter()
         .map(|name| {
-            measured.iter().zip(simulated).enumerate().map(|(i, (m, s))| Pair::new(i, m, s, name)).collect()
+            measured.iter().zip(&simulated).enumerate().map(|(i, (m, s))| Pair::new(i, m, s, name)).collect()
         })
         .collect();
     let mut table = Table { measured, channels, pairs };
@@ -44,4 +47,17 @@ pub fn faults_against(measured: &[Recording], simulated: &[Recording], channels:
     faults.extend(odd::odd_runs(&mut table));
     faults.extend(clock::drifts(&table));
     faults
+}
+
+/// The simulation with constants for channels that move by rounding alone beside what was measured: these have neither unit nor time.
+fn at_rest(measured: &Recording, simulated: &Recording) -> Recording {
+    let mut simulated = simulated.clone();
+    for channel in &mut simulated.channels {
+        let moved = measured.channel(&channel.name).map_or(0.0, |c| deviation(&c.values));
+        if deviation(&channel.values) <= RESOLUTION * moved {
+            let level = mean(&channel.values);
+            channel.values.fill(level);
+        }
+    }
+    simulated
 }

@@ -1,6 +1,5 @@
 //! One measured channel of one run beside its simulation: offset, gain and delay between them.
 
-use crate::diagnose::numbers::RESOLUTION;
 use crate::recording::Recording;
 use crate::stats::{amplitude, deviation, mean, median_interval};
 
@@ -52,9 +51,7 @@ impl<'a> Pair<'a> {
             return None;
         }
         let pair = Self { run, time, measured: y.to_vec(), simulated: s };
-        // beside what was measured a simulation that moves by rounding alone has neither unit nor time
-        let (moved, told) = (deviation(y), deviation(s));
-        (moved > 0.0 && (told == 0.0 || told > RESOLUTION * moved)).then_some(pair)
+        (deviation(y) > 0.0).then_some(pair)
     }
 
     /// The median interval \[s\].
