@@ -52,6 +52,13 @@ const SIGN_LEFT: f64 = 0.6;
 /// half a period (a resonance passed), so it does not tell signs.
 const SIGN_BETTER: f64 = 0.6;
 
+/// A channel rests at a level if it moves by less than this share of it, measured and simulated; and the level tells a unit if it is not
+/// smaller than this share of what it is in the runs that are right: beside zero any ratio is met.
+const RESTS: f64 = 0.1;
+/// Runs whose level is as simulated, at least, and by how much it may differ there: as parameters do.
+const RIGHT_LEVELS: usize = 2;
+const LEVEL_TOLERANCE: f64 = 0.25;
+
 /// Finds reversed signs and units, and takes them out of `table`.
 pub fn units_and_signs(table: &mut Table) -> Vec<Fault> {
     let mut faults = Vec::new();
@@ -162,7 +169,7 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
         .filter(|(_, fit, size)| fit.error < FAR_LEFT * size)
         .collect();
     if fits.is_empty() {
-        return Vec::new();
+        return wrong_units(table, channel, &unit, levels(table, channel, &unit));
     }
     let gains: Vec<f64> = fits.iter().map(|f| f.1.gain).collect();
     // the runs that are right say what the model's own gain error is
@@ -207,7 +214,6 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
             None => by_factor.push((factor, what, vec![(*run, fit.gain)])),
         }
     }
-    let name = table.channels[channel].clone();
     let all = median(&gains);
     if by_factor.is_empty() && no_model_error(table, channel, &fits, &gains) {
         by_factor.push((
@@ -216,6 +222,54 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
             fits.iter().map(|f| (f.0, f.1.gain)).collect(),
         ));
     }
+    if by_factor.is_empty() {
+        by_factor = levels(table, channel, &unit);
+    }
+    wrong_units(table, channel, &unit, by_factor)
+}
+
+/// Runs in which a channel rests at a level that is a ratio of units far from the simulated one, where it is as simulated in most others:
+/// no physics makes that of a run. What rests has no gain.
+fn levels(table: &Table, channel: usize, unit: &str) -> Vec<(f64, &'static str, Runs)> {
+    let level = |pair: &Pair| {
+        let (m, s) = (mean(&pair.measured), mean(pair.simulated));
+        let rests =
+            deviation(&pair.measured) < RESTS * m.abs() && deviation(pair.simulated) < RESTS * s.abs();
+        rests.then_some((pair.run, m / s, s.abs()))
+    };
+    let all: Vec<(usize, f64, f64)> = table.pairs[channel].iter().flatten().filter_map(level).collect();
+    let is_right = |(_, ratio, _): &&(usize, f64, f64)| (ratio - 1.0).abs() < LEVEL_TOLERANCE;
+    let right: Vec<_> = all.iter().filter(is_right).collect();
+    if right.len() < RIGHT_LEVELS || 2 * right.len() <= all.len() {
+        return Vec::new();
+    }
+    let of_right = |value: fn(&(usize, f64, f64)) -> f64| {
+        median(&right.iter().map(|level| value(level)).collect::<Vec<f64>>())
+    };
+    let (usual, size) = (of_right(|level| level.1), of_right(|level| level.2));
+    let mut by_factor: Vec<(f64, &str, Runs)> = Vec::new();
+    for (run, ratio, own) in all {
+        let Some((factor, what)) = factor(ratio / usual, unit) else { continue };
+        if own < RESTS * size || !is_far(factor) || (ratio / usual / factor).ln().abs() > NEAR_TOLERANCE {
+            continue;
+        }
+        match by_factor.iter_mut().find(|f| f.0 == factor) {
+            Some(entry) => entry.2.push((run, ratio)),
+            None => by_factor.push((factor, what, vec![(run, ratio)])),
+        }
+    }
+    by_factor
+}
+
+/// The faults, whose factors are taken out of `table`.
+fn wrong_units(
+    table: &mut Table,
+    channel: usize,
+    unit: &str,
+    by_factor: Vec<(f64, &'static str, Runs)>,
+) -> Vec<Fault> {
+    let name = table.channels[channel].clone();
+    let looked_at = table.pairs[channel].iter().flatten().count();
     let mut faults = Vec::new();
     for (factor, what, hits) in by_factor {
         for (run, _) in &hits {
@@ -233,9 +287,8 @@ fn units(table: &mut Table, channel: usize) -> Vec<Fault> {
             value: factor,
             unit: "1".into(),
             evidence: format!(
-                "In {} of {} run(s) measured {name} is {} times the simulated one; {} is the ratio of {what}.",
+                "In {} of {looked_at} run(s) measured {name} is {} times the simulated one; {} is the ratio of {what}.",
                 hits.len(),
-                fits.len(),
                 short(gain),
                 short(factor)
             ),

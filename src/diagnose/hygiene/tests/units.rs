@@ -63,6 +63,33 @@ fn rounding_has_no_unit_and_no_clock() {
     assert_eq!(faults_against(&measured, &simulated, &["wheel_speed".into()]), []);
 }
 
+/// A load that is held: in one run it stands in kN under N. A flat tire, or a load near zero, is no unit.
+#[test]
+fn a_level_tells_a_unit_that_a_gain_cannot() {
+    let found = |measured: [f64; 4], simulated: [f64; 4]| {
+        let mut random = Random::new(5);
+        let runs: Vec<(Vec<f64>, Vec<f64>)> = (0..4)
+            .map(|i| {
+                let noisy = |_| measured[i] * (1.0 + 0.01 * random.normal());
+                (vec![simulated[i]; 800], (0..800).map(noisy).collect())
+            })
+            .collect();
+        let [simulated, measured] = channel_of(&runs);
+        let units = faults_against(&measured, &simulated, &["wheel_speed".into()]).into_iter();
+        units.filter(|f| f.kind == FaultKind::WrongUnit).map(|f| (f.value, f.runs)).collect::<Vec<_>>()
+    };
+    let run = || vec!["run-1.csv".to_owned()];
+    assert_eq!(found([4200.0, 4.1e6, 4150.0, 4180.0], [4000.0; 4]), [(1e3, run())]);
+    assert_eq!(found([4200.0, 4.1, 4150.0, 4180.0], [4000.0; 4]), [(1e-3, run())]);
+    for (measured, simulated) in [
+        ([4200.0, 500.0, 4150.0, 4180.0], [4000.0; 4]),
+        ([4200.0, 1000.0, 4150.0, 4180.0], [4000.0, 1.0, 4000.0, 4000.0]),
+        ([4200.0, 4.1e6, 4.1e6, 4180.0], [4000.0; 4]),
+    ] {
+        assert_eq!(found(measured, simulated), [], "{measured:?}");
+    }
+}
+
 #[test]
 fn noise_about_a_level_has_no_gain() {
     for seed in 0..40 {
