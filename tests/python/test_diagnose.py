@@ -511,7 +511,8 @@ def test_the_way_of_inputs_between_samples_is_no_physics(tmp_path, course):
     time = np.arange(0, 3, 0.01)
     for k in range(4):
         values = inputs(time, k)
-        write(tmp_path / "inputs" / f"run-{k}.csv", ["time [s]", *(f"{n} [{units[n]}]" for n in values)], time, *values.values())
+        header = ",".join(["time [s]", *(f"{name} [{units[name]}]" for name in values)])
+        write(tmp_path / "inputs" / f"run-{k}.csv", header, time, *values.values())
     latsch("simulate", model, "--inputs", tmp_path / "inputs", "--output", tmp_path / "runs", "--step", "0.01", *noise)
     latsch("diagnose", model, "--recordings", tmp_path / "runs", "--output", tmp_path / "out")
     found = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
