@@ -82,6 +82,13 @@ impl Study<'_> {
         (0..self.weights.len()).any(|c| self.says_something(runs, rest, c))
     }
 
+    /// Whether a model leaves less of a channel than another one, by more than what says nothing.
+    pub(super) fn is_better(&self, runs: &[&Run], (before, after): (&Rest, &Rest)) -> bool {
+        let square = |rest: &Rest, c: usize| error(runs, &rest.simulated, c).powi(2);
+        let is_better = |c: usize| square(before, c) - square(after, c) > negligible(runs, c).powi(2);
+        (0..self.weights.len()).any(is_better)
+    }
+
     /// Simulated channels of runs: those of which nothing is said as they were measured, so that nothing is seen in them.
     pub(super) fn telling(&self, runs: &[&Run], rest: &Rest) -> Vec<Traces> {
         let silent: Vec<usize> =

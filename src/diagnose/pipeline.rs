@@ -288,7 +288,7 @@ impl Asked<'_> {
             is_noise: check.iter().all(|c| c.noise.is_none_or(|noise| c.after < NOISE_MARGIN * noise)),
             is_refitted: improved < LEVEL
                 && base_rest.total < 0.98 * nominal_rest.total
-                && study.says_anything(&study.check_runs, &nominal_rest),
+                && study.is_better(&study.check_runs, (&nominal_rest, &base_rest)),
         };
         let verdict = facts.verdict(&findings, unknown.as_ref());
         let without_faults = (!aside.is_empty()).then(|| recorded.without_faults(verdict, aside));

@@ -389,7 +389,10 @@ impl Recorded {
                 source: original.source.clone(),
             });
         }
-        let channels: Vec<String> = first.channels.iter().map(|c| name(c.variable)).collect();
+        // what says nothing says nothing of a fault
+        let channels =
+            first.channels.iter().enumerate().filter(|(c, _)| study.says_something(&runs, &rest, *c));
+        let channels: Vec<String> = channels.map(|(_, c)| name(c.variable)).collect();
         Ok(hygiene::faults_against(&measured, &simulated, &channels))
     }
 }
