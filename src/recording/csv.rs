@@ -1,19 +1,13 @@
 //! Recordings as CSV: a header line of `name [unit]` cells, one of them the time; and the dialects of that which programs write.
 
 use super::Recording;
+use super::form::{BLOCK, Defect, MAX_COLUMNS, check_lengths, long_enough, out_of_order, read_bytes};
 use super::header::{Axis, Columns, Header, Titles};
 use super::shortest::push_shortest;
-use crate::bounded;
 use crate::{Error, Result};
 use std::io::Write;
 use std::path::Path;
 
-/// A longer file is not read \[bytes\]: 4 GiB, an hour of a hundred channels at 1 kHz.
-pub(super) const MAX_LENGTH: u64 = 4 << 30;
-/// Files with more columns are refused: a column takes a hundred bytes in memory, and in the file perhaps one.
-pub(super) const MAX_COLUMNS: usize = 100_000;
-/// Text is passed on to the file in pieces of about this length \[bytes\].
-pub(super) const BLOCK: usize = 1 << 16;
 /// Characters that may separate cells.
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 /// A line that begins with it is a comment.
@@ -46,18 +40,6 @@ pub(super) fn read_csv_over(axis: &Axis, path: &Path) -> Result<Recording> {
     parse_csv_over(axis, &text, &source)
 }
 
-/// The bytes of a file of recordings, and its name for messages.
-///
-/// # Errors
-/// A file that cannot be read or is too long.
-pub(super) fn read_bytes(path: &Path) -> Result<(Vec<u8>, String)> {
-    let source = path.display().to_string();
-    match bounded::read(path, MAX_LENGTH) {
-        Ok(bytes) => Ok((bytes, source)),
-        Err(e) => Err(Error::file(format!("{source} cannot be read: {e}"))),
-    }
-}
-
 fn read_text(path: &Path) -> Result<(String, String)> {
     let (bytes, source) = read_bytes(path)?;
     let text = String::from_utf8(bytes).map_err(|e| {
@@ -74,16 +56,6 @@ fn read_text(path: &Path) -> Result<(String, String)> {
 /// As [`read_csv`].
 pub fn parse_csv(text: &str, source: &str) -> Result<Recording> {
     parse_csv_over(&TIME, text, source)
-}
-
-/// Something that [`read_csv`] refuses, but that leaves the other rows readable.
-pub(crate) struct Defect {
-    /// Index of the row among the rows of numbers.
-    pub row: usize,
-    /// The channel, `None` for the time or the whole row.
-    pub channel: Option<usize>,
-    /// The sentence that [`read_csv`] says.
-    pub error: Error,
 }
 
 /// Reads a CSV file of which single rows and cells may be bad: what is no finite number becomes NaN, a
@@ -208,18 +180,6 @@ fn parse_rows(
     long_enough(recording)
 }
 
-/// That there are two rows.
-pub(super) fn long_enough(recording: Recording) -> Result<Recording> {
-    match recording.time.len() {
-        n @ (0 | 1) => Err(Error::file(format!(
-            "{}: {n} row{} of numbers; at least 2 are needed",
-            recording.source,
-            if n == 1 { "" } else { "s" }
-        ))),
-        _ => Ok(recording),
-    }
-}
-
 /// Fails for a line with more cells than a recording may have columns.
 fn refuse_wide_rows(text: &[u8], separator: u8, source: &str) -> Result<()> {
     for (i, line) in text.split(|byte| *byte == b'\n').enumerate() {
@@ -254,23 +214,6 @@ fn refuse_rows_as_comments(
         }
     }
     Ok(())
-}
-
-/// What is wrong with `time` as the next one of the recording, at a place in it.
-pub(super) fn out_of_order(
-    axis: &Axis,
-    recording: &Recording,
-    time: f64,
-    place: &dyn Fn() -> String,
-) -> Option<Error> {
-    let Axis { name, unit, repeats, .. } = axis;
-    let before =
-        recording.time.last().filter(|before| if *repeats { time < **before } else { time <= **before })?;
-    let rule = if *repeats { "must not decrease" } else { "has to increase" };
-    Some(Error::file(format!(
-        "{}: {time} {unit} comes after {before} {unit}; {name} {rule} from row to row",
-        place()
-    )))
 }
 
 /// A finite number, or what is wrong with the cell. A decimal comma is as good as a point, but not
@@ -386,22 +329,6 @@ pub fn to_csv(recording: &Recording) -> Result<String> {
     let mut bytes = Vec::new();
     write(&mut bytes, recording).map_err(|e| Error::file(e.to_string()))?;
     String::from_utf8(bytes).map_err(|e| Error::file(e.to_string()))
-}
-
-/// That channels are as long as the time.
-///
-/// # Errors
-/// The first that is not.
-pub(super) fn check_lengths(recording: &Recording) -> Result<()> {
-    let rows = recording.time.len();
-    match recording.channels.iter().find(|c| c.values.len() != rows) {
-        None => Ok(()),
-        Some(channel) => Err(Error::file(format!(
-            "channel {:?} has {} values for {rows} times",
-            channel.name,
-            channel.values.len()
-        ))),
-    }
 }
 
 fn write(file: &mut dyn Write, recording: &Recording) -> std::io::Result<()> {

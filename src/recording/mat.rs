@@ -2,7 +2,7 @@
 //! says them, and which variable is the time.
 
 use super::Recording;
-use super::csv::{Defect, MAX_COLUMNS, MAX_LENGTH, read_bytes};
+use super::form::{Defect, MAX_COLUMNS, MAX_LENGTH, read_bytes};
 use super::header::Columns;
 use super::typed::{MAX_NUMBERS, TypedColumn, inflated, recording_of};
 use crate::{Error, Result};

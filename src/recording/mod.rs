@@ -1,6 +1,7 @@
 //! Recordings: measured or simulated channels over time, with units, and the files that hold them: CSV, TYDEX, RPC III, MDF 4, MATLAB, Parquet.
 
 mod csv;
+mod form;
 mod header;
 mod mat;
 mod mdf;
@@ -14,8 +15,8 @@ mod smooth;
 mod tydex;
 mod typed;
 
-pub(crate) use csv::Defect;
 pub use csv::{parse_csv, read_csv, to_csv, write_csv};
+pub(crate) use form::Defect;
 pub use header::{Column, Columns};
 pub use mat::MAT_ENDINGS;
 pub use mdf::MDF_ENDINGS;

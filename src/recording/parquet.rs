@@ -1,7 +1,7 @@
 //! Recordings as Apache Parquet, as data frames of Python write them: columns `name [unit]`, or names alone with a map that has the units.
 
 use super::Recording;
-use super::csv::{Defect, check_lengths, read_bytes};
+use super::form::{Defect, check_lengths, read_bytes};
 use super::header::Columns;
 use super::typed::{MAX_NUMBERS, TypedColumn, recording_of, time_of};
 use crate::{Error, Result, VERSION};

@@ -5,7 +5,7 @@
 //! sample of two bytes times SCALE is the value, as `rpc3-file` has it. `rpc-reader` multiplies by INT_FULL_SCALE / 32768 as well, which is
 //! 0.05 % less for what is usual, 32752.
 
-use super::csv::{check_lengths, read_bytes};
+use super::form::{check_lengths, read_bytes};
 use super::{Channel, Recording};
 use crate::model::unit::Unit;
 use crate::{Error, Result, VERSION};

@@ -1,7 +1,8 @@
 //! Files whose columns are numbers already: they become recordings by the rules that hold for the cells of a CSV file.
 
 use super::Recording;
-use super::csv::{Defect, MAX_COLUMNS, TIME, long_enough, out_of_order};
+use super::csv::TIME;
+use super::form::{Defect, MAX_COLUMNS, long_enough, out_of_order};
 use super::header::{Columns, Header, Titles};
 use crate::{Error, Result};
 

@@ -8,6 +8,7 @@
 mod causes;
 mod channels;
 mod characteristic;
+mod compared;
 mod curves;
 mod diagnosis;
 mod heat;

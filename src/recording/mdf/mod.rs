@@ -14,7 +14,7 @@ mod tests;
 pub(super) use write::write_mdf;
 
 use super::Recording;
-use super::csv::{Defect, MAX_COLUMNS, read_bytes};
+use super::form::{Defect, MAX_COLUMNS, read_bytes};
 use super::header::Columns;
 use super::typed::{MAX_NUMBERS, TypedColumn, recording_of};
 use crate::stats::interpolate;

@@ -1,7 +1,7 @@
 //! Records of an MDF file: what is stored at each time, and the numbers in it.
 
 use super::blocks::{Block, Blocks, Fields, Read};
-use crate::recording::csv::MAX_LENGTH;
+use crate::recording::form::MAX_LENGTH;
 use crate::recording::typed::inflated;
 use std::borrow::Cow;
 use std::collections::HashMap;

@@ -1,7 +1,7 @@
 //! Writes MDF 4.10: one group of channels in double precision, uncompressed.
 
 use crate::recording::Recording;
-use crate::recording::csv::{BLOCK, check_lengths};
+use crate::recording::form::{BLOCK, check_lengths};
 use crate::{Result, VERSION};
 use std::io::Write;
 use std::path::Path;

@@ -4,8 +4,7 @@ use super::channels::{KNOWN, LONGVEL, of_tydex};
 use super::sections::{Line, Sections};
 use super::table::{MISSING, Table};
 use super::{record, write};
-use crate::bounded;
-use crate::recording::csv::MAX_LENGTH;
+use crate::recording::form::read_bytes;
 use crate::recording::{Channel, Recording};
 use crate::{Error, Result};
 use std::collections::{HashMap, HashSet};
@@ -26,9 +25,7 @@ const LEAST_COSINE: f64 = 0.1;
 /// unit that is not known or is one of something else, a row that has not one number per channel, a missing value, a time
 /// that does not increase, fewer than two rows. The message begins with `file:line:channel`.
 pub fn read_tydex(path: &Path) -> Result<Recording> {
-    let source = path.display().to_string();
-    let bytes =
-        bounded::read(path, MAX_LENGTH).map_err(|e| Error::file(format!("{source} cannot be read: {e}")))?;
+    let (bytes, source) = read_bytes(path)?;
     let text = String::from_utf8(bytes)
         .unwrap_or_else(|e| e.as_bytes().iter().map(|byte| char::from(*byte)).collect());
     parse_tydex(&text, &source)

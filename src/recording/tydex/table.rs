@@ -4,7 +4,7 @@ use super::channels::{RUNTIME, converts};
 use super::record::record;
 use super::sections::{Line, Sections};
 use crate::model::unit::Unit;
-use crate::recording::csv::MAX_COLUMNS;
+use crate::recording::form::MAX_COLUMNS;
 use crate::{Error, Result};
 use std::collections::HashMap;
 

@@ -2,7 +2,7 @@
 
 use super::channels::{RUNTIME, is_taken, of_channel};
 use crate::model::unit::Unit;
-use crate::recording::csv::{BLOCK, check_lengths};
+use crate::recording::form::{BLOCK, check_lengths};
 use crate::recording::shortest::push_shortest;
 use crate::recording::{Channel, Recording};
 use crate::shown::visible;
