@@ -79,7 +79,8 @@ mod tests {
 
     fn runs(count: usize, channels: usize) -> Vec<(Run, Use)> {
         let drive = Arc::new(Drive::new(0.0, 1.0, 1, Vec::new()));
-        let channel = |variable| Channel { variable, values: vec![0.0], counts: false, resolution: 0.0 };
+        let channel =
+            |variable| Channel { variable, values: vec![0.0], counts: false, unresolved: Vec::new() };
         let run = |i: usize| Run {
             name: format!("{i}.csv"),
             drive: drive.clone(),

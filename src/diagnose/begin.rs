@@ -249,7 +249,7 @@ impl Begun {
         };
         let is_astray = |tried: &Tried| {
             let said = tried.fitted.fit.cost;
-            said <= nearly && tried.fit_rest.total - said > ASTRAY * (before.fit.total - said)
+            said <= nearly && tried.fit_rest.cost - said > ASTRAY * (before.fit.cost - said)
         };
         let mut tried = ended(near, fitted)?;
         for _ in 0..NEARER {
@@ -257,7 +257,7 @@ impl Begun {
                 break;
             }
             let here = ended(&study.near(&tried.fitted), &tried.fitted);
-            let Some(here) = here.filter(|here| here.fit_rest.total < tried.fit_rest.total) else { break };
+            let Some(here) = here.filter(|here| here.fit_rest.cost < tried.fit_rest.cost) else { break };
             tried = here;
         }
         Some(tried)

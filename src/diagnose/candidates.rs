@@ -309,13 +309,13 @@ fn fit_on(
         }
         let fitted = study.fit_on(&t.fitted, iterations).ok()?;
         let fitted = plausible(study, &fitted, before.fit).unwrap_or(fitted);
-        assess(study, &t.screened, fitted, before).filter(|b| b.fit_rest.total <= t.fit_rest.total)
+        assess(study, &t.screened, fitted, before).filter(|b| b.fit_rest.cost <= t.fit_rest.cost)
     };
     let better = side_by_side(study.bench.threads(), tried, better);
     let mut came_farther = false;
     for (t, better) in tried.iter_mut().zip(better) {
         if let Some(better) = better.flatten() {
-            came_farther |= better.fit_rest.total < t.fit_rest.total;
+            came_farther |= better.fit_rest.cost < t.fit_rest.cost;
             *t = better;
         }
     }

@@ -1,6 +1,6 @@
 //! Runs made of a run: its beginning, its end, or the same with longer or shorter communication steps.
 
-use crate::fit::{Channel, Drive, Run};
+use crate::fit::{Drive, Run};
 use std::sync::Arc;
 
 /// The first seconds of a run.
@@ -19,25 +19,22 @@ pub(super) fn beginning(run: &Run, seconds: f64) -> Run {
         points,
         coarser: None,
     };
-    let channel = |c: &Channel| Channel { values: first(&c.values, samples), ..c.clone() };
     Run {
         name: run.name.clone(),
         drive: Arc::new(drive),
         time: first(&run.time, samples),
-        channels: run.channels.iter().map(channel).collect(),
+        channels: run.channels.iter().map(|c| c.samples(0..samples)).collect(),
     }
 }
 
 /// The samples of a run after a time \[s\]. It is driven from its start, so that what has a history has it.
 pub(super) fn end(run: &Run, after: f64) -> Run {
     let first = run.time.partition_point(|t| *t <= after);
-    let channel =
-        |c: &Channel| Channel { values: c.values.get(first..).unwrap_or_default().to_vec(), ..c.clone() };
     Run {
         name: run.name.clone(),
         drive: Arc::clone(&run.drive),
         time: run.time[first..].to_vec(),
-        channels: run.channels.iter().map(channel).collect(),
+        channels: run.channels.iter().map(|c| c.samples(first..run.time.len())).collect(),
     }
 }
 
@@ -106,14 +103,15 @@ mod tests {
         // 10 s of it, two communication steps for a sample
         let drive = Drive::new(1.0, 0.05, 201, vec![(0, course(201))]);
         let time: Vec<f64> = (0..101).map(|k| 1.0 + 0.1 * f64::from(k)).collect();
-        let channels = vec![Channel { variable: 1, values: course(101), counts: true, resolution: 0.0 }];
+        let channels =
+            vec![Channel { variable: 1, values: course(101), counts: true, unresolved: Vec::new() }];
         let run = Run { name: "a.csv".into(), drive: Arc::new(drive), time, channels };
         let piece = beginning(&run, 3.0);
         assert_eq!((piece.drive.points, piece.time.len()), (61, 31));
         assert_eq!(piece.drive.inputs, [(0, course(61))]);
         assert_eq!(
             piece.channels,
-            [Channel { variable: 1, values: course(31), counts: true, resolution: 0.0 }]
+            [Channel { variable: 1, values: course(31), counts: true, unresolved: Vec::new() }]
         );
         // a shorter run is left as it is
         let whole = beginning(&piece, 3.0);

@@ -23,15 +23,21 @@ pub(super) fn negligible(runs: &[&Run], channel: usize) -> f64 {
     (LITTLE * per_sample(runs, channel, about_line)).max(resolution(runs, channel))
 }
 
-/// An error of a channel that its numbers do not tell, or that rounding makes, or the way of inputs between samples.
+/// An error of a channel that its numbers do not tell, or that rounding makes, or the way of inputs between samples, root mean square.
 pub(super) fn resolution(runs: &[&Run], channel: usize) -> f64 {
-    runs.iter().filter_map(|r| r.channels.get(channel)).map(|c| c.resolution).fold(0.0, f64::max)
+    let channels = runs.iter().filter_map(|r| r.channels.get(channel));
+    root_mean_square(channels.flat_map(|c| c.unresolved.iter().copied()))
 }
 
-/// The resolution of each channel of runs: what their numbers tell, and what two things change of it. What rounding makes is measured, with
-/// inputs that are changed by their last digits: a channel's size does not tell it, as of a force that is the difference of two others and
-/// ought to be 0. And nobody knows how inputs ran between their samples: `smooth` and `straight` are the runs with both ways.
-pub(super) fn resolutions(bench: &Bench, runs: &[&Run], (smooth, straight): (&[&Run], &[&Run])) -> Vec<f64> {
+/// What is not resolved of each sample of each channel of each run: what their numbers do not tell, and what two things change of it. What
+/// rounding makes is measured, with inputs that are changed by their last digits: a channel's size does not tell it, as of a force that is
+/// the difference of two others and ought to be 0. And nobody knows how inputs ran between their samples: `smooth` and `straight` are the
+/// runs with both ways. What they change is told where it is: after a step of an input, and not where nothing moves.
+pub(super) fn unresolved(
+    bench: &Bench,
+    runs: &[&Run],
+    (smooth, straight): (&[&Run], &[&Run]),
+) -> Vec<Traces> {
     let variables = &bench.interface().variables;
     let random = RefCell::new(SplitMix64::new(0));
     let moved = |run: &&Run| {
@@ -44,23 +50,32 @@ pub(super) fn resolutions(bench: &Bench, runs: &[&Run], (smooth, straight): (&[&
     let rounding = changes(bench, runs, &moved.iter().collect::<Vec<_>>());
     let between = changes(bench, smooth, straight);
     let told = |c: usize| RESOLUTION * per_sample(runs, c, |values| values.iter().map(|v| v * v).sum());
-    let of =
-        |(c, (rounding, between)): (usize, (&f64, &f64))| told(c).max(AT_MOST * rounding).max(WAYS * between);
-    rounding.iter().zip(&between).enumerate().map(of).collect()
+    let made = |c: usize| root_mean_square(rounding.iter().filter_map(|run| run.get(c)).flatten().copied());
+    let mut unresolved = between;
+    for channels in &mut unresolved {
+        for (c, samples) in channels.iter_mut().enumerate() {
+            let least = told(c).max(AT_MOST * made(c));
+            samples.iter_mut().for_each(|between| *between = least.max(WAYS * *between));
+        }
+    }
+    unresolved
 }
 
-/// How much each channel differs between runs and others that are driven otherwise, root mean square. All zeros if the model cannot be run,
-/// which is told by what comes next.
-fn changes(bench: &Bench, runs: &[&Run], others: &[&Run]) -> Vec<f64> {
+/// How much each sample differs between runs and others that are driven otherwise. All zeros if the model cannot be run, which is told by
+/// what comes next.
+fn changes(bench: &Bench, runs: &[&Run], others: &[&Run]) -> Vec<Traces> {
     let all = [runs, others].concat();
     let traces = simulated(bench, &all, None).unwrap_or_default();
-    let (own, other) = traces.split_at(runs.len().min(traces.len()));
-    let change = |c: usize| {
-        let pairs = own.iter().zip(other).filter_map(|(a, b)| Some((a.get(c)?, b.get(c)?)));
-        let change = root_mean_square(pairs.flat_map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b)));
-        if change.is_finite() { change } else { 0.0 }
+    let change = |run: usize, channel: usize, sample: usize| -> Option<f64> {
+        let of = |run: usize| traces.get(run)?.get(channel)?.get(sample).copied();
+        Some((of(run)? - of(runs.len() + run)?).abs()).filter(|change| change.is_finite())
     };
-    (0..runs.iter().map(|r| r.channels.len()).max().unwrap_or(0)).map(change).collect()
+    let of_channel = |run: usize, channel: usize| {
+        (0..runs[run].channels[channel].values.len())
+            .map(|k| change(run, channel, k).unwrap_or(0.0))
+            .collect()
+    };
+    (0..runs.len()).map(|i| (0..runs[i].channels.len()).map(|c| of_channel(i, c)).collect()).collect()
 }
 
 /// Root mean square over all runs of what a square sums up.
@@ -142,12 +157,14 @@ mod tests {
             variable: *variable,
             values,
             counts: false,
-            resolution: 0.0,
+            unresolved: Vec::new(),
         };
         let time = (0..points).map(|k| drive.time(k)).collect();
         let run = Run { name: String::new(), drive, time, channels: channels.map(channel).collect() };
         let load = run.channels[1].values[points - 1];
-        let [along, up] = resolutions(&bench, &[&run], (&[&run], &[&run]))[..] else { panic!() };
+        let unresolved = unresolved(&bench, &[&run], (&[&run], &[&run]));
+        let [along, up] = &unresolved[0][..] else { panic!() };
+        let [along, up] = [along, up].map(|samples| root_mean_square(samples.iter().copied()));
         // no slip, so no longitudinal force: it is some last digits of forces of thousands of newtons
         assert!(run.channels[0].values.iter().all(|f| f.abs() < 1e-9) && load > 4000.0);
         assert!(along > f64::EPSILON * load && along < 1e-9, "{along}");

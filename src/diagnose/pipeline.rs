@@ -94,7 +94,6 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
         std::thread::available_parallelism().map_or(1, usize::from)
     };
     let bench = Bench::new(&subject.factory, &subject.fixed, threads)?;
-    known.recorded.find_resolutions(&bench, &subject, &roles)?;
     notes.extend(known.recorded.take_shorter_steps(&bench, &subject, &roles)?);
     let asked = Asked { subject: &subject, roles: &roles, bench: &bench, notes };
     let Explained { diagnosis, parameters, attachments, intervals, step, check } =

@@ -32,7 +32,7 @@ pub(super) fn plausible(study: &Study<'_>, fitted: &Fitted, current_fit: &Rest) 
         *value = value.clamp(low, high);
     }
     let kept = study.fit_near(&model, KEEP, fitted).ok()?;
-    let explained = (current_fit.total - fitted.fit.cost).max(0.0);
+    let explained = (current_fit.cost - fitted.fit.cost).max(0.0);
     (kept.fit.cost - fitted.fit.cost < AT_LITTLE_COST * explained).then_some(kept)
 }
 

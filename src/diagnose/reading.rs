@@ -3,7 +3,7 @@
 use super::aside::Aside;
 use super::clock::Drift;
 use super::hygiene;
-use super::negligible::resolutions;
+use super::negligible::unresolved;
 use super::pipeline::Request;
 use super::prepared::{leave_out_after, leave_out_rails, unwrap};
 use super::result::{RunUse, Use, Verdict, WithoutFaults};
@@ -14,7 +14,7 @@ use super::study::{Model, Study};
 use super::subject::Subject;
 use super::witnesses::{Shared, share_out};
 use crate::effect::{Earlier, Role};
-use crate::fit::{Bench, Drive, Run};
+use crate::fit::{Bench, Drive, Run, Traces};
 use crate::model::Causality;
 use crate::recording::{Recording, recording_endings};
 use crate::stats::median_interval;
@@ -43,8 +43,8 @@ pub(super) struct Recorded {
     step: Option<f64>,
     /// Those that are used, ready to be simulated.
     pub runs: Vec<(Run, Use)>,
-    /// The resolution of each measured channel, once that is known.
-    resolutions: Vec<f64>,
+    /// What is not resolved of each sample of those, once that is known.
+    unresolved: Vec<Traces>,
     /// Runs and measured channels that are not used because they are at fault, by name.
     runs_aside: BTreeSet<String>,
     channels_aside: BTreeSet<String>,
@@ -151,7 +151,7 @@ impl Recorded {
             are_given,
             step,
             runs: Vec::new(),
-            resolutions: Vec::new(),
+            unresolved: Vec::new(),
             runs_aside: BTreeSet::new(),
             channels_aside: BTreeSet::new(),
         };
@@ -184,30 +184,37 @@ impl Recorded {
                 let counting = run.channels.iter().filter(|c| c.counts);
                 let begins = counting.filter_map(|c| Some((c.variable, *c.values.first()?))).collect();
                 run.drive = Arc::new(Drive { begins, ..Drive::clone(&run.drive) });
-                set_resolutions(&mut run, &self.resolutions);
                 Ok((run, *use_))
             })
             .collect::<Result<_>>()?;
+        self.set_unresolved(&mut runs);
         follow_each_other(&mut runs);
         Ok(runs)
     }
 
-    /// Finds what errors each channel tells.
+    /// Finds what errors each channel tells, with communication steps so much shorter than usual.
     ///
     /// # Errors
     /// Too many steps.
-    pub fn find_resolutions(&mut self, bench: &Bench, subject: &Subject, roles: &Roles) -> Result<()> {
-        // with one step from sample to sample there is nothing between
+    fn find_unresolved(&mut self, bench: &Bench, subject: &Subject, roles: &Roles, finer: u32) -> Result<()> {
         let [smooth, straight] = [Between::Smoothly, Between::Straight]
-            .map(|between| self.prepared(subject, roles, (between, BETWEEN_SAMPLES)));
+            .map(|between| self.prepared(subject, roles, (between, finer)));
         let (smooth, straight) = (smooth?, straight?);
-        self.resolutions = resolutions(bench, &self.all(), (&runs_of(&smooth), &runs_of(&straight)));
-        self.runs.iter_mut().for_each(|(run, _)| set_resolutions(run, &self.resolutions));
+        self.unresolved = unresolved(bench, &self.all(), (&runs_of(&smooth), &runs_of(&straight)));
+        let mut runs = std::mem::take(&mut self.runs);
+        self.set_unresolved(&mut runs);
+        self.runs = runs;
         Ok(())
     }
 
-    /// Has the runs simulated with as many communication steps per sample as the model needs; says so, if these are more
-    /// than usual.
+    fn set_unresolved(&self, runs: &mut [(Run, Use)]) {
+        for ((run, _), own) in runs.iter_mut().zip(&self.unresolved) {
+            run.channels.iter_mut().zip(own).for_each(|(channel, own)| channel.unresolved.clone_from(own));
+        }
+    }
+
+    /// Has the runs simulated with as many communication steps per sample as the model needs, and finds what errors each channel tells then;
+    /// says so, if these are more than usual.
     ///
     /// # Errors
     /// Too many steps.
@@ -217,12 +224,18 @@ impl Recorded {
         subject: &Subject,
         roles: &Roles,
     ) -> Result<Option<String>> {
+        // with one step from sample to sample there is nothing between
+        self.find_unresolved(bench, subject, roles, BETWEEN_SAMPLES)?;
         if self.step.is_some() {
             return Ok(None);
         }
         let with = |finer: u32| self.prepared(subject, roles, (Between::Smoothly, finer));
         let Some((shorter, runs)) = ShorterSteps::of(bench, &self.runs, with)? else { return Ok(None) };
         self.runs = runs;
+        // the more there is between samples, the more the ways differ
+        if shorter.finer() > BETWEEN_SAMPLES {
+            self.find_unresolved(bench, subject, roles, shorter.finer())?;
+        }
         Ok(Some(shorter.words()))
     }
 
@@ -397,10 +410,6 @@ impl Recorded {
     }
 }
 
-fn set_resolutions(run: &mut Run, resolutions: &[f64]) {
-    run.channels.iter_mut().zip(resolutions).for_each(|(channel, own)| channel.resolution = *own);
-}
-
 /// Tells each run which were before it.
 fn follow_each_other(runs: &mut [(Run, Use)]) {
     let all: Vec<Arc<Earlier>> = runs.iter().map(|(run, _)| Arc::new(run.as_earlier())).collect();
@@ -553,7 +562,7 @@ mod tests {
                 variable: 1,
                 values: vec![7.0, 8.0],
                 counts: false,
-                resolution: 0.0,
+                unresolved: Vec::new(),
             }];
             let drive = Arc::new(Drive { coarser: Some(coarser), ..drive });
             (Run { name: format!("{k}"), drive, time: vec![0.0, 1.0], channels }, Use::Fit)

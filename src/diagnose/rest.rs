@@ -16,10 +16,13 @@ const FEW_BLOCKS: usize = 8;
 pub struct Rest {
     /// Simulated channels of each run at its samples.
     pub simulated: Vec<Traces>,
-    /// Weighted squared error in each block: of each channel.
+    /// Weighted squared error in each block: of each channel, and at least what is not resolved of it there. Who explains an error down to
+    /// there has explained it, and below there is nothing to win.
     pub blocks: Vec<Vec<f64>>,
-    /// Weighted squared error.
+    /// Their sum.
     pub total: f64,
+    /// Weighted squared error as fits lower it, whatever is resolved of it.
+    pub cost: f64,
 }
 
 impl Rest {
@@ -87,7 +90,7 @@ impl Study<'_> {
 
     /// What these simulated channels leave of some runs.
     pub(super) fn rest_with(&self, runs: &[&Run], simulated: Vec<Traces>) -> Rest {
-        let mut blocks = Vec::new();
+        let (mut blocks, mut cost) = (Vec::new(), 0.0);
         for (run, traces) in runs.iter().zip(&simulated) {
             let n = run.time.len();
             let count = self.blocks(n);
@@ -95,14 +98,22 @@ impl Study<'_> {
             for (c, ((channel, trace), weight)) in
                 run.channels.iter().zip(traces).zip(&self.weights).enumerate()
             {
+                let mut unresolved = vec![0.0; count];
                 for (k, (s, m)) in trace.iter().zip(&channel.values).enumerate() {
                     sums[k * count / n][c] += (weight * (s - m)).powi(2);
+                }
+                for (k, least) in channel.unresolved.iter().enumerate() {
+                    unresolved[k * count / n] += (weight * least).powi(2);
+                }
+                for (sum, least) in sums.iter_mut().zip(unresolved) {
+                    cost += sum[c];
+                    sum[c] = sum[c].max(least);
                 }
             }
             blocks.extend(sums);
         }
         let total = blocks.iter().flatten().sum();
-        Rest { simulated, blocks, total }
+        Rest { simulated, blocks, total, cost }
     }
 
     /// How many blocks a run of so many samples is compared over: what is missing makes a residual's memory long; the noise of

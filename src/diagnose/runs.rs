@@ -275,7 +275,7 @@ pub fn prepare(
                 driven.inputs.push((variable, grid.iter().map(hold).collect()));
             }
             Causality::Output | Causality::Local if info.kind == Kind::Real => {
-                channels.push(Channel { variable, values, counts: false, resolution: 0.0 });
+                channels.push(Channel { variable, values, counts: false, unresolved: Vec::new() });
             }
             _ => {
                 return Err(at(Error::file(format!("{} is neither an input nor an output", channel.name))));

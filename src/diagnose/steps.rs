@@ -166,6 +166,11 @@ impl ShorterSteps {
         Ok(found)
     }
 
+    /// How many there are where there is usually one.
+    pub fn finer(&self) -> u32 {
+        self.finer
+    }
+
     /// What is said of them.
     pub fn words(&self) -> String {
         let Self { finer, usual, change, is_enough } = self;
@@ -283,7 +288,8 @@ mod tests {
             bench.run(&[Arc::default()], &[Arc::clone(&run.drive)], &watch).pop().unwrap().unwrap();
         let mut random = SplitMix64::new(3);
         let values = traces.remove(0).into_iter().map(|f| f + noise * random.normal()).collect();
-        run.channels = vec![Channel { variable: find("force_y"), values, counts: false, resolution: 0.0 }];
+        run.channels =
+            vec![Channel { variable: find("force_y"), values, counts: false, unresolved: Vec::new() }];
         run
     }
 
@@ -386,7 +392,12 @@ mod tests {
             name: String::new(),
             time,
             drive,
-            channels: vec![Channel { variable: find("force_y"), values, counts: false, resolution: 0.0 }],
+            channels: vec![Channel {
+                variable: find("force_y"),
+                values,
+                counts: false,
+                unresolved: Vec::new(),
+            }],
         }
     }
 

@@ -152,7 +152,7 @@ fn friction_at_the_reference_pressure_is_fitted() {
                 variable: *v,
                 values,
                 counts: false,
-                resolution: 0.0,
+                unresolved: Vec::new(),
             });
             Run {
                 name: deflection.to_string(),
@@ -234,7 +234,7 @@ impl Brake {
             name: String::new(),
             time: (0..self.drive.points).map(|k| self.drive.time(k)).collect(),
             drive: Arc::clone(&self.drive),
-            channels: vec![Channel { variable: self.torque, values, counts: false, resolution: 0.0 }],
+            channels: vec![Channel { variable: self.torque, values, counts: false, unresolved: Vec::new() }],
         }
     }
 
@@ -564,7 +564,7 @@ fn a_fit_that_longer_steps_have_led_astray_goes_on_near_where_it_has_come_to() {
     let (fit, check) =
         (study.fit_rest(&current).unwrap(), study.rest(&current.model, &study.check_runs).unwrap());
     let fitted = near.fit_near(&with(1e-4), 8, &current).unwrap();
-    let really = study.fit_rest(&fitted).unwrap().total;
+    let really = study.fit_rest(&fitted).unwrap().cost;
     let best = study.fit(&with(1e-4), 20).unwrap();
     assert!(fitted.fit.cost < 0.01 * really && best.fit.cost < 0.99 * really, "{} {really}", fitted.fit.cost);
     let values = vec![1e-3];
@@ -572,10 +572,10 @@ fn a_fit_that_longer_steps_have_led_astray_goes_on_near_where_it_has_come_to() {
     let before = Before { fit: &fit, check: &check };
     let tried = Begun::finish(&[Begun { screened, fitted }], (&study, &near), &current, before).remove(0);
     assert!(
-        (tried.fit_rest.total / best.fit.cost - 1.0).abs() < 1e-6,
+        (tried.fit_rest.cost / best.fit.cost - 1.0).abs() < 1e-6,
         "{} and {}, {really}",
-        tried.fit_rest.total,
+        tried.fit_rest.cost,
         best.fit.cost
     );
-    assert!((tried.fitted.fit.cost / tried.fit_rest.total - 1.0).abs() < 0.01, "{}", tried.fitted.fit.cost);
+    assert!((tried.fitted.fit.cost / tried.fit_rest.cost - 1.0).abs() < 0.01, "{}", tried.fitted.fit.cost);
 }

@@ -202,12 +202,12 @@ mod tests {
                 name: i.to_string(),
                 drive: Arc::new(drive.clone()),
                 time: time.clone(),
-                channels: vec![Channel { variable: 0, values, counts: false, resolution: 0.0 }],
+                channels: vec![Channel { variable: 0, values, counts: false, unresolved: Vec::new() }],
             }
         };
         let runs: Vec<Run> = more.iter().enumerate().map(run).collect();
         let simulated = vec![vec![vec![0.0; n]]; runs.len()];
-        (runs, Rest { simulated, blocks: Vec::new(), total: 0.0 })
+        (runs, Rest { simulated, blocks: Vec::new(), total: 0.0, cost: 0.0 })
     }
 
     fn shared(more: &[(f64, std::ops::Range<usize>)], uses: &[Use]) -> Option<Shared> {

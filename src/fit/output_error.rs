@@ -17,12 +17,18 @@ pub struct Channel {
     /// True if it counts on and on from a zero that means nothing, as the angle of a wheel does: only
     /// its changes within a run are compared.
     pub counts: bool,
-    /// An error that its numbers do not tell, or that rounding makes, or the way of inputs between samples, in its unit; 0 as long as it is
-    /// not known.
-    pub resolution: f64,
+    /// For each sample, an error that its numbers do not tell, or that rounding makes, or the way of inputs between samples, in its unit;
+    /// empty as long as it is not known.
+    pub unresolved: Vec<f64>,
 }
 
 impl Channel {
+    /// Some of its samples, as far as it has them.
+    pub fn samples(&self, range: std::ops::Range<usize>) -> Self {
+        let part = |of: &[f64]| of[range.start.min(of.len())..range.end.min(of.len())].to_vec();
+        Self { values: part(&self.values), unresolved: part(&self.unresolved), ..self.clone() }
+    }
+
     /// Moves a simulated course to the zero from which the measured one counts.
     fn same_zero(&self, simulated: &mut [f64]) {
         if self.counts {
@@ -382,7 +388,7 @@ impl Problem for OutputError<'_> {
         let (mut square, mut n) = (0.0, 0.0);
         for run in &self.runs {
             for (channel, weight) in run.channels.iter().zip(&self.weights) {
-                square += channel.values.len() as f64 * (weight * channel.resolution).powi(2);
+                square += channel.unresolved.iter().map(|u| (weight * u).powi(2)).sum::<f64>();
                 n += channel.values.len() as f64;
             }
         }

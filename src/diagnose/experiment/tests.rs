@@ -64,7 +64,7 @@ fn run(step: f64, speed: f64) -> Run {
     let time: Vec<f64> = (0..points).map(|k| k as f64 * step).collect();
     let travel: Vec<f64> = time.iter().map(|t| (2.0 * PI * t).sin()).collect();
     let inputs = vec![(TRAVEL, travel.clone()), (SPEED, vec![speed; points])];
-    let channels = vec![Channel { variable: FORCE, values: travel, counts: false, resolution: 0.0 }];
+    let channels = vec![Channel { variable: FORCE, values: travel, counts: false, unresolved: Vec::new() }];
     Run { name: String::new(), drive: Arc::new(Drive::new(0.0, step, points, inputs)), time, channels }
 }
 

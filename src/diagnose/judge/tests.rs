@@ -37,7 +37,7 @@ impl Runs {
 
 fn rest(blocks: Vec<Vec<f64>>) -> Rest {
     let total = blocks.iter().flatten().sum();
-    Rest { simulated: Vec::new(), blocks, total }
+    Rest { simulated: Vec::new(), blocks, total, cost: total }
 }
 
 /// A candidate that leaves this, where the model leaves `before` without it, as the search makes evidence of it.

@@ -19,7 +19,7 @@ pub fn run(name: &str, step: f64, inputs: &[Vec<f64>], channels: &[Vec<f64>]) ->
                 variable: first + c,
                 values: values.clone(),
                 counts: false,
-                resolution: 0.0,
+                unresolved: Vec::new(),
             })
             .collect(),
         drive: Arc::new(Drive::new(0.0, step, points, inputs)),
