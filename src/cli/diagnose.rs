@@ -30,7 +30,7 @@ pub struct Args {
     /// model, columns named like outputs are compared. `runs.toml` in it says which runs are to fit and which to check
     #[arg(long, value_name = "DIR")]
     pub(super) recordings: PathBuf,
-    /// Parameters of the model: TOML with [parameters], and [fit] for those that may be fitted
+    /// Parameters of the model: TOML with [parameters], [inputs] for those that no recording holds, and [fit] for those that may be fitted
     #[arg(long, value_name = "F.toml")]
     pub(super) parameters: Option<PathBuf>,
     /// What the channels are: TOML with [channels] and [roles]; above them, only_named = true leaves out all others, times_of = "NAME" takes those of several rates at the times of one

@@ -96,6 +96,7 @@ pub(super) fn without_coarser(run: &Run) -> Run {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::Channel;
 
     #[test]
     fn the_beginning_of_a_run_is_that_of_its_drive_and_samples() {
@@ -104,14 +105,14 @@ mod tests {
         let drive = Drive::new(1.0, 0.05, 201, vec![(0, course(201))]);
         let time: Vec<f64> = (0..101).map(|k| 1.0 + 0.1 * f64::from(k)).collect();
         let channels =
-            vec![Channel { variable: 1, values: course(101), counts: true, unresolved: Vec::new() }];
+            vec![Channel { variable: 1, values: course(101), counts: true, unresolved: course(101) }];
         let run = Run { name: "a.csv".into(), drive: Arc::new(drive), time, channels };
         let piece = beginning(&run, 3.0);
         assert_eq!((piece.drive.points, piece.time.len()), (61, 31));
         assert_eq!(piece.drive.inputs, [(0, course(61))]);
         assert_eq!(
             piece.channels,
-            [Channel { variable: 1, values: course(31), counts: true, unresolved: Vec::new() }]
+            [Channel { variable: 1, values: course(31), counts: true, unresolved: course(31) }]
         );
         // a shorter run is left as it is
         let whole = beginning(&piece, 3.0);

@@ -88,6 +88,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let switched = subject.follow_recorded_motions(&known.recorded.inputs())?;
     let mut notes: Vec<String> =
         switched.iter().map(|v| motions_are_followed(&subject.interface.variables[*v].name)).collect();
+    notes.extend(subject.what_stays(&known.recorded.inputs()));
     let threads = if request.threads > 0 {
         request.threads
     } else {

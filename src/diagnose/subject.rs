@@ -17,6 +17,8 @@ use std::sync::Arc;
 
 /// How far a parameter without bounds of its own may move from its nominal value, as a share of it.
 const REACH: f64 = 0.5;
+/// Inputs that are listed at most.
+const MOST_LISTED: usize = 12;
 /// The filter of a rig's actuators.
 const FILTER: &str = "actuator_frequency";
 /// Why a parameter is left out, if not by what it is.
@@ -108,6 +110,40 @@ impl Subject {
             }
         }
         Ok(off)
+    }
+
+    /// What is said of inputs that neither recordings nor the user say anything of; `recorded` are those that recordings hold. What moves on a
+    /// rig and is not recorded looks like physics that is missing.
+    pub(super) fn what_stays(&self, recorded: &[usize]) -> Option<String> {
+        let stays = |(variable, info): &(usize, &VariableInfo)| {
+            info.causality == Causality::Input
+                && !recorded.contains(variable)
+                && !self.fixed.iter().any(|(v, _)| v == variable)
+        };
+        let stay: Vec<(usize, &VariableInfo)> =
+            self.interface.variables.iter().enumerate().filter(stays).collect();
+        if stay.is_empty() {
+            return None;
+        }
+        let named = |(variable, info): &(usize, &VariableInfo)| match value_of(info, *variable, &[]) {
+            Some(value) => match info.unit.as_deref().filter(|unit| *unit != "1") {
+                Some(unit) => format!("{} = {value} {unit}", info.name),
+                None => format!("{} = {value}", info.name),
+            },
+            None => info.name.clone(),
+        };
+        let mut list: Vec<String> = stay.iter().take(MOST_LISTED).map(named).collect();
+        if stay.len() > MOST_LISTED {
+            list.push(format!("{} more", stay.len() - MOST_LISTED));
+        }
+        let whose = match recorded.is_empty() {
+            true => "The recordings hold no input of the model, so that all stay where they start",
+            false => "The recordings do not hold all inputs of the model; where they start stay",
+        };
+        Some(format!(
+            "{whose}: {}. What moves on the rig and is not recorded looks like physics that is missing; `[inputs]` in a file of --parameters says where else they stand.",
+            list.join(", ")
+        ))
     }
 
     /// Switches of actuators, turned off, of what these inputs drive, where nobody has set them.
@@ -296,6 +332,24 @@ fn why_passed_by(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_not_recorded_is_said_to_stay() {
+        let mut subject = Subject::load("fiala-flat-track", &Settings::default()).unwrap();
+        let inputs: Vec<usize> = subject.interface.with(Causality::Input).collect();
+        assert_eq!(subject.what_stays(&inputs), None);
+        let find = |name: &str| subject.interface.index(name).unwrap();
+        let (load, angle, factor) = (find("load"), find("slip_angle"), find("friction_factor"));
+        let recorded: Vec<usize> =
+            inputs.iter().copied().filter(|v| ![load, angle, factor].contains(v)).collect();
+        // what the user has set is no news
+        subject.fixed.push((angle, Value::Real(0.02)));
+        let words = subject.what_stays(&recorded).unwrap();
+        assert!(words.starts_with("The recordings do not hold all inputs"), "{words}");
+        assert!(words.contains("stay: friction_factor = 1, load = 4000 N. "), "{words}");
+        let words = subject.what_stays(&[]).unwrap();
+        assert!(words.starts_with("The recordings hold no input") && words.contains("deflection = 0.02 m"));
+    }
 
     /// The real parameters of a shipped model with the inputs that a recording holds: those that may be fitted, and
     /// those that are left out, with the reason.

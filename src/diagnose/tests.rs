@@ -463,6 +463,30 @@ fn what_inputs_may_be_off_by_is_taken_off_and_no_more() {
 }
 
 #[test]
+fn below_what_is_not_resolved_there_is_nothing_to_win() {
+    let brake = Brake::behind(480, 1e6);
+    let torque = brake.torque(Vec::new());
+    // off by 2 in the first half, and by 2 in the second, of which 5 are not resolved
+    let mut run = brake.run(torque.iter().map(|v| v + 2.0).collect());
+    run.channels[0].unresolved = (0..480).map(|k| if k < 240 { 0.0 } else { 5.0 }).collect();
+    let study = brake.study(&run, 1.0);
+    let runs = [&run];
+    let rest = |off: f64| study.rest_with(&runs, vec![vec![torque.iter().map(|v| v + off).collect()]]);
+    let (before, after) = (rest(0.0), rest(2.0));
+    let blocks = before.blocks.len();
+    assert!(blocks > 4 && blocks.is_multiple_of(2));
+    let each = 480.0 / blocks as f64;
+    for (k, (before, after)) in before.blocks.iter().zip(&after.blocks).enumerate() {
+        let expected = if k < blocks / 2 { (4.0 * each, 0.0) } else { (25.0 * each, 25.0 * each) };
+        assert!((before[0] - expected.0).abs() < 1e-6 && (after[0] - expected.1).abs() < 1e-6, "{k}");
+    }
+    // fits see all of it
+    assert!((before.cost - 4.0 * 480.0).abs() < 1e-6 && after.cost < 1e-6);
+    // and whoever makes it worse than it may be has made it worse
+    assert!(rest(-8.0).blocks[blocks - 1][0] > 90.0 * each);
+}
+
+#[test]
 fn two_names_at_one_place_are_one_function_unless_they_say_more() {
     let (points, amplitude) = (1001, 3e6);
     let brake = Brake::behind(points, amplitude);

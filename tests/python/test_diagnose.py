@@ -490,16 +490,34 @@ def test_rounding_is_no_physics(tmp_path, single):
     assert all(p["held_at"] is None and p["value"] == pytest.approx(p["start"], rel=1e-4) for p in found["parameters"])
 
 
-def test_the_way_of_inputs_between_samples_is_no_physics(tmp_path):
-    """A simulation takes straight lines between recorded inputs, a diagnosis smooth curves: nobody knows which it was. Under a swinging
-    deflection a tire that stands shows the difference, since its damping goes by slopes."""
+BETWEEN = {
+    # a tire that stands under a swinging deflection, without noise: damping goes by slopes between samples
+    "sine": ("fiala-flat-track", [], lambda t, k: {"deflection [m]": 0.02 + 0.004 * np.sin((6 + 5 * k) * t)}),
+    # steps, each of which is a ramp of one interval, with noise and without
+    "steps": ("tmeasy-flat-track", ["--noise", "0.005"], lambda t, k: stepping(t, k)),
+    "steps without noise": ("tmeasy-flat-track", [], lambda t, k: stepping(t, k)),
+}
+
+
+def stepping(time, k):
+    return {
+        "slip_angle [rad]": 0.02 * np.floor(2 * time + k) % 0.07,
+        "deflection [m]": 0.015 + 0.003 * (np.floor(3 * time + k) % 3),
+        "path_speed [m/s]": np.full_like(time, 20.0),
+    }
+
+
+@pytest.mark.parametrize("course", BETWEEN)
+def test_the_way_of_inputs_between_samples_is_no_physics(tmp_path, course):
+    """A simulation takes straight lines between recorded inputs, a diagnosis smooth curves: nobody knows which it was."""
+    model, noise, inputs = BETWEEN[course]
     (tmp_path / "inputs").mkdir()
     time = np.arange(0, 3, 0.01)
     for k in range(4):
-        deflection = 0.02 + 0.004 * np.sin((6 + 5 * k) * time)
-        write(tmp_path / "inputs" / f"run-{k}.csv", "time [s],deflection [m]", time, deflection)
-    latsch("simulate", "fiala-flat-track", "--inputs", tmp_path / "inputs", "--output", tmp_path / "runs", "--step", "0.01")
-    latsch("diagnose", "fiala-flat-track", "--recordings", tmp_path / "runs", "--output", tmp_path / "out")
+        values = inputs(time, k)
+        write(tmp_path / "inputs" / f"run-{k}.csv", ",".join(["time [s]", *values]), time, *values.values())
+    latsch("simulate", model, "--inputs", tmp_path / "inputs", "--output", tmp_path / "runs", "--step", "0.01", *noise)
+    latsch("diagnose", model, "--recordings", tmp_path / "runs", "--output", tmp_path / "out")
     found = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
     assert (found["verdict"], found["findings"]) == ("nothing", []), found["summary"]
 
