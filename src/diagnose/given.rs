@@ -33,7 +33,7 @@ struct Rule {
 }
 
 const NUMERICS: &str = "it belongs to the numerics";
-const DATA: &str = "a file or data sheet gives it, and a few recordings do not tell it";
+pub(super) const DATA: &str = "a file or data sheet gives it, and a few recordings do not tell it";
 const COUNT: &str = "it is a number of parts";
 const START: &str = "it is a state at the start, which runs do not share";
 const CONSTANT: &str = "it is a known constant of nature";

@@ -18,6 +18,7 @@ mod linear;
 pub mod locate;
 mod negligible;
 mod numbers;
+mod off_data;
 mod one_function;
 mod others;
 mod parts;

@@ -4,6 +4,7 @@ use super::clock::Drift;
 use super::excerpt::{finer, without_coarser};
 use super::hygiene::Fault;
 use super::numbers::{LEVEL, NOISE_MARGIN, RECORDER_LAG};
+use super::off_data::{self, off_data};
 use super::others::told_by_others;
 use super::parts::errors_of_parts;
 use super::placement::Placement;
@@ -16,7 +17,7 @@ use super::runs::Map;
 use super::search::{Found, search};
 use super::steps::{LongerSteps, are_alike};
 use super::study::{Closeness, Fitted, Model, Study};
-use super::subject::Subject;
+use super::subject::{FreeParameter, Subject};
 use super::tables::{all_estimates, channel_checks, fitted_parameters, next_experiment, summary, traces};
 use super::weights::first_weights;
 use super::zeros::zeros;
@@ -96,7 +97,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     };
     let bench = Bench::new(&subject.factory, &subject.fixed, threads)?;
     notes.extend(known.recorded.take_shorter_steps(&bench, &subject, &roles)?);
-    let asked = Asked { subject: &subject, roles: &roles, bench: &bench, notes };
+    let asked = Asked { subject: &subject, roles: &roles, bench: &bench, given: Vec::new(), notes };
     let Explained { diagnosis, parameters, attachments, intervals, step, check } =
         asked.explain(&known, progress)?;
     Ok(Outcome { diagnosis, parameters, attachments, intervals, step, check, subject })
@@ -107,6 +108,8 @@ struct Asked<'a> {
     subject: &'a Subject,
     roles: &'a Roles,
     bench: &'a Bench,
+    /// Given values that are fitted because they were found to be off.
+    given: Vec<FreeParameter>,
     /// What a reader has to know of how it is simulated.
     notes: Vec<String>,
 }
@@ -122,6 +125,12 @@ struct Explained {
 }
 
 impl Explained {
+    /// Whether the model's parameters are all that was off, and none of them is at a bound.
+    fn is_of_parameters(&self) -> bool {
+        let rest = self.diagnosis.without_faults.as_ref().map_or(self.diagnosis.verdict, |rest| rest.verdict);
+        rest == Verdict::Parameters && self.diagnosis.held().next().is_none()
+    }
+
     /// Whether all that is left without what is at fault has an explanation.
     fn leaves_nothing(&self) -> bool {
         let rest = self.diagnosis.without_faults.as_ref().map(|rest| rest.verdict);
@@ -166,7 +175,10 @@ impl Asked<'_> {
 
         progress("fitting the model's own parameters", 0.05);
         let derivatives = study.choose_free(&subject.free)?;
-        let mut base = refit(&mut study, Some(&derivatives))?;
+        study.free.extend(self.given.iter().cloned());
+        // of those that are given no derivatives are known
+        let derivatives = self.given.is_empty().then_some(derivatives);
+        let mut base = refit(&mut study, derivatives.as_ref())?;
         let mut base_rest = study.rest(&base.model, &study.check_runs)?;
 
         let against = |study: &Study<'_>, model: &Model| recorded.faults_against(study, subject, model);
@@ -177,8 +189,10 @@ impl Asked<'_> {
         let new: Vec<Fault> = gross.filter(is_new).collect();
         faults.extend(new);
         // what is known is left aside before the others are asked
-        if !faults.iter().any(|f| f.kind.is_gross()) {
-            faults.extend(told_by_others(&study, subject, &base, &derivatives, against)?);
+        if let Some(derivatives) = &derivatives
+            && !faults.iter().any(|f| f.kind.is_gross())
+        {
+            faults.extend(told_by_others(&study, subject, &base, derivatives, against)?);
         }
         let mut of_all = fatal(&faults);
         of_all.retain(|f| !f.kind.is_of_some_runs());
@@ -315,6 +329,33 @@ impl Asked<'_> {
         diagnosis.next_experiment = experiment::sentence(experiment.as_ref(), &next_experiment(&diagnosis));
         diagnosis.experiment = experiment;
         diagnosis.notes.extend(tables::cautions(&diagnosis, subject, roles));
+        let may_be_data = match verdict {
+            Verdict::Recording => false,
+            Verdict::Nothing | Verdict::Parameters => diagnosis.held().next().is_some(),
+            Verdict::Effect | Verdict::Family | Verdict::Unknown => true,
+        };
+        if self.given.is_empty() && may_be_data {
+            let mut off = off_data(&study, subject, &current, (&base_rest, &current_check))?.into_iter();
+            if let Some(best) = off.next() {
+                // a value that leaves nothing explains more than a function without a name, or parameters where they cannot be
+                if !matches!(verdict, Verdict::Effect | Verdict::Family) {
+                    let asked =
+                        Asked { given: vec![best.parameter.clone()], notes: self.notes.clone(), ..*self };
+                    let mut other = asked.explain(known, progress)?;
+                    if other.is_of_parameters() {
+                        other.diagnosis.notes.extend(off.map(|off| off.words(subject)));
+                        return Ok(other);
+                    }
+                } else {
+                    diagnosis.summary = format!("{} {}", diagnosis.summary, best.words(subject));
+                    diagnosis.notes.extend(off.map(|off| off.words(subject)));
+                }
+            }
+        }
+        for given in &self.given {
+            let name = &subject.interface.variables[given.variable].name;
+            diagnosis.summary = format!("{} {}", diagnosis.summary, off_data::words(&diagnosis, name));
+        }
         let check = traces(&study, subject, &base_model, &current.model, recorded)?;
         diagnosis.notes.extend(step.map(|step| {
             format!("The corrected model proposes a communication step of {step:?} s: with longer ones it leaves more than is said here.")

@@ -366,6 +366,11 @@ impl Diagnosis {
         verdict == Verdict::Unknown && unknown.parameters.is_empty() && mean(&left) < 1.0 - MOSTLY
     }
 
+    /// The parameters that ended at a bound of their range.
+    pub(crate) fn held(&self) -> impl Iterator<Item = &Fitted> {
+        self.parameters.iter().filter(|p| p.held_at.is_some())
+    }
+
     /// The text of `diagnosis.json`.
     ///
     /// # Errors

@@ -112,6 +112,12 @@ impl Subject {
         Ok(off)
     }
 
+    /// Where a parameter may be that is left out, if it is a number with a size.
+    pub(super) fn may_be(&self, variable: usize) -> Option<FreeParameter> {
+        free_parameter(&self.interface, &self.fixed, variable, None)
+            .filter(|p| p.nominal != 0.0 && p.high > p.low)
+    }
+
     /// What is said of inputs that neither recordings nor the user say anything of; `recorded` are those that recordings hold. What moves on a
     /// rig and is not recorded looks like physics that is missing.
     pub(super) fn what_stays(&self, recorded: &[usize]) -> Option<String> {
@@ -141,7 +147,7 @@ impl Subject {
             false => "The recordings do not hold all inputs of the model; where they start stay",
         };
         Some(format!(
-            "{whose}: {}. What moves on the rig and is not recorded looks like physics that is missing; `[inputs]` in a file of --parameters says where else they stand.",
+            "{whose}: {}. What moves on the rig and is not recorded looks like physics that is missing; [inputs] in a file of --parameters says where else they stand.",
             list.join(", ")
         ))
     }
@@ -259,24 +265,34 @@ fn value_of(info: &VariableInfo, variable: usize, fixed: &[(usize, Value)]) -> O
     }
 }
 
+/// A parameter that may be fitted within a range, or as far from its value as one without.
+fn free_parameter(
+    interface: &Interface,
+    fixed: &[(usize, Value)],
+    variable: usize,
+    range: Option<(f64, f64)>,
+) -> Option<FreeParameter> {
+    let info = &interface.variables[variable];
+    let nominal = value_of(info, variable, fixed)?;
+    let reach = REACH * nominal.abs();
+    let (low, high) = range.unwrap_or((nominal - reach, nominal + reach));
+    let low = low.max(info.min.unwrap_or(f64::NEG_INFINITY));
+    let high = high.min(info.max.unwrap_or(f64::INFINITY));
+    let scale = if nominal == 0.0 { 0.5 * (high - low) } else { nominal.abs() };
+    // whoever gives a range says that it may be anywhere in it: the deviation of a uniform distribution
+    let prior = if range.is_some() { (high - low).abs() / 12.0_f64.sqrt() / scale } else { PRIOR };
+    let nominal = nominal.clamp(low, high.max(low));
+    Some(FreeParameter { variable, nominal, scale, low, high, prior, asked: false })
+}
+
 fn free_parameters(
     interface: &Interface,
     fixed: &[(usize, Value)],
     settings: &Settings,
 ) -> Result<(Vec<FreeParameter>, Vec<LeftOut>)> {
     let parameter = |variable: usize, range: Option<(f64, f64)>| {
-        let info = &interface.variables[variable];
-        let nominal = value_of(info, variable, fixed)?;
-        let reach = REACH * nominal.abs();
-        let (low, high) = range.unwrap_or((nominal - reach, nominal + reach));
-        let low = low.max(info.min.unwrap_or(f64::NEG_INFINITY));
-        let high = high.min(info.max.unwrap_or(f64::INFINITY));
-        let asked = !settings.fit.is_empty();
-        let scale = if nominal == 0.0 { 0.5 * (high - low) } else { nominal.abs() };
-        // whoever gives a range says that it may be anywhere in it: the deviation of a uniform distribution
-        let prior = if range.is_some() { (high - low).abs() / 12.0_f64.sqrt() / scale } else { PRIOR };
-        let nominal = nominal.clamp(low, high.max(low));
-        Some(FreeParameter { variable, nominal, scale, low, high, prior, asked })
+        let found = free_parameter(interface, fixed, variable, range)?;
+        Some(FreeParameter { asked: !settings.fit.is_empty(), ..found })
     };
     if settings.fit.is_empty() {
         let (mut free, mut left_out) = (Vec::new(), Vec::new());

@@ -110,12 +110,12 @@ pub(super) fn zeros(study: &Study<'_>, subject: &Subject, fitted: &Fitted) -> Ve
 
 /// What a reader has to know of parameters that ended at a bound, and of forces that could not be looked for.
 pub(super) fn cautions(diagnosis: &Diagnosis, subject: &Subject, roles: &Roles) -> Vec<String> {
-    let held = diagnosis.parameters.iter().filter_map(|p| Some((p, p.held_at?)));
-    let mut notes: Vec<String> = held
-        .map(|(p, bound)| {
+    let mut notes: Vec<String> = diagnosis
+        .held()
+        .map(|p| {
             format!(
-                "{} ended at {bound:.3e} {}, the bound of its range: its range is too narrow ([fit] can give another), or it stands in for what is missing.",
-                p.name, p.unit
+                "{} ended at {:.3e} {}, the bound of its range: its range is too narrow ([fit] can give another), or it stands in for what is missing.",
+                p.name, p.value, p.unit
             )
         })
         .collect();
@@ -223,11 +223,21 @@ pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, 
     let all = |findings: &[Finding]| findings.iter().map(name).collect::<Vec<_>>().join("; then ");
     match (diagnosis.verdict, &diagnosis.findings[..]) {
         (Verdict::Recording, _) => at_fault(diagnosis),
-        (Verdict::Parameters, _) => format!(
-            "The parameters were off, nothing is missing: refitted on other runs they lower the error of the check runs by {:.0} %. {}",
-            root(base, nominal),
-            what_remains(&diagnosis.check)
-        ),
+        (Verdict::Parameters, _) => {
+            let held: Vec<&str> = diagnosis.held().map(|p| p.name.as_str()).collect();
+            let off = match &held[..] {
+                [] => "The parameters were off, nothing is missing".to_owned(),
+                held => format!(
+                    "The parameters were off, or stand in for what is: {} ended at a bound",
+                    held.join(", ")
+                ),
+            };
+            format!(
+                "{off}; refitted on other runs they lower the error of the check runs by {:.0} %. {}",
+                root(base, nominal),
+                what_remains(&diagnosis.check)
+            )
+        }
         (Verdict::Effect, findings) => format!(
             "The model lacks: {}. With {} the error of the check runs is {gain:.0} % lower than after refitting the parameters alone.",
             all(findings),
@@ -246,8 +256,8 @@ pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, 
             unknown(first, &all(names), gain, diagnosis.is_mostly_named())
         }
         _ => {
-            let held = diagnosis.parameters.iter().any(|p| p.held_at.is_some());
-            let parameters = if held { "" } else { " Its parameters need no change." };
+            let parameters =
+                if diagnosis.held().next().is_some() { "" } else { " Its parameters need no change." };
             format!(
                 "Nothing is missing: the model explains the check runs as well as anything that was tried.{parameters}"
             )
