@@ -2,7 +2,7 @@
 //! parameters at the ends of their ranges, like an effect, or like something without a name.
 
 use super::given::DATA;
-use super::numbers::{LEVEL, MIN_GAIN};
+use super::numbers::{LEVEL, MIN_GAIN, MOSTLY};
 use super::refit::{FINAL, FIRST};
 use super::rest::{Rest, differences};
 use super::result::Diagnosis;
@@ -57,7 +57,8 @@ fn is_off(name: &str, given: f64, (value, [low, high]): (f64, [f64; 2]), unit: &
 
 /// The values that explain as much as a fitted model with all that was found, the best first: with one of them fitted in place of that, what
 /// is left of the check runs is no more but for chance, no parameter ends at a bound, and the given value is not in the interval. Where no
-/// parameter of the model is at a bound, it is less than what is left without anything that was found, too, by more than chance makes.
+/// parameter of the model is at a bound, it takes away the better half of what all that was found does, or, where nothing was, more than
+/// chance makes.
 ///
 /// # Errors
 /// A model that cannot be run.
@@ -68,6 +69,7 @@ pub(super) fn off_data(
     (base, check): (&Rest, &Rest),
 ) -> Result<Vec<OffData>> {
     let is_held = current.fit.held_by_bounds(&current.unknowns).iter().any(|k| *k < study.free.len());
+    let has_effects = !current.model.effects.is_empty();
     let given: Vec<FreeParameter> = subject
         .left_out
         .iter()
@@ -81,9 +83,10 @@ pub(super) fn off_data(
         let units = off.rest.by_channel();
         let blocks = |rest: &Rest| rest.in_units(&units);
         let is_as_good = sign_flip(&differences(&blocks(&off.rest), &blocks(check))) > LEVEL;
-        let gains = sign_flip(&differences(&blocks(base), &blocks(&off.rest))) < level
-            && off.rest.total < (1.0 - MIN_GAIN) * base.total;
-        is_as_good && (is_held || gains)
+        let gained = |rest: &Rest| base.total - rest.total;
+        let is_worth_it = gained(&off.rest) > (MOSTLY * gained(check)).max(MIN_GAIN * base.total);
+        let by_chance = || sign_flip(&differences(&blocks(base), &blocks(&off.rest))) >= level;
+        is_as_good && (is_held || is_worth_it && (has_effects || !by_chance()))
     };
     let mut off: Vec<OffData> = fitted.into_iter().flatten().flatten().filter(explains).collect();
     off.sort_by(|a, b| a.rest.total.total_cmp(&b.rest.total));

@@ -490,6 +490,27 @@ def test_rounding_is_no_physics(tmp_path, single):
     assert all(p["held_at"] is None and p["value"] == pytest.approx(p["start"], rel=1e-4) for p in found["parameters"])
 
 
+def test_a_weight_that_was_changed_on_the_rig_and_not_in_the_file_is_found(tmp_path):
+    """It is given and not fitted, so that the refit bends masses to their bounds."""
+    (tmp_path / "inputs").mkdir()
+    time = np.arange(0, 3, 0.005)
+    for k, speed in enumerate([3.0, 4.0, 5.0]):
+        speed = np.interp(time, [0.3, 2.0], [2.0, speed])
+        write(tmp_path / "inputs" / f"run-{k}.csv", "time [s],drum_speed [m/s]", time, speed)
+    channels = "drum_speed,arm_acceleration_1,wheel_speed,drum_torque,arm_displacement"
+    latsch("simulate", "linear-drum", "--inputs", tmp_path / "inputs", "--output", tmp_path / "runs", "--interval", "0.005",
+           "--noise", "0.01", "--channels", channels, "--set", "weight_mass=450")
+    latsch("diagnose", "linear-drum", "--recordings", tmp_path / "runs", "--output", tmp_path / "out")
+    found = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
+    assert (found["verdict"], found["findings"]) == ("parameters", []), found["summary"]
+    assert "the given weight_mass is off, not 523.3 kg but 4" in found["summary"], found["summary"]
+    weight = {p["name"]: p for p in found["parameters"]}["weight_mass"]
+    assert weight["low"] < 450 < weight["high"], weight
+    assert not any(p["held_at"] for p in found["parameters"])
+    # and what the recordings do not hold is said
+    assert any("pivot_torque = 0 N.m" in note for note in found["notes"]), found["notes"]
+
+
 BETWEEN = {
     # a tire that stands under a swinging deflection, without noise: damping goes by slopes between samples
     "sine": ("fiala-flat-track", [], lambda t, k: {"deflection [m]": 0.02 + 0.004 * np.sin((6 + 5 * k) * t)}),
