@@ -63,11 +63,13 @@ impl Left {
         (fit, check): (&Rest, &Rest),
     ) -> Self {
         let runs = &study.check_runs;
-        let errors = check.by_channel();
         let (fit_told, check_told) = (study.telling(&study.fit_runs, fit), study.telling(runs, check));
         let before = locate::Seen { runs: &study.fit_runs, simulated: &fit_told };
         let then = locate::Seen { runs, simulated: &check_told };
         let samples: usize = runs.iter().map(|r| r.time.len()).sum();
+        // as they are, resolved or not
+        let squared = |c: usize| samples as f64 * (study.error(check, c) * study.weights[c]).powi(2);
+        let errors: Vec<f64> = (0..study.weights.len()).map(squared).collect();
         // a part of an error is no more than the whole
         let resolved = |c: usize| samples as f64 * (resolution(runs, c) * study.weights[c]).powi(2);
         let mut foretold = 0.0;

@@ -89,7 +89,7 @@ pub fn diagnose(request: &Request, progress: &mut dyn FnMut(&str, f64)) -> Resul
     let switched = subject.follow_recorded_motions(&known.recorded.inputs())?;
     let mut notes: Vec<String> =
         switched.iter().map(|v| motions_are_followed(&subject.interface.variables[*v].name)).collect();
-    notes.extend(subject.what_stays(&known.recorded.inputs()));
+    notes.extend(subject.what_stays(&known.recorded.inputs(), &roles));
     let threads = if request.threads > 0 {
         request.threads
     } else {
@@ -324,7 +324,7 @@ impl Asked<'_> {
             notes,
             ..Diagnosis::default()
         };
-        let total = (nominal_rest.total, base_rest.total, current_check.total);
+        let total = (nominal_rest.cost, base_rest.cost, current_check.cost);
         diagnosis.summary = summary(&diagnosis, total);
         diagnosis.next_experiment = experiment::sentence(experiment.as_ref(), &next_experiment(&diagnosis));
         diagnosis.experiment = experiment;

@@ -3,6 +3,7 @@
 
 use super::given::why_given;
 use super::numbers::PRIOR;
+use super::roles::Roles;
 use crate::cosimulate::{Source, System, SystemSlave, read_system};
 use crate::fit::Factory;
 use crate::fmi::Entry;
@@ -119,10 +120,14 @@ impl Subject {
     }
 
     /// What is said of inputs that neither recordings nor the user say anything of; `recorded` are those that recordings hold. What moves on a
-    /// rig and is not recorded looks like physics that is missing.
-    pub(super) fn what_stays(&self, recorded: &[usize]) -> Option<String> {
+    /// rig and is not recorded looks like physics that is missing; a force that is zero by itself is looked for.
+    pub(super) fn what_stays(&self, recorded: &[usize], roles: &Roles) -> Option<String> {
+        let is_looked_for = |variable: usize, info: &VariableInfo| {
+            roles.is(variable, crate::effect::Role::Force) && value_of(info, variable, &[]) == Some(0.0)
+        };
         let stays = |(variable, info): &(usize, &VariableInfo)| {
             info.causality == Causality::Input
+                && !is_looked_for(*variable, info)
                 && !recorded.contains(variable)
                 && !self.fixed.iter().any(|(v, _)| v == variable)
         };
@@ -353,18 +358,23 @@ mod tests {
     fn what_is_not_recorded_is_said_to_stay() {
         let mut subject = Subject::load("fiala-flat-track", &Settings::default()).unwrap();
         let inputs: Vec<usize> = subject.interface.with(Causality::Input).collect();
-        assert_eq!(subject.what_stays(&inputs), None);
+        let roles = Roles::of(&subject.interface, &[]).unwrap();
         let find = |name: &str| subject.interface.index(name).unwrap();
         let (load, angle, factor) = (find("load"), find("slip_angle"), find("friction_factor"));
         let recorded: Vec<usize> =
             inputs.iter().copied().filter(|v| ![load, angle, factor].contains(v)).collect();
+        assert_eq!(subject.what_stays(&inputs, &roles), None);
         // what the user has set is no news
         subject.fixed.push((angle, Value::Real(0.02)));
-        let words = subject.what_stays(&recorded).unwrap();
+        let words = subject.what_stays(&recorded, &roles).unwrap();
         assert!(words.starts_with("The recordings do not hold all inputs"), "{words}");
         assert!(words.contains("stay: friction_factor = 1, load = 4000 N. "), "{words}");
-        let words = subject.what_stays(&[]).unwrap();
+        let words = subject.what_stays(&[], &roles).unwrap();
         assert!(words.starts_with("The recordings hold no input") && words.contains("deflection = 0.02 m"));
+        // forces that are zero by themselves are tried
+        let drum = Subject::load("linear-drum", &Settings::default()).unwrap();
+        let words = drum.what_stays(&[], &Roles::of(&drum.interface, &[]).unwrap()).unwrap();
+        assert!(words.contains("drum_speed") && !words.contains("torque"), "{words}");
     }
 
     /// The real parameters of a shipped model with the inputs that a recording holds: those that may be fitted, and

@@ -508,7 +508,7 @@ def test_a_weight_that_was_changed_on_the_rig_and_not_in_the_file_is_found(tmp_p
     assert weight["low"] < 450 < weight["high"], weight
     assert not any(p["held_at"] for p in found["parameters"])
     # and what the recordings do not hold is said
-    assert any("pivot_torque = 0 N.m" in note for note in found["notes"]), found["notes"]
+    assert any("friction_factor = 1." in note for note in found["notes"]), found["notes"]
 
 
 BETWEEN = {
