@@ -4,7 +4,7 @@ use super::clock::Drift;
 use super::excerpt::{finer, without_coarser};
 use super::hygiene::Fault;
 use super::numbers::{LEVEL, NOISE_MARGIN, RECORDER_LAG};
-use super::off_data::{self, off_data};
+use super::off_data::{self, OffData, off_data};
 use super::others::told_by_others;
 use super::parts::errors_of_parts;
 use super::placement::Placement;
@@ -335,21 +335,9 @@ impl Asked<'_> {
             Verdict::Effect | Verdict::Family | Verdict::Unknown => true,
         };
         if self.given.is_empty() && may_be_data {
-            let mut off = off_data(&study, subject, &current, (&base_rest, &current_check))?.into_iter();
-            if let Some(best) = off.next() {
-                // a value that leaves nothing explains more than a function without a name, or parameters where they cannot be
-                if !matches!(verdict, Verdict::Effect | Verdict::Family) {
-                    let asked =
-                        Asked { given: vec![best.parameter.clone()], notes: self.notes.clone(), ..*self };
-                    let mut other = asked.explain(known, progress)?;
-                    if other.is_of_parameters() {
-                        other.diagnosis.notes.extend(off.map(|off| off.words(subject)));
-                        return Ok(other);
-                    }
-                } else {
-                    diagnosis.summary = format!("{} {}", diagnosis.summary, best.words(subject));
-                    diagnosis.notes.extend(off.map(|off| off.words(subject)));
-                }
+            let off = off_data(&study, subject, &current, (&base_rest, &current_check))?;
+            if let Some(other) = self.with_data(known, verdict, &off, &mut diagnosis, progress)? {
+                return Ok(other);
             }
         }
         for given in &self.given {
@@ -371,6 +359,32 @@ impl Asked<'_> {
         let attachments = current.model.effects.iter().flat_map(|(p, v)| p.attach(v)).collect();
         let intervals = intervals(&study, &current);
         Ok(Explained { diagnosis, parameters, attachments, intervals, step, check })
+    }
+
+    /// What given values change that may be off: names may be right as well, which is said beside them; but one that leaves nothing explains
+    /// more than a function without a name, or parameters where they cannot be, and is the answer in place of these.
+    fn with_data(
+        &self,
+        known: &Known,
+        verdict: Verdict,
+        off: &[OffData],
+        diagnosis: &mut Diagnosis,
+        progress: &mut dyn FnMut(&str, f64),
+    ) -> Result<Option<Explained>> {
+        let Some((best, others)) = off.split_first() else { return Ok(None) };
+        let others = others.iter().map(|other| other.words(self.subject));
+        if matches!(verdict, Verdict::Effect | Verdict::Family) {
+            diagnosis.summary = format!("{} {}", diagnosis.summary, best.words(self.subject));
+            diagnosis.notes.extend(others);
+            return Ok(None);
+        }
+        let asked = Asked { given: vec![best.parameter.clone()], notes: self.notes.clone(), ..*self };
+        let mut other = asked.explain(known, progress)?;
+        if !other.is_of_parameters() {
+            return Ok(None);
+        }
+        other.diagnosis.notes.extend(others);
+        Ok(Some(other))
     }
 }
 
