@@ -146,10 +146,14 @@ fn text(outcome: &Outcome) -> String {
             times => format!(", {} times its noise", digits(times, 2)),
         });
         let [before, after] = [check.before, check.after].map(|error| short(error, 3));
+        // where nothing was corrected there is one number
+        let error = match before == after {
+            true => format!("{after} {} after the refit", check.unit),
+            false => format!("{before} -> {after} {}", check.unit),
+        };
         lines.push(format!(
-            "  {:<28} error on the check runs {before} -> {after} {}{}",
+            "  {:<28} error on the check runs {error}{}",
             check.channel,
-            check.unit,
             times.unwrap_or_default()
         ));
     }
