@@ -71,7 +71,7 @@ impl Drift {
         let right = |t: &f64| start + (t - start) * (1.0 - self.error.value);
         let end = drive.time.last().copied().unwrap_or(start);
         run.time = run.time.iter().map(right).take_while(|t| *t <= end).collect();
-        run.channels.iter_mut().for_each(|c| c.values.truncate(run.time.len()));
+        run.channels.iter_mut().for_each(|c| *c = c.samples(0..run.time.len()));
         recording.time = recording.time.iter().map(right).take_while(|t| *t <= end).collect();
         for channel in &mut recording.channels {
             // inputs have times of their own
