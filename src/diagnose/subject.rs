@@ -129,7 +129,7 @@ impl Subject {
             info.causality == Causality::Input
                 && !is_looked_for(*variable, info)
                 && !recorded.contains(variable)
-                && !self.fixed.iter().any(|(v, _)| v == variable)
+                && !self.is_given(*variable)
         };
         let stay: Vec<(usize, &VariableInfo)> =
             self.interface.variables.iter().enumerate().filter(stays).collect();
@@ -159,17 +159,19 @@ impl Subject {
 
     /// Switches of actuators, turned off, of what these inputs drive, where nobody has set them.
     pub(super) fn actuators_of(&self, recorded: &[usize]) -> Vec<(usize, Value)> {
+        follow_recorded_motions(&self.interface, recorded, |variable| self.is_given(variable))
+    }
+
+    /// Whether somebody has set a variable: the user, the file of a shipped model, or that of a wired system.
+    fn is_given(&self, variable: usize) -> bool {
         let own = match &self.base {
             Base::Shipped(_, settings) => &settings.values[..],
             _ => &[],
         };
-        let is_given = |variable: usize| {
-            let name = &self.interface.variables[variable].name;
-            self.fixed.iter().any(|(v, _)| *v == variable)
-                || own.iter().any(|s| s.name == *name)
-                || self.set_in_system.contains(name)
-        };
-        follow_recorded_motions(&self.interface, recorded, is_given)
+        let name = &self.interface.variables[variable].name;
+        self.fixed.iter().any(|(v, _)| *v == variable)
+            || own.iter().any(|s| s.name == *name)
+            || self.set_in_system.contains(name)
     }
 
     /// The communication step \[s\] that the model has and no other: that of a wired system, or of an FMU that names one and does not
