@@ -5,7 +5,6 @@ use super::given::DATA;
 use super::numbers::{LEVEL, MIN_GAIN, MOSTLY};
 use super::refit::{FINAL, FIRST};
 use super::rest::{Rest, differences};
-use super::result::Diagnosis;
 use super::study::{Fitted, Model, Study};
 use super::subject::{FreeParameter, Subject};
 use crate::Result;
@@ -35,24 +34,21 @@ impl OffData {
     pub fn words(&self, subject: &Subject) -> String {
         let info = &subject.interface.variables[self.parameter.variable];
         let unit = info.unit.as_deref().unwrap_or("1");
-        format!(
-            "Or {}: fitted in place of that, it explains as much. Measure it.",
-            is_off(&info.name, self.parameter.nominal, (self.value, self.ends), unit)
-        )
+        let is_off = is_off(&info.name, self.parameter.nominal, (self.value, self.ends), unit);
+        format!("Or the given {is_off}: fitted in place of that, it explains as much. Measure it.")
     }
 }
 
-/// What is said of a value that is fitted because it was found to be off.
-pub(super) fn words(diagnosis: &Diagnosis, name: &str) -> String {
-    let Some(p) = diagnosis.parameters.iter().find(|p| p.name == name) else { return String::new() };
-    let ends = [p.low.unwrap_or(f64::NAN), p.high.unwrap_or(f64::NAN)];
-    format!("Found beside what is fitted as a rule: {}.", is_off(name, p.start, (p.value, ends), &p.unit))
+/// What is said of a value that is fitted because it was found to be off: `weight_mass is off, not 523 kg but 450 (440 to 460) kg`.
+pub(super) fn in_words(fitted: &super::result::Fitted) -> String {
+    let ends = [fitted.low, fitted.high].map(|end| end.unwrap_or(f64::NAN));
+    is_off(&fitted.name, fitted.start, (fitted.value, ends), &fitted.unit)
 }
 
 fn is_off(name: &str, given: f64, (value, [low, high]): (f64, [f64; 2]), unit: &str) -> String {
     let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-    let [value, low, high] = [value, low, high].map(number);
-    format!("the given {name} is off, not {}{unit} but {value} ({low} to {high}){unit}", number(given))
+    let [given, value, low, high] = [given, value, low, high].map(number);
+    format!("{name} is off, not {given}{unit} but {value} ({low} to {high}){unit}")
 }
 
 /// The values that explain as much as a fitted model with all that was found, the best first: with one of them fitted in place of that, what

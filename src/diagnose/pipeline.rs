@@ -4,7 +4,7 @@ use super::clock::Drift;
 use super::excerpt::{finer, without_coarser};
 use super::hygiene::Fault;
 use super::numbers::{LEVEL, NOISE_MARGIN, RECORDER_LAG};
-use super::off_data::{self, OffData, off_data};
+use super::off_data::{OffData, off_data};
 use super::others::told_by_others;
 use super::parts::errors_of_parts;
 use super::placement::Placement;
@@ -325,7 +325,9 @@ impl Asked<'_> {
             ..Diagnosis::default()
         };
         let total = (nominal_rest.cost, base_rest.cost, current_check.cost);
-        diagnosis.summary = summary(&diagnosis, total);
+        let name = |p: &FreeParameter| subject.interface.variables[p.variable].name.as_str();
+        let given: Vec<&str> = self.given.iter().map(name).collect();
+        diagnosis.summary = summary(&diagnosis, total, &given);
         diagnosis.next_experiment = experiment::sentence(experiment.as_ref(), &next_experiment(&diagnosis));
         diagnosis.experiment = experiment;
         diagnosis.notes.extend(tables::cautions(&diagnosis, subject, roles));
@@ -339,10 +341,6 @@ impl Asked<'_> {
             if let Some(other) = self.with_data(known, verdict, &off, &mut diagnosis, progress)? {
                 return Ok(other);
             }
-        }
-        for given in &self.given {
-            let name = &subject.interface.variables[given.variable].name;
-            diagnosis.summary = format!("{} {}", diagnosis.summary, off_data::words(&diagnosis, name));
         }
         let check = traces(&study, subject, &base_model, &current.model, recorded)?;
         diagnosis.notes.extend(step.map(|step| {

@@ -1,6 +1,7 @@
 //! What a diagnosis tells in numbers and sentences: estimates, errors, traces, the summary.
 
 use super::negligible::negligible;
+use super::off_data;
 use super::pipeline::CheckTraces;
 use super::placement::Placement;
 use super::reading::Recorded;
@@ -210,11 +211,15 @@ pub(super) fn traces(
     Ok(check)
 }
 
-/// The answer in sentences.
-pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, f64)) -> String {
+/// The answer in sentences; `given` are the names of given values that are fitted because they were found to be off.
+pub(super) fn summary(
+    diagnosis: &Diagnosis,
+    (nominal, base, after): (f64, f64, f64),
+    given: &[&str],
+) -> String {
     if let Some(without) = &diagnosis.without_faults {
         let rest = Diagnosis { verdict: without.verdict, without_faults: None, ..diagnosis.clone() };
-        let rest = summary(&rest, (nominal, base, after));
+        let rest = summary(&rest, (nominal, base, after), given);
         return format!("{} Without {}: {rest}", at_fault(diagnosis), without.words());
     }
     let root = |a: f64, b: f64| 100.0 * (1.0 - (a / b.max(f64::MIN_POSITIVE)).sqrt());
@@ -225,15 +230,25 @@ pub(super) fn summary(diagnosis: &Diagnosis, (nominal, base, after): (f64, f64, 
         (Verdict::Recording, _) => at_fault(diagnosis),
         (Verdict::Parameters, _) => {
             let held: Vec<&str> = diagnosis.held().map(|p| p.name.as_str()).collect();
-            let off = match &held[..] {
-                [] => "The parameters were off, nothing is missing".to_owned(),
-                held => format!(
-                    "The parameters were off, or stand in for what is: {} ended at a bound",
+            let off: Vec<String> = (diagnosis.parameters.iter())
+                .filter(|p| given.contains(&p.name.as_str()))
+                .map(|p| format!("the given {}", off_data::in_words(p)))
+                .collect();
+            let off = match (&off[..], &held[..]) {
+                ([], []) => {
+                    "The parameters were off, nothing is missing: refitted on other runs they".to_owned()
+                }
+                ([], held) => format!(
+                    "The parameters were off, or stand in for what is missing ({} ended at a bound): refitted on other runs they",
                     held.join(", ")
+                ),
+                (off, _) => format!(
+                    "Nothing is missing, but {}: refitted with it on other runs the parameters",
+                    off.join(" and ")
                 ),
             };
             format!(
-                "{off}; refitted on other runs they lower the error of the check runs by {:.0} %. {}",
+                "{off} lower the error of the check runs by {:.0} %. {}",
                 root(base, nominal),
                 what_remains(&diagnosis.check)
             )
