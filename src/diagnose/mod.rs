@@ -44,6 +44,7 @@ mod subject;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod unrecorded;
 mod wander;
 mod weights;
 mod witnesses;

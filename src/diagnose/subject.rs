@@ -3,7 +3,6 @@
 
 use super::given::why_given;
 use super::numbers::PRIOR;
-use super::roles::Roles;
 use crate::cosimulate::{Source, System, SystemSlave, read_system};
 use crate::fit::Factory;
 use crate::fmi::Entry;
@@ -18,8 +17,6 @@ use std::sync::Arc;
 
 /// How far a parameter without bounds of its own may move from its nominal value, as a share of it.
 const REACH: f64 = 0.5;
-/// Inputs that are listed at most.
-const MOST_LISTED: usize = 12;
 /// The filter of a rig's actuators.
 const FILTER: &str = "actuator_frequency";
 /// Why a parameter is left out, if not by what it is.
@@ -119,51 +116,13 @@ impl Subject {
             .filter(|p| p.nominal != 0.0 && p.high > p.low)
     }
 
-    /// What is said of inputs that neither recordings nor the user say anything of; `recorded` are those that recordings hold. What moves on a
-    /// rig and is not recorded looks like physics that is missing; a force that is zero by itself is looked for.
-    pub(super) fn what_stays(&self, recorded: &[usize], roles: &Roles) -> Option<String> {
-        let is_looked_for = |variable: usize, info: &VariableInfo| {
-            roles.is(variable, crate::effect::Role::Force) && value_of(info, variable, &[]) == Some(0.0)
-        };
-        let stays = |(variable, info): &(usize, &VariableInfo)| {
-            info.causality == Causality::Input
-                && !is_looked_for(*variable, info)
-                && !recorded.contains(variable)
-                && !self.is_given(*variable)
-        };
-        let stay: Vec<(usize, &VariableInfo)> =
-            self.interface.variables.iter().enumerate().filter(stays).collect();
-        if stay.is_empty() {
-            return None;
-        }
-        let named = |(variable, info): &(usize, &VariableInfo)| match value_of(info, *variable, &[]) {
-            Some(value) => match info.unit.as_deref().filter(|unit| *unit != "1") {
-                Some(unit) => format!("{} = {value} {unit}", info.name),
-                None => format!("{} = {value}", info.name),
-            },
-            None => info.name.clone(),
-        };
-        let mut list: Vec<String> = stay.iter().take(MOST_LISTED).map(named).collect();
-        if stay.len() > MOST_LISTED {
-            list.push(format!("{} more", stay.len() - MOST_LISTED));
-        }
-        let whose = match recorded.is_empty() {
-            true => "The recordings hold no input of the model, so that all stay where they start",
-            false => "The recordings do not hold all inputs of the model; where they start stay",
-        };
-        Some(format!(
-            "{whose}: {}. What moves on the rig and is not recorded looks like physics that is missing; [inputs] in a file of --parameters says where else they stand.",
-            list.join(", ")
-        ))
-    }
-
     /// Switches of actuators, turned off, of what these inputs drive, where nobody has set them.
     pub(super) fn actuators_of(&self, recorded: &[usize]) -> Vec<(usize, Value)> {
         follow_recorded_motions(&self.interface, recorded, |variable| self.is_given(variable))
     }
 
     /// Whether somebody has set a variable: the user, the file of a shipped model, or that of a wired system.
-    fn is_given(&self, variable: usize) -> bool {
+    pub(super) fn is_given(&self, variable: usize) -> bool {
         let own = match &self.base {
             Base::Shipped(_, settings) => &settings.values[..],
             _ => &[],
@@ -263,7 +222,8 @@ pub(super) fn wired(file: &Path) -> Result<(System, f64)> {
     Ok((loaded, step))
 }
 
-fn value_of(info: &VariableInfo, variable: usize, fixed: &[(usize, Value)]) -> Option<f64> {
+/// The number that a variable has, as it is set or where it starts.
+pub(super) fn value_of(info: &VariableInfo, variable: usize, fixed: &[(usize, Value)]) -> Option<f64> {
     let set = fixed.iter().find(|(v, _)| *v == variable).map(|(_, value)| value);
     match set.or(info.start.as_ref()) {
         Some(Value::Real(v)) => Some(*v),
@@ -355,29 +315,6 @@ fn why_passed_by(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_is_not_recorded_is_said_to_stay() {
-        let mut subject = Subject::load("fiala-flat-track", &Settings::default()).unwrap();
-        let inputs: Vec<usize> = subject.interface.with(Causality::Input).collect();
-        let roles = Roles::of(&subject.interface, &[]).unwrap();
-        let find = |name: &str| subject.interface.index(name).unwrap();
-        let (load, angle, factor) = (find("load"), find("slip_angle"), find("friction_factor"));
-        let recorded: Vec<usize> =
-            inputs.iter().copied().filter(|v| ![load, angle, factor].contains(v)).collect();
-        assert_eq!(subject.what_stays(&inputs, &roles), None);
-        // what the user has set is no news
-        subject.fixed.push((angle, Value::Real(0.02)));
-        let words = subject.what_stays(&recorded, &roles).unwrap();
-        assert!(words.starts_with("The recordings do not hold all inputs"), "{words}");
-        assert!(words.contains("stay: friction_factor = 1, load = 4000 N. "), "{words}");
-        let words = subject.what_stays(&[], &roles).unwrap();
-        assert!(words.starts_with("The recordings hold no input") && words.contains("deflection = 0.02 m"));
-        // forces that are zero by themselves are tried
-        let drum = Subject::load("linear-drum", &Settings::default()).unwrap();
-        let words = drum.what_stays(&[], &Roles::of(&drum.interface, &[]).unwrap()).unwrap();
-        assert!(words.contains("drum_speed") && !words.contains("torque"), "{words}");
-    }
 
     /// The real parameters of a shipped model with the inputs that a recording holds: those that may be fitted, and
     /// those that are left out, with the reason.
