@@ -53,7 +53,8 @@ pub fn run(args: &Args) -> Result<()> {
             let (changed, lost) = change(&mut document, &own)?;
             lost.iter().for_each(|lost| warn(&format!("{} does not have {lost}", output.display())));
             write_file(output, document.bytes())?;
-            print(&format!("{changed} values differ from {}", args.file.display()))?;
+            let differ = if changed == 1 { "value differs" } else { "values differ" };
+            print(&format!("{changed} {differ} from {}", args.file.display()))?;
         }
         _ => {
             return Err(Error::call(format!(

@@ -451,9 +451,9 @@ impl<'a> Road<'a> {
         }
         let lanes = if road.right.is_some() { 2 } else { 1 };
         road.lost.push(format!(
-            "{} long sections: {} across the road is used",
+            "{} long sections: {} used",
             self.across.len(),
-            if lanes == 2 { "two places" } else { "one place" }
+            if lanes == 2 { "two places across the road are" } else { "one place across the road is" }
         ));
         if self.header.comments {
             road.lost.push("the comments of $CT".into());
