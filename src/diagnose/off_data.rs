@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Values that are fitted with the parameters at most, one at a time; those of which derivatives promise most. A tire's file has hundreds.
 const MOST: usize = 12;
-/// The step of differences by a value, as a share of it.
+/// The step of differences by a value, as a share of it: they only rank, so that one is enough that stands out from rounding in every model.
 const STEP: f64 = 0.01;
 
 /// A value that may be off.
