@@ -476,7 +476,7 @@ def program_of(option):
     built = ROOT / "target" / "release" / "latsch"
     found = built if built.is_file() else shutil.which("latsch")
     if not found:
-        raise Wrong("the program latsch is not there; build it (cargo build --release), install it (scripts/install), or name it with --latsch")
+        raise Wrong("the program latsch is not there; build it (cargo build --release), install it (cargo install --path .), or name it with --latsch")
     return pathlib.Path(found).resolve()
 
 

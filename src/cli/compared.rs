@@ -1,7 +1,8 @@
 //! What a simulation is compared with a measurement under, as arguments.
 
+use super::mapped::Mapped;
 use latsch::comparison::{Conditions, behind_low_pass};
-use latsch::recording::{Recording, read_recording};
+use latsch::recording::Recording;
 use latsch::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -27,18 +28,15 @@ impl Compared {
 
     /// # Errors
     /// A window that is none, a recording that cannot be read, a low-pass that does not fit it.
-    pub fn conditions(&self) -> Result<Conditions> {
-        let repeat = |file: &PathBuf| {
-            let recording = read_recording(file)?;
-            match self.low_pass {
-                Some(frequency) => latsch::comparison::low_pass(&recording, frequency),
-                None => Ok(recording),
-            }
+    pub fn conditions(&self, map: &Mapped) -> Result<Conditions> {
+        let repeat = |recording: Recording| match self.low_pass {
+            Some(frequency) => latsch::comparison::low_pass(&recording, frequency),
+            None => Ok(recording),
         };
         Ok(Conditions {
             low_pass: self.low_pass,
             swing: self.swing.as_deref().map(|text| super::span("--swing", text)).transpose()?,
-            repeats: self.repeat.iter().map(repeat).collect::<Result<_>>()?,
+            repeats: map.recordings(&self.repeat)?.into_iter().map(repeat).collect::<Result<_>>()?,
         })
     }
 }

@@ -2,13 +2,14 @@
 
 use super::compared::{Compared, sides};
 use super::console::bar;
+use super::mapped::Mapped;
 use super::{check_outputs, print, warn};
 use latsch::cosimulate::{
     Experiment, FrictionLevel, Outcome, Plan, Port, PortName, System, Until, WheelMatch, cosimulate_until,
     energy_warnings, friction_inputs, friction_level, read_system,
 };
 use latsch::model::{Kind, Value};
-use latsch::recording::{Recording, profile_value, read_recording, write_recording};
+use latsch::recording::{Columns, Recording, profile_value, write_recording};
 use latsch::report::{Beside, simulation_report, write_html};
 use latsch::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -74,18 +75,22 @@ pub struct Args {
     #[arg(long, value_name = "F.csv")]
     inputs: Option<PathBuf>,
     #[command(flatten)]
+    map: Mapped,
+    #[command(flatten)]
     compared: Compared,
 }
 
 pub fn run(args: &Args) -> Result<()> {
+    let recorded = args.inputs.is_some() || args.replay.is_some() || args.compared.read().next().is_some();
+    args.map.needs(recorded, "--inputs, --replay or --repeat")?;
     let mut file = read_system(&args.system)?;
     let plan = &mut file.plan;
     if let Some(inputs) = &args.inputs {
-        drive_with(plan, inputs)?;
+        drive_with(plan, inputs, args.map.columns()?)?;
     }
     let mut files = plan.files();
     files.push(&args.system);
-    files.extend(args.replay.as_deref());
+    files.extend(args.replay.as_deref().into_iter().chain(args.map.file()));
     files.extend(args.compared.read());
     let outputs: Vec<&Path> =
         std::iter::once(&args.output).chain(&args.report).map(PathBuf::as_path).collect();
@@ -95,8 +100,8 @@ pub fn run(args: &Args) -> Result<()> {
     }
     plan.iterate = args.iterate.unwrap_or(plan.iterate);
     plan.halvings = args.halvings.unwrap_or(plan.halvings);
-    let replay = args.replay.as_deref().map(read_recording).transpose()?;
-    let conditions = args.compared.conditions()?;
+    let replay = args.replay.as_deref().map(|file| args.map.recording(file)).transpose()?;
+    let conditions = args.compared.conditions(&args.map)?;
     let fresh = || opened(plan, args, replay.as_ref());
     let (mut system, opened) = fresh()?;
     let experiment = plan.experiment(&system, args.start, args.stop, args.step)?;
@@ -170,10 +175,11 @@ fn name_of(file: &Path) -> String {
 }
 
 /// Lets the system's only recorded inputs follow another file.
-fn drive_with(plan: &mut Plan, file: &Path) -> Result<()> {
+fn drive_with(plan: &mut Plan, file: &Path, columns: Columns) -> Result<()> {
     match &mut plan.inputs[..] {
         [inputs] => {
             inputs.file = file.to_owned();
+            inputs.columns = columns;
             Ok(())
         }
         all => Err(Error::call(format!(

@@ -1,15 +1,15 @@
 //! `latsch identify`: sequential identification.
 
 use super::digits::short;
+use super::mapped::Mapped;
 use super::planned::{numbers, plan, slave};
 use super::{Format, check_outputs, files_in, print, print_json};
 use clap::ValueEnum;
-use latsch::diagnose::Map;
 use latsch::identify::benchmark::{Benchmark, kaden};
 use latsch::identify::recorded::{Answer, Beforehand, Light, Unmet, identify};
 use latsch::identify::{Plan, Stand, ring_brush};
 use latsch::model::Interface;
-use latsch::recording::{Recording, read_recording_as, recording_endings};
+use latsch::recording::recording_endings;
 use latsch::report::{identification_report, write_html};
 use latsch::{Error, Result};
 use std::fmt::Write as _;
@@ -28,9 +28,8 @@ pub struct Args {
     /// TYDEX, RPC III, MDF 4, MATLAB or Parquet
     #[arg(long, value_name = "DIR", requires = "plan")]
     recordings: Option<PathBuf>,
-    /// What columns of the recordings are: TOML with a table [channels] of "Fz (kN)" = { variable = "force_z", unit = "kN" }, or {} for one that is left out
-    #[arg(long, value_name = "F.toml", requires = "plan")]
-    map: Option<PathBuf>,
+    #[command(flatten)]
+    map: Mapped,
     /// Parameters to write: TOML for `latsch export` and `latsch simulate`, with intervals, within which `latsch diagnose` then looks
     #[arg(long, short, value_name = "F.toml", requires = "plan")]
     output: Option<PathBuf>,
@@ -66,6 +65,7 @@ enum Name {
 
 pub fn run(args: &Args) -> Result<()> {
     let json = |e: serde_json::Error| Error::file(e.to_string());
+    args.map.needs(args.recordings.is_some(), "--recordings")?;
     if let Some(Name::Kaden) = args.benchmark {
         let answer = kaden()?;
         return match args.format {
@@ -76,7 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
     let (Some(name), Some(folder), Some(output)) = (&args.plan, &args.recordings, &args.output) else {
         return Err(Error::call("a plan, --recordings and --output are needed"));
     };
-    let read: Vec<&Path> = args.parameters.iter().chain(&args.map).map(PathBuf::as_path).collect();
+    let read: Vec<&Path> = args.parameters.as_deref().into_iter().chain(args.map.file()).collect();
     let outputs: Vec<&Path> = std::iter::once(output).chain(&args.report).map(PathBuf::as_path).collect();
     check_outputs(&outputs, &read)?;
     let stated = plan(name)?;
@@ -102,7 +102,14 @@ fn from_recordings(plan: &Plan, stand: &Stand, folder: &Path, args: &Args) -> Re
     let within = args.within.iter().map(|text| share(text)).collect::<Result<_>>()?;
     let beforehand = Beforehand { values, within };
     let unmet = if args.nearest { Unmet::Nearest } else { Unmet::Refused };
-    identify(plan, stand, ring_brush::REGISTRY, &beforehand, unmet, &recordings(folder, args.map.as_deref())?)
+    identify(
+        plan,
+        stand,
+        ring_brush::REGISTRY,
+        &beforehand,
+        unmet,
+        &args.map.recordings(&files_in(folder, &recording_endings())?)?,
+    )
 }
 
 /// `name=0.1`
@@ -115,13 +122,6 @@ fn share(text: &str) -> Result<(String, f64)> {
             "--within {text}: a name and a positive share are needed, as in vertical_stiffness=0.1"
         ))
     })
-}
-
-/// All recordings of a folder, in the order of their names.
-fn recordings(folder: &Path, map: Option<&Path>) -> Result<Vec<Recording>> {
-    let map = map.map(Map::read).transpose()?.unwrap_or_default();
-    let files = files_in(folder, &recording_endings())?;
-    files.iter().map(|file| read_recording_as(file, map.columns())).collect()
 }
 
 /// How far beyond its interval (90 %) a diagnosis may move a parameter, in half intervals: what scatters normally is outside of

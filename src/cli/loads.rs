@@ -1,6 +1,7 @@
 //! `latsch loads`: a simulation beside recordings of the same run, by what matters for damage.
 
 use super::digits::digits;
+use super::mapped::Mapped;
 use super::{check_outputs, print, warn};
 use latsch::loads::{Band, Conditions, Event, compare, counts, matrices, quantities};
 use latsch::recording::read_recording;
@@ -20,6 +21,8 @@ pub struct Args {
     /// A recording of the same run. Can be given several times: repeats say how far runs differ by themselves
     #[arg(long, value_name = "F.csv", required = true)]
     recording: Vec<PathBuf>,
+    #[command(flatten)]
+    map: Mapped,
     /// A channel, and what the recordings call it if that is something else. Can be given several times [default: all that are in every file]
     #[arg(long, value_name = "NAME[=RECORDED]")]
     channel: Vec<String>,
@@ -64,12 +67,15 @@ pub fn run(args: &Args) -> Result<()> {
         .flatten()
         .map(PathBuf::as_path)
         .collect();
-    let read: Vec<&Path> =
-        std::iter::once(&args.results).chain(&args.recording).map(PathBuf::as_path).collect();
+    let read: Vec<&Path> = std::iter::once(&args.results)
+        .chain(&args.recording)
+        .map(PathBuf::as_path)
+        .chain(args.map.file())
+        .collect();
     check_outputs(&written, &read)?;
     let conditions = conditions(args)?;
     let simulated = read_recording(&args.results)?;
-    let recorded = args.recording.iter().map(|file| read_recording(file)).collect::<Result<Vec<_>>>()?;
+    let recorded = args.map.recordings(&args.recording)?;
     let (all, level) = compare(&simulated, &recorded, &conditions)?;
     for name in &level {
         warn(&format!("{name} does not vary in the recordings and is left out"));

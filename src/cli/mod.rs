@@ -20,6 +20,7 @@ mod lint;
 mod loads;
 mod man;
 mod manoeuvre;
+mod mapped;
 mod models;
 mod pad_friction;
 mod plan;

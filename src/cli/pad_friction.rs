@@ -1,10 +1,11 @@
 //! `latsch pad-friction`: what pads had for friction in recordings.
 
+use super::mapped::Mapped;
 use super::{Format, check_outputs, print, print_json};
 use latsch::causes::{pad_friction_csv, pad_frictions};
 use latsch::cosimulate::read_system;
 use latsch::model::unit::quantity;
-use latsch::recording::{Recording, read_recording};
+use latsch::recording::Recording;
 use latsch::{Result, write_file};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -21,6 +22,8 @@ pub struct Args {
     /// A recording. Can be given several times: the mean of all is formed
     #[arg(long, value_name = "F.csv", required = true)]
     recording: Vec<PathBuf>,
+    #[command(flatten)]
+    map: Mapped,
     /// Pressure below which the friction is not told, with its unit: "5 bar" [default: ten times the noise before braking, and four times the pads' contact_pressure]
     #[arg(long, value_name = "PRESSURE")]
     least: Option<String>,
@@ -33,12 +36,13 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<()> {
-    let read: Vec<&Path> = args.recording.iter().chain([&args.system]).map(PathBuf::as_path).collect();
+    let read: Vec<&Path> =
+        args.recording.iter().chain([&args.system]).map(PathBuf::as_path).chain(args.map.file()).collect();
     check_outputs(&[&args.output], &read)?;
     let least =
         args.least.as_deref().map(|text| quantity(text, "Pa").map_err(|e| e.at("--least"))).transpose()?;
     let system = read_system(&args.system)?;
-    let runs = args.recording.iter().map(|file| read_recording(file)).collect::<Result<Vec<_>>>()?;
+    let runs = args.map.recordings(&args.recording)?;
     let all = pad_frictions(&system.plan, &runs.iter().collect::<Vec<&Recording>>(), least)?;
     write_file(&args.output, pad_friction_csv(&all).as_bytes())?;
     if args.format == Format::Json {

@@ -3,14 +3,14 @@
 use super::compared::{Compared, sides};
 use super::console::bar;
 use super::given::Given;
+use super::mapped::Mapped;
 use super::{check_outputs, files_in, note, print, warn};
 use latsch::comparison::Conditions;
-use latsch::diagnose::Map;
 use latsch::fmi::import::ImportedFmu;
 use latsch::fmi::{Entry, guid};
 use latsch::model::{Causality, Interface, Kind, Model, Native, Settings, Slave, Value};
 use latsch::recording::{
-    Recording, add_noise, profile_value, read_recording_as, read_settings, recording_endings, write_recording,
+    Recording, add_noise, profile_value, read_settings, recording_endings, write_recording,
 };
 use latsch::report::{Beside, PatchFrame, patch_caption, simulation_report, write_html};
 use latsch::rig::RingBrushFlatTrack;
@@ -41,9 +41,8 @@ pub struct Args {
     /// A column of the recording that is left out
     #[arg(long, value_name = "COLUMN")]
     ignore: Vec<String>,
-    /// What columns of the recording are: TOML with a table [channels] of "Force (kN)" = { variable = "axle_force_z", unit = "kN" }, or {} for one that is left out; the time's variable is time. Above it, only_named = true leaves out all others
-    #[arg(long, value_name = "F.toml", requires = "inputs")]
-    map: Option<PathBuf>,
+    #[command(flatten)]
+    map: Mapped,
     /// Value of a parameter, or of an input for the whole run; `path_speed="90 km/h"` is converted, `road_profile=@F.csv` takes the points of a road from a file with the columns `x [m],z [m]`
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -87,6 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
     if args.noise.is_some_and(|share| !(share > 0.0 && share < 1.0)) {
         return Err(Error::call("--noise is a share of a range, above 0 and below 1: 0.01 for 1 %"));
     }
+    args.map.needs(args.inputs.is_some(), "--inputs")?;
     match &args.inputs {
         Some(folder) if folder.is_dir() => every_file(args, folder),
         _ => one_file(args),
@@ -96,13 +96,13 @@ pub fn run(args: &Args) -> Result<()> {
 /// Runs what `--inputs` names, or the model without any.
 fn one_file(args: &Args) -> Result<()> {
     let mut read: Vec<&Path> = vec![Path::new(&args.model)];
-    read.extend(args.inputs.iter().chain(&args.map).map(PathBuf::as_path));
+    read.extend(args.inputs.as_deref().into_iter().chain(args.map.file()));
     read.extend(args.given.read().chain(args.compared.read()));
     let outputs: Vec<&Path> =
         std::iter::once(&args.output).chain(&args.report).map(PathBuf::as_path).collect();
     check_outputs(&outputs, &read)?;
     let inputs = args.inputs.as_deref().map(|file| read_inputs(args, file)).transpose()?;
-    let conditions = args.compared.conditions()?;
+    let conditions = args.compared.conditions(&args.map)?;
     let given = given(args)?;
     let Ran { subject, experiment, mut outcome, notes } =
         one_run(args, &given, inputs.as_ref(), &Settings::default())?;
@@ -163,8 +163,7 @@ fn every_file(args: &Args, folder: &Path) -> Result<()> {
 
 /// A recording without what is to be left out.
 fn read_inputs(args: &Args, file: &Path) -> Result<Recording> {
-    let map = args.map.as_deref().map(Map::read).transpose()?.unwrap_or_default();
-    let mut inputs = read_recording_as(file, map.columns())?;
+    let mut inputs = args.map.recording(file)?;
     for name in &args.ignore {
         inputs.channel(name)?;
         inputs.channels.retain(|c| c.name != *name);

@@ -8,7 +8,7 @@ use crate::fmi::Entry;
 use crate::fmi::import::ImportedFmu;
 use crate::model::unit::Unit;
 use crate::model::{Causality, Kind, Slave, Value, VariableInfo};
-use crate::recording::{read_recording, read_settings};
+use crate::recording::{Columns, read_recording_as, read_settings};
 use crate::shipped::MODELS;
 use crate::{Error, Result};
 use std::collections::HashMap;
@@ -137,6 +137,8 @@ pub struct PlannedBond {
 pub struct PlannedInputs {
     /// The CSV file.
     pub file: PathBuf,
+    /// What its columns are, where their headers do not say it.
+    pub columns: Columns,
     /// Channel and input.
     pub connect: Vec<(String, PortName)>,
     /// The inputs get derivatives, too.
@@ -285,7 +287,7 @@ impl Plan {
         }
         for inputs in &self.inputs {
             let at = |e: Error| placed(e, &inputs.place);
-            let recording = read_recording(&inputs.file).map_err(at)?;
+            let recording = read_recording_as(&inputs.file, &inputs.columns).map_err(at)?;
             for (channel, to) in &inputs.connect {
                 let to: Port = port(&system, to).map_err(at)?;
                 system.feed(to, &recording, channel, inputs.derivative).map_err(at)?;

@@ -6,7 +6,7 @@ use super::plan::{
 };
 use super::system::Transfer;
 use crate::model::{Lines, Value, line_of};
-use crate::recording::{profile_file, profile_value};
+use crate::recording::{Columns, profile_file, profile_value};
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -162,7 +162,13 @@ pub fn parse_toml(text: &str, place: &str, folder: &Path) -> Result<Plan> {
                 channels.push((channel.get_ref().clone(), to));
             }
         }
-        plan.inputs.push(PlannedInputs { file: folder.join(file), connect: channels, derivative, place });
+        plan.inputs.push(PlannedInputs {
+            file: folder.join(file),
+            columns: Columns::default(),
+            connect: channels,
+            derivative,
+            place,
+        });
     }
     for bond in file.bond {
         let place = at(bond.span().start);

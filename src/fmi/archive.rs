@@ -22,8 +22,28 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 #[derive(Debug, Clone)]
 pub struct Binary {
     platform: &'static str,
-    path: PathBuf,
+    content: Content,
 }
+
+/// What goes into an archive as a binary.
+#[derive(Debug, Clone)]
+enum Content {
+    File(PathBuf),
+    /// What this program carries.
+    Inside(&'static [u8]),
+}
+
+/// The library of the shipped models, where build.rs put it into this program.
+const INSIDE: Option<&[u8]> = {
+    #[cfg(library_inside)]
+    {
+        Some(include_bytes!(env!("LATSCH_LIBRARY_FILE")))
+    }
+    #[cfg(not(library_inside))]
+    {
+        None
+    }
+};
 
 impl std::str::FromStr for Binary {
     type Err = String;
@@ -32,7 +52,7 @@ impl std::str::FromStr for Binary {
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let (platform, path) = text.split_once('=').ok_or("PLATFORM=FILE is needed")?;
         match PLATFORMS.iter().find(|p| p.name == platform) {
-            Some(known) => Ok(Self { platform: known.name, path: path.into() }),
+            Some(known) => Ok(Self { platform: known.name, content: Content::File(path.into()) }),
             None => Err(format!(
                 "there is no platform {platform:?}; there is {}",
                 PLATFORMS.map(|p| p.name).join(", ")
@@ -44,11 +64,19 @@ impl std::str::FromStr for Binary {
 impl Binary {
     /// Name in the archive and content.
     fn read(&self, identifier: &str, fmi: Fmi) -> Result<(String, Vec<u8>)> {
-        let fail = |what: String| Error::fmu(format!("{}: {what}", self.path.display()));
-        let content = std::fs::read(&self.path).map_err(|e| fail(e.to_string()))?;
+        let (content, path) = match &self.content {
+            Content::File(path) => {
+                let content = std::fs::read(path);
+                (
+                    content.map_err(|e| Error::fmu(format!("{}: {e}", path.display())))?,
+                    path.display().to_string(),
+                )
+            }
+            Content::Inside(content) => (content.to_vec(), "the library in this program".into()),
+        };
         let known = PLATFORMS.iter().find(|p| p.name == self.platform);
         let Some(Platform { suffix, .. }) = known.filter(|p| content.starts_with(p.start)) else {
-            return Err(fail(format!("it is no library for {}", self.platform)));
+            return Err(Error::fmu(format!("{path}: it is no library for {}", self.platform)));
         };
         Ok((format!("binaries/{}/{identifier}{suffix}", folder_of(self.platform, fmi)), content))
     }
@@ -57,7 +85,7 @@ impl Binary {
 /// A binary made with [`export_fmus!`](crate::export_fmus), and the interfaces of its models.
 #[derive(Debug, Clone)]
 pub struct ModelLibrary {
-    path: PathBuf,
+    content: Content,
     /// Interfaces with the start values of the models' tables.
     pub models: Vec<Interface>,
     /// [`Model::DOCUMENTATION`](crate::model::Model::DOCUMENTATION) of each.
@@ -76,44 +104,51 @@ const CHECKOUT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// Where the library of the shipped models may be for a program at this path. Not in the folders of the checkout:
 /// what cargo left there may be of other sources with the same tables, which nobody would notice.
-fn places(program: &Path) -> [PathBuf; 3] {
+fn places(program: &Path) -> [PathBuf; 2] {
     let beside = program.parent().unwrap_or(Path::new("."));
-    let above = beside.parent().unwrap_or(beside);
     // tests and benchmarks run one folder below the library
-    [beside.into(), above.into(), above.join("lib/latsch")].map(|folder: PathBuf| folder.join(library_file()))
+    [beside, beside.parent().unwrap_or(beside)].map(|folder| folder.join(library_file()))
 }
 
-/// The command that puts the library where a program at this path finds it.
-fn installing(program: &Path) -> String {
-    let root = program.parent().and_then(Path::parent).unwrap_or(Path::new("/usr/local"));
+/// What to do where a program at this path has no library.
+fn remedy(program: &Path) -> String {
     // what cargo builds is beside the program already, once it is built
-    let (checkout, built) = (Path::new(CHECKOUT), program.starts_with(Path::new(CHECKOUT).join("target")));
-    if built {
-        return "cargo build --release".into();
+    if program.starts_with(Path::new(CHECKOUT).join("target")) {
+        return "\"cargo build --release\" builds it".into();
     }
-    let script = match checkout.join("scripts/install").is_file() {
-        true => checkout.join("scripts/install").display().to_string(),
-        false => "scripts/install".into(),
-    };
-    format!("{script} --library-only {}", root.display())
+    let folder = program.parent().and_then(Path::parent).unwrap_or(Path::new("/usr/local"));
+    format!(
+        "in a checkout, \"LATSCH_LIBRARY_INSIDE=1 cargo install --locked --path . --root {}\" makes a program that carries it",
+        folder.display()
+    )
 }
 
 impl ModelLibrary {
     /// The library of the shipped models that belongs to the running program, which has these `models`
     /// ([`MODELS`](crate::shipped::MODELS)): the one that the environment variable `LATSCH_LIBRARY` names, or the first
-    /// that fits beside the program, one folder up, or in `../lib/latsch`.
+    /// that fits beside the program or one folder up. A program that was built with its library inside has that one.
     ///
     /// # Errors
     /// It is nowhere, or was not built together with this program. The message lists the places and says what to
     /// do.
     pub fn shipped(models: &[Entry]) -> Result<Self> {
         if let Some(path) = std::env::var_os(LIBRARY_VARIABLE).filter(|path| !path.is_empty()) {
-            let library = Self::open(Path::new(&path)).and_then(|library| library.fitting(models));
+            let library = Self::fitting(Path::new(&path), models);
             return library.map_err(|e| e.at(LIBRARY_VARIABLE));
+        }
+        if let Some(content) = INSIDE {
+            return Ok(Self::inside(content, models));
         }
         let program =
             std::env::current_exe().map_err(|e| Error::fmu(format!("where is this program? {e}")))?;
         Self::among(&places(&program), &program, models)
+    }
+
+    /// The library in this program, which was built of the same sources: its models are those of the program.
+    fn inside(content: &'static [u8], models: &[Entry]) -> Self {
+        let (models, documentation) =
+            models.iter().map(|entry| ((entry.table)(), entry.documentation.concat())).unzip();
+        Self { content: Content::Inside(content), models, documentation }
     }
 
     /// The first library that fits this program, which was started as `program`.
@@ -121,7 +156,7 @@ impl ModelLibrary {
         let mut tried = Vec::new();
         for path in places {
             let reason = match path.is_file() {
-                true => match Self::open(path).and_then(|library| library.fitting(models)) {
+                true => match Self::fitting(path, models) {
                     Ok(library) => return Ok(library),
                     Err(error) => error.to_string(),
                 },
@@ -130,27 +165,28 @@ impl ModelLibrary {
             tried.push(reason);
         }
         Err(Error::fmu(format!(
-            "the library {}, which goes into FMUs, is needed beside this program (`cargo install` leaves it out). \
-            \"{}\" puts it there; or name one with --library or {LIBRARY_VARIABLE}. It was looked for here: {}",
+            "the library {}, which goes into FMUs, is needed beside this program: {}; or name one with --library or \
+            {LIBRARY_VARIABLE}. It was looked for here: {}",
             library_file(),
-            installing(program),
+            remedy(program),
             tried.join("; ")
         )))
     }
 
-    /// The library, if it has these models of this program as they are here.
-    fn fitting(self, models: &[Entry]) -> Result<Self> {
+    /// The library at `path`, if it has these models of this program as they are here.
+    fn fitting(path: &Path, models: &[Entry]) -> Result<Self> {
+        let library = Self::open(path)?;
         for entry in models {
             let own = (entry.table)();
-            if self.models.iter().find(|m| m.name == entry.name) != Some(&own) {
+            if library.models.iter().find(|m| m.name == entry.name) != Some(&own) {
                 return Err(Error::fmu(format!(
                     "{}: not built together with this program, its {} differs",
-                    self.path.display(),
+                    path.display(),
                     entry.name
                 )));
             }
         }
-        Ok(self)
+        Ok(library)
     }
 
     /// The library at `path`, which is loaded to ask it for its models.
@@ -175,7 +211,7 @@ impl ModelLibrary {
             )
         })?;
         let (models, documentation) = models.into_iter().unzip();
-        Ok(Self { path: path.into(), models, documentation })
+        Ok(Self { content: Content::File(path.into()), models, documentation })
     }
 
     /// The interface of the model called `name`.
@@ -243,7 +279,7 @@ impl ModelLibrary {
         named: &[Binary],
         fmi: Fmi,
     ) -> Result<Vec<(String, Vec<u8>)>> {
-        let own = [Binary { platform: PLATFORM, path: self.path.clone() }];
+        let own = [Binary { platform: PLATFORM, content: self.content.clone() }];
         let mut files: Vec<(String, Vec<u8>)> = Vec::new();
         for binary in if named.is_empty() { &own } else { named } {
             let (name, content) = binary.read(identifier, fmi)?;

@@ -12,7 +12,7 @@ use crate::page::{Html, Page, Section, Table, escape, number as short};
 pub const LICENSES: [(&str, &str); 3] = [
     ("LICENSE-APACHE", include_str!("../../LICENSE-APACHE")),
     ("LICENSE-MIT", include_str!("../../LICENSE-MIT")),
-    ("THIRD-PARTY.md", include_str!("../../fmu-template/THIRD-PARTY.md")),
+    ("THIRD-PARTY.md", include_str!("../../THIRD-PARTY.md")),
 ];
 
 /// `documentation/index.html`: the author's text, then what follows from the interface.

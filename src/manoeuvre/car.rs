@@ -7,7 +7,7 @@ use crate::cosimulate::{
     Until, cosimulate_until,
 };
 use crate::model::Value;
-use crate::recording::{Channel, Names, Recording, write_csv};
+use crate::recording::{Channel, Columns, Names, Recording, write_csv};
 use crate::stats::mean;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -111,7 +111,13 @@ impl Car {
     ) -> Result<()> {
         let file = self.folder.join(file);
         write_csv(&file, recording)?;
-        plan.inputs.push(PlannedInputs { file, connect, derivative: false, place: PLACE.into() });
+        plan.inputs.push(PlannedInputs {
+            file,
+            columns: Columns::default(),
+            connect,
+            derivative: false,
+            place: PLACE.into(),
+        });
         Ok(())
     }
 

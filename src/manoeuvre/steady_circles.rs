@@ -48,13 +48,12 @@ struct Circle {
 pub(super) fn run(car: &Car, _: &Path) -> Result<Done> {
     let standing = car.standing((ACCELERATIONS[0] * RADIUS).sqrt())?;
     let inertia = standing.mass * mean(&standing.radii[2..]);
-    let mut held = Held::new(0.5, 0.2, 1.0);
+    let mut search = Search::from(Held::new(0.5, 0.2, 1.0));
     let mut circles: Vec<Circle> = Vec::new();
     let mut wanted = ACCELERATIONS[0];
-    // each from the one before, which shows how the next one is held
     while wanted < MOST {
-        let Some(found) = circle(car, wanted, held, inertia)? else { break };
-        held = found.held;
+        let Some(found) = circle(car, wanted, &mut search, inertia)? else { break };
+        search.goes_on(found.held);
         if circles.last().is_some_and(|last| !ACCELERATIONS.contains(&last.wanted)) {
             circles.pop();
         }
@@ -98,12 +97,33 @@ fn angle(car: &Car, circle: &Circle) -> Result<Option<f64>> {
     Ok(Some(0.5 * sum - base * circle.aside / circle.speed.powi(2)))
 }
 
-/// Looks for a circle: what is held is changed by Broyden's method (1965) until radius, speed and what the speed loses are as they should be. It begins with what
-/// each of these does by itself: twice the angle is half of the radius, a drive takes away what is lost, and a higher speed stays one.
-fn circle(car: &Car, wanted: f64, from: Held, inertia: f64) -> Result<Option<Circle>> {
+/// Where the search for a circle begins, and what changes of what is held do.
+struct Search {
+    from: Held,
+    /// What the circle before was held with.
+    last: Option<Held>,
+    /// Changes of what is held over those of radius, what the speed gains, and speed.
+    inverse: Matrix3<f64>,
+}
+
+impl Search {
+    /// With what each does by itself: twice the angle is half of the radius, a drive takes away what is lost, and a higher speed stays one.
+    fn from(held: Held) -> Self {
+        Self { from: held, last: None, inverse: Matrix3::from_diagonal(&Vector3::new(-held[0], -1.0, 1.0)) }
+    }
+
+    /// The next circle is as far from this one as this one from the one before.
+    fn goes_on(&mut self, held: Held) {
+        self.from = self.last.map_or(held, |last| 2.0 * held - last);
+        self.last = Some(held);
+    }
+}
+
+/// Looks for a circle: what is held is changed by Broyden's method (1965) until radius, speed and what the speed loses are as they should be.
+fn circle(car: &Car, wanted: f64, search: &mut Search, inertia: f64) -> Result<Option<Circle>> {
     let target = (wanted * RADIUS).sqrt();
-    let mut held = from;
-    let mut inverse = Matrix3::from_diagonal(&Vector3::new(-from[0], -1.0, 1.0));
+    let mut held = search.from;
+    let inverse = &mut search.inverse;
     let mut before: Option<(Held, Vector3<f64>)> = None;
     for _ in 0..RUNS {
         let (steering, drive) = (held[0], held[1] * inertia);
@@ -135,11 +155,11 @@ fn circle(car: &Car, wanted: f64, from: Held, inertia: f64) -> Result<Option<Cir
         }
         if let Some((last, was)) = before {
             let (moved, changed) = (held - last, off - was);
-            let told = inverse * changed;
-            inverse += (moved - told) * (moved.transpose() * inverse) / moved.dot(&told);
+            let told = *inverse * changed;
+            *inverse += (moved - told) * (moved.transpose() * *inverse) / moved.dot(&told);
         }
         before = Some((held, off));
-        held -= inverse * off;
+        held -= *inverse * off;
     }
     Ok(None)
 }

@@ -268,12 +268,17 @@ def template_library(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def system(tmp_path_factory):
-    """The example of two masses with its FMU, built as a user does."""
-    library = own_library(tmp_path_factory.mktemp("two") / "two-masses", "two-masses", (TWO_MASSES / "lib.rs").read_text())
+def two_masses_library(tmp_path_factory):
+    """The example of two masses, built as a user does."""
+    return own_library(tmp_path_factory.mktemp("two") / "two-masses", "two-masses", (TWO_MASSES / "lib.rs").read_text())
+
+
+@pytest.fixture(scope="session")
+def system(tmp_path_factory, two_masses_library):
+    """The same with its FMU."""
     folder = tmp_path_factory.mktemp("system")
     for name in ["system.toml", "SystemStructure.ssd"]:
         shutil.copy(TWO_MASSES / name, folder)
-    done = latsch("export", "coupled-oscillator", "--library", library, "--output", folder / "coupled-oscillator.fmu")
+    done = latsch("export", "coupled-oscillator", "--library", two_masses_library, "--output", folder / "coupled-oscillator.fmu")
     assert done.returncode == 0, done.stderr
     return folder

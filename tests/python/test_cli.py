@@ -78,7 +78,7 @@ def test_describe_refuses_what_is_no_fmu(tmp_path):
 
 @pytest.mark.quick
 def test_export_finds_its_library_or_says_where_it_looked(fmu, tmp_path):
-    """What `cargo install` leaves is the program alone."""
+    """A program alone, as `cargo install` leaves it where it does not carry the library."""
     root = tmp_path / "root"
     (root / "bin").mkdir(parents=True)
     program = shutil.copy(PROGRAM, root / "bin")
@@ -92,8 +92,8 @@ def test_export_finds_its_library_or_says_where_it_looked(fmu, tmp_path):
 
     done = export()
     assert done.returncode == 2 and not output.exists()
-    assert f'scripts/install --library-only {root}" puts it there' in done.stderr
-    for place in (root / "bin", root, root / "lib" / "latsch"):
+    assert f'cargo install --locked --path . --root {root}" makes a program that carries it' in done.stderr
+    for place in (root / "bin", root):
         assert f"{place}/liblatsch_fmu.so: not there" in done.stderr
     # what is wrong with the call comes first
     done = subprocess.run([program, "export", "ring-brush"], capture_output=True, text=True)
@@ -102,10 +102,9 @@ def test_export_finds_its_library_or_says_where_it_looked(fmu, tmp_path):
     assert output.read_bytes() == fmu.read_bytes()
     done = export(LATSCH_LIBRARY=str(tmp_path / "no.so"))
     assert done.returncode == 2 and "LATSCH_LIBRARY" in done.stderr and "no.so" in done.stderr
-    # where scripts/install puts it; what does not fit does not stand in its way
+    # what does not fit does not stand in its way
     (root / "bin" / "liblatsch_fmu.so").write_text("no library")
-    (root / "lib" / "latsch").mkdir(parents=True)
-    shutil.copy(library, root / "lib" / "latsch")
+    shutil.copy(library, root)
     done = export()
     assert done.returncode == 0, done.stderr
     assert output.read_bytes() == fmu.read_bytes()

@@ -276,7 +276,14 @@ def test_a_shipped_model_beside_an_fmu(system):
     assert results["rig.force_y"][-1] < -500 and results["left.position"][-1] < -1e-3
     assert "rig.belt_yaw" not in results and "rig.belt_yaw" in run(system, "--all", file="tire.toml")[0]
     assert run(system, "--set", "left.mass=2 kg", file="tire.toml")[0]["left.position"] != results["left.position"]
+    # the same course as another program writes it
+    (system / "foreign.csv").write_text("Zeit;Winkel\n" + STEER.split("\n", 1)[1].replace(",", ";"))
+    (system / "map.toml").write_text('[channels]\nZeit = { variable = "time", unit = "s" }\nWinkel = { variable = "angle", unit = "deg" }\n')
+    foreign = ["--inputs", system / "foreign.csv", "--map", system / "map.toml"]
+    assert run(system, *foreign, file="tire.toml")[0] == results
     for arguments, words in [
+        (["--map", system / "map.toml"], ["--map", "--inputs, --replay or --repeat"]),
+        (["--inputs", system / "foreign.csv"], ["foreign.csv", "Zeit"]),
         (["--step", "1.5e-4"], ["rig.step_size", "multiple"]),
         (["--set", "left.force=1"], ["two sources"]),
         (["--set", "left.mass"], ["COMPONENT.VARIABLE=VALUE"]),

@@ -41,6 +41,17 @@ def loads(*arguments):
     return run.stdout
 
 
+def test_recordings_of_another_program_are_read_with_a_map(tmp_path):
+    write(tmp_path / "simulated.csv", *history(1))
+    time, force = history(2)
+    write(tmp_path / "recorded.csv", time, force)
+    write(tmp_path / "foreign.csv", time, force, name="Kanal 7", unit="-")
+    (tmp_path / "map.toml").write_text('[channels]\n"Kanal 7" = { variable = "F_SS", unit = "N" }\n')
+    plain = loads(tmp_path / "simulated.csv", "--recording", tmp_path / "recorded.csv")
+    assert "F_SS [N]" in plain
+    assert loads(tmp_path / "simulated.csv", "--recording", tmp_path / "foreign.csv", "--map", tmp_path / "map.toml") == plain
+
+
 def test_cycles_and_damage_are_those_of_rainflow_and_fatpack(tmp_path):
     for name, seed in [("simulated", 1), ("recorded", 2)]:
         write(tmp_path / f"{name}.csv", *history(seed))

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 
@@ -111,3 +112,17 @@ else:
     environment = {**os.environ, "PYTHONPATH": str(installed)}
     done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.quick
+def test_the_package_of_a_registry_has_all_that_its_sources_take_in():
+    """`cargo install` of a registry's package builds from what is listed here, and from nothing else of the checkout."""
+    listed = subprocess.run(["cargo", "package", "--list", "--allow-dirty", "--offline", "--package", "latsch"], cwd=ROOT, capture_output=True, text=True)
+    files = set(listed.stdout.split("\n"))
+    assert {"build.rs", "Cargo.lock", "src/main.rs"} <= files, listed.stderr
+    count = 0
+    for source in (ROOT / name for name in files if name.startswith("src/") and name.endswith(".rs")):
+        for taken in re.findall(r'include_(?:str|bytes)!\(\s*"([^"]+)"', source.read_text()):
+            count += 1
+            assert os.path.relpath((source.parent / taken).resolve(), ROOT) in files, f"{source}: {taken}"
+    assert count > 40, count

@@ -37,6 +37,14 @@ def test_a_stop_tells_the_friction_of_its_pads_and_nothing_where_it_cannot(tmp_p
         # pads of the model: 0.4 in full contact, a quarter of that at first
         assert 0.1 < found[brake]["first"] < 0.15
     assert found["brake_fl"]["level"] == pytest.approx(0.4, rel=1e-9)
+    # channels by other names and without units
+    text = (tmp_path / "stop.csv").read_text()
+    header, rest = text.split("\n", 1)
+    (tmp_path / "foreign.csv").write_text(header.replace("brake_fl.caliper_pressure [Pa]", "p_fl") + "\n" + rest)
+    (tmp_path / "map.toml").write_text('[channels]\np_fl = { variable = "brake_fl.caliper_pressure", unit = "Pa" }\n')
+    foreign = [tmp_path / "foreign.csv" if word == tmp_path / "stop.csv" else word for word in command]
+    again = latsch(*foreign, "--map", tmp_path / "map.toml", "--least", "5 bar", "--format", "json")
+    assert again.returncode == 0 and again.stdout == done.stdout, again.stderr
     # what is wrong is said
     done = latsch(*command, "--least", "5 s")
     assert done.returncode == 2 and "--least" in done.stderr and "Pa" in done.stderr

@@ -53,8 +53,13 @@ fn refused(result: Result<RoadProfile>, words: &[&str]) {
     assert!(message.len() < 800, "{message}");
 }
 
-/// The height of the road that a model makes of a profile.
+/// The height of the road that a model makes of a profile, at one place.
 fn height(road: &RoadProfile, x: f64, y: f64) -> f64 {
+    made(road).at(x, y).height
+}
+
+/// The road that a model makes of a profile.
+fn made(road: &RoadProfile) -> Road {
     let settings = road.settings().unwrap();
     let mut parameters = RoadParameters::flat();
     parameters.kind = 8;
@@ -73,5 +78,5 @@ fn height(road: &RoadProfile, x: f64, y: f64) -> f64 {
     parameters.spacing = real("road_spacing", 0.0);
     parameters.profile = text("road_profile");
     parameters.profile_right = text("road_profile_right");
-    Road::new(&parameters).unwrap().at(x, y).height
+    Road::new(&parameters).unwrap()
 }
