@@ -201,7 +201,7 @@
       x += wide;
     });
     const above = y + 0.8 * size;
-    for (const [name, of] of Object.entries({ xmlns: NS, width: width / 2, height: (height + above) / 2, viewBox: `0 0 ${width} ${height + above}` })) drawing.setAttribute(name, of);
+    for (const [name, of] of Object.entries({ width: width / 2, height: (height + above) / 2, viewBox: `0 0 ${width} ${height + above}` })) drawing.setAttribute(name, of);
     copy.querySelectorAll('.cursor').forEach((part) => part.remove());
     for (const [name, of] of Object.entries({ x: 0, y: above, width, height })) copy.setAttribute(name, of);
     drawing.prepend(copy);
@@ -218,7 +218,7 @@
     if (kind == 'svg') return leave(address);
     const image = new Image();
     image.onload = () => {
-      const canvas = Object.assign(document.createElement('canvas'), { width: drawing.width, height: drawing.height });
+      const canvas = Object.assign(document.createElement('canvas'), { width: Math.ceil(drawing.width), height: Math.ceil(drawing.height) });
       canvas.getContext('2d').drawImage(image, 0, 0, drawing.width, drawing.height);
       leave(canvas.toDataURL('image/png'));
     };

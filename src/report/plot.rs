@@ -354,7 +354,10 @@ impl Plot {
         let start = svg.find("viewBox").ok_or("the drawing has no viewBox")?;
         let drawing = svg[start..].trim_end().strip_suffix("</svg>").ok_or("the drawing does not end")?;
         let data = if self.columns.is_some() { shorten(&data) } else { data };
-        let label = format!("{}: {} over {}", self.title, self.y.quantity, self.x.quantity);
+        let mut label = format!("{} over {}", self.y.quantity, self.x.quantity);
+        if !self.title.is_empty() {
+            label = format!("{}: {label}", self.title);
+        }
         // where the axes are: a script can place a cursor, and draw a part of the figure
         let [from, to] = ends;
         let axes = format!(

