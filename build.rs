@@ -57,7 +57,7 @@ fn wanted() -> Result<bool, String> {
     }
 }
 
-/// The library, built of these sources for the program's target, with the program's versions of everything.
+/// The library, built of these sources for the program's target, with the versions of the package's lock file.
 fn build() -> Result<PathBuf, String> {
     let sources = PathBuf::from(variable("CARGO_MANIFEST_DIR")?);
     let (profile, target) = (variable("PROFILE")?, variable("TARGET")?);
@@ -86,15 +86,9 @@ fn build() -> Result<PathBuf, String> {
     write("Cargo.lock", &fs::read_to_string(&lock).map_err(|e| format!("{}: {e}", lock.display()))?)?;
 
     let mut cargo = Command::new(variable("CARGO")?);
-    // all that it takes was needed for the program and is here
-    cargo.args([
-        "build",
-        "--offline",
-        "--profile",
-        if profile == "release" { "release" } else { "dev" },
-        "--target",
-        &target,
-    ]);
+    // with the versions of the lock file: where the program is installed with others, these are fetched
+    let as_built = if profile == "release" { "release" } else { "dev" };
+    cargo.args(["build", "--profile", as_built, "--target", &target]);
     cargo.current_dir(&here).env("CARGO_TARGET_DIR", here.join("target"));
     let done = cargo.output().map_err(|e| format!("cargo: {e}"))?;
     if !done.status.success() {
