@@ -89,7 +89,11 @@ fn build() -> Result<PathBuf, String> {
     // with the versions of the lock file: where the program is installed with others, these are fetched
     let as_built = if profile == "release" { "release" } else { "dev" };
     cargo.args(["build", "--profile", as_built, "--target", &target]);
-    cargo.current_dir(&here).env("CARGO_TARGET_DIR", here.join("target"));
+    // that it is built with the feature `host` is said of this package, and not of those below it, the same one among them
+    for (name, _) in env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("CARGO_FEATURE_")) {
+        cargo.env_remove(name);
+    }
+    cargo.current_dir(&here).env("CARGO_TARGET_DIR", here.join("target")).env(ASKED, "0");
     let done = cargo.output().map_err(|e| format!("cargo: {e}"))?;
     if !done.status.success() {
         return Err(String::from_utf8_lossy(&done.stderr).trim().replace('\n', " "));
