@@ -318,7 +318,7 @@ OTHERWISE = {
 }
 
 
-@pytest.mark.parametrize("number, otherwise", zip([20, 23, 23], OTHERWISE))
+@pytest.mark.parametrize("number, otherwise", list(zip([20, 23, 23], OTHERWISE)))
 def test_the_answer_does_not_depend_on_how_it_is_told(study, tmp_path, number, otherwise):
     said = rewritten(study / "cases" / f"case-{number:03}", tmp_path, **OTHERWISE[otherwise])
     done = latsch("diagnose", study / "models" / "oscillator.fmu", *said, "--output", tmp_path / "output")
