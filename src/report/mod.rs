@@ -20,6 +20,7 @@ mod plan;
 mod plot;
 mod scale;
 mod shade;
+mod short;
 mod simulation;
 
 pub use crate::page::{Html, Page, Section, Table, escape};
