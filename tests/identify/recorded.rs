@@ -86,15 +86,20 @@ fn found<'a>(answer: &'a Answer, name: &str) -> &'a Found {
     answer.parameters.iter().find(|p| p.name == name).unwrap()
 }
 
-/// Time steps of half a millisecond against stationary states of a continuum: what is found is the tire within what the two differ by.
+/// Time steps of half a millisecond against stationary states of a continuum: what is found is the tire within what the two differ by. A guess is where the search
+/// begins, also beyond the bounds of what is looked for; the tests below begin without any.
 #[test]
-fn the_tire_is_found_from_its_recordings() {
-    let answer = answer(&recordings()).unwrap();
+fn the_tire_is_found_from_its_recordings_wherever_the_search_begins() {
+    let values = [("patch_compliance_x", 6e-6), ("sidewall_lateral_stiffness", 4e5)];
+    let values = values.map(|(name, value)| (name.to_owned(), value)).into();
+    let answer =
+        asked(&recordings(), &Beforehand { values, ..Beforehand::default() }, Unmet::Refused).unwrap();
     for (name, value) in TRUTH {
         let found = answer.values.get(name).unwrap_or_else(|| panic!("{name} is not found: {answer:?}"));
         // a compliance that is a small part of a slope shows what the two differ by most
         let most = if name == "patch_compliance_y" { 0.02 } else { 0.004 };
         assert!((found / value - 1.0).abs() < most, "{name}: {found} instead of {value}");
+        assert!(self::found(&answer, name).half_width.unwrap() > 0.0);
     }
     // what the targets do not tell is not guessed
     for name in ["sidewall_radial_stiffness", "sidewall_tilt_stiffness"] {
@@ -112,20 +117,6 @@ fn the_tire_is_found_from_its_recordings() {
         for (measured, modelled) in characteristic.measured.iter().zip(&characteristic.modelled) {
             assert!((measured - modelled).abs() < 5e-3 * size, "{characteristic:?}");
         }
-    }
-}
-
-/// A guess is where the search begins, also beyond the bounds of what is looked for.
-#[test]
-fn a_guess_beyond_the_bounds_is_only_a_guess() {
-    let values = [("patch_compliance_x", 6e-6), ("sidewall_lateral_stiffness", 4e5)];
-    let values = values.map(|(name, value)| (name.to_owned(), value)).into();
-    let answer =
-        asked(&recordings(), &Beforehand { values, ..Beforehand::default() }, Unmet::Refused).unwrap();
-    for (name, value) in TRUTH {
-        let most = if name == "patch_compliance_y" { 0.02 } else { 0.004 };
-        assert!((answer.values[name] / value - 1.0).abs() < most, "{name}: {}", answer.values[name]);
-        assert!(found(&answer, name).half_width.unwrap() > 0.0);
     }
 }
 
@@ -206,9 +197,11 @@ fn noise_widens_intervals_and_offsets_are_found() {
         assert!(half > 1e-4 * value, "{row:?}");
     }
     // two springs in series: who knows the one better knows the other better
+    recordings.retain(|r| ["off-the-road-at-the-beginning", "springs"].contains(&r.source.as_str()));
     let within = [("sidewall_radial_stiffness", 0.02)];
-    let [wide, narrow] = [&answer, &answer_within(&recordings, &within).unwrap()]
-        .map(|answer| found(answer, "vertical_stiffness").half_width.unwrap());
+    let [wide, narrow] = [&[][..], &within]
+        .map(|within| answer_within(&recordings, within).unwrap())
+        .map(|answer| found(&answer, "vertical_stiffness").half_width.unwrap());
     assert!(narrow < 0.5 * wide, "{narrow} {wide}");
     let refused = answer_within(&recordings, &[("sidewall", 0.1)]).unwrap_err().to_string();
     assert!(refused.contains("does not look for sidewall"), "{refused}");
@@ -298,6 +291,7 @@ fn outputs_that_contradict_the_model_are_told() {
 #[test]
 fn nothing_is_read_across_gaps_nor_where_nothing_comes_to_rest() {
     let mut recordings = recordings();
+    recordings.retain(|r| r.source != "driven-and-braked" && r.source != "pressed-down-at-a-slip-angle");
     let own = recordings.iter_mut().find(|r| r.source == "small-motions-at-5000-N").unwrap();
     // 12 s are lost, among them two of the three visits of each camber
     let kept: Vec<usize> = (0..own.time.len()).filter(|k| !(20.0..32.0).contains(&own.time[*k])).collect();

@@ -136,7 +136,7 @@ def test_repeats_of_a_run_tell_what_is_no_noise(study, tmp_path, repeats, verdic
         assert "comes again in repeats" in found["findings"][0]["evidence"]
 
 
-def made(folder, force, start=0.0, clock=0.0, number=2000):
+def made(folder, force, start=0.0, clock=0.0, *, number):
     """Seven runs of an oscillator with a force of position and velocity beside its spring, by the classical Runge-Kutta method
     in steps of 0.1 ms, with 1 % of noise. What is measured comes later than the inputs by the share `clock` of the time."""
     folder.mkdir()
@@ -170,7 +170,7 @@ def made(folder, force, start=0.0, clock=0.0, number=2000):
 
 def test_what_touches_has_its_own_name_and_no_other(study, tmp_path):
     """As what sticks, which is beside another clock below."""
-    made(tmp_path / "recordings", lambda x, v: 3800.0 * np.clip(x, -0.003, 0.003), 0.003)
+    made(tmp_path / "recordings", lambda x, v: 3800.0 * np.clip(x, -0.003, 0.003), 0.003, number=1200)
     model = study / "models" / "oscillator.fmu"
     done = latsch("diagnose", model, "--recordings", tmp_path / "recordings", "--output", tmp_path / "output")
     assert done.returncode == 0, done.stderr
@@ -185,7 +185,7 @@ def session(model, folder, pause, kept_for=40.0):
     """Nine runs of a tire whose friction falls with the work of sliding, which goes on warming it from run to run: its heat leaves
     it within `kept_for` seconds, in the pauses, too."""
     folder.mkdir()
-    step, number, heat = 0.005, 1400, 0.0
+    step, number, heat = 0.005, 1000, 0.0
     time = step * np.arange(number)
     with stepped(model) as (unit, names):
         for run in range(1, 10):
@@ -238,7 +238,7 @@ def test_what_is_warm_stays_warm_from_run_to_run(study, tmp_path, pause):
     loss, _, kept = finding["parameters"]
     assert loss["value"] == pytest.approx(4e-6, rel=0.1)
     assert kept["value"] == pytest.approx(np.exp(-pause / 40.0), abs=0.05)
-    # a cold run of 7 s says little of 40 s, and says so
+    # a cold run of 5 s says little of 40 s, and says so
     for estimate, truth in zip(finding["parameters"], [4e-6, 40.0, np.exp(-pause / 40.0)], strict=True):
         assert estimate["low"] <= truth <= estimate["high"]
     # one run does not follow another one
@@ -252,7 +252,7 @@ def test_what_is_warm_stays_warm_from_run_to_run(study, tmp_path, pause):
 @pytest.mark.parametrize("clock", [0.006, -0.009])
 def test_a_clock_is_the_recordings_fault_and_what_is_missing_beside_it_is_found(study, tmp_path, clock):
     # sharper than any range of the velocity: Stribeck's peak would be zero
-    made(tmp_path / "recordings", lambda x, v: -4.0 * np.tanh(v / 0.002), clock=clock, number=1200)
+    made(tmp_path / "recordings", lambda x, v: -4.0 * np.tanh(v / 0.002), clock=clock, number=900)
     model, output = study / "models" / "oscillator.fmu", tmp_path / "output"
     done = latsch("diagnose", model, "--recordings", tmp_path / "recordings", "--output", output)
     assert done.returncode == 0, done.stderr
@@ -318,7 +318,7 @@ OTHERWISE = {
 }
 
 
-@pytest.mark.parametrize("number, otherwise", list(zip([20, 23, 23], OTHERWISE)))
+@pytest.mark.parametrize("number, otherwise", list(zip([23, 20, 23], OTHERWISE)))
 def test_the_answer_does_not_depend_on_how_it_is_told(study, tmp_path, number, otherwise):
     said = rewritten(study / "cases" / f"case-{number:03}", tmp_path, **OTHERWISE[otherwise])
     done = latsch("diagnose", study / "models" / "oscillator.fmu", *said, "--output", tmp_path / "output")
