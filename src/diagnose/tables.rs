@@ -16,18 +16,27 @@ use crate::fit::Covariance;
 use crate::model::Causality;
 use crate::recording::Recording;
 
-/// Parameters of the last effect with 95 % intervals.
+/// The 95 % interval of a number whose logarithm is an unknown.
+type OfExponential = fn(&Covariance, usize, f64) -> Option<[f64; 2]>;
+
+/// Parameters of the last effect with the intervals that linear residuals give, in which the search compares what is beside each other.
 pub(super) fn estimates(study: &Study<'_>, fitted: &Fitted) -> Vec<Estimate> {
-    all_estimates(study, fitted).pop().unwrap_or_default()
+    let linear: OfExponential =
+        |covariance, unknown, value| Some(covariance.interval_of_exponential(unknown, value));
+    estimates_by(study, fitted, linear).pop().unwrap_or_default()
 }
 
-/// Parameters of all effects with 95 % intervals.
+/// Parameters of all effects with the 95 % intervals that are told.
 pub(super) fn all_estimates(study: &Study<'_>, fitted: &Fitted) -> Vec<Vec<Estimate>> {
+    estimates_by(study, fitted, Covariance::interval_however_counted)
+}
+
+fn estimates_by(study: &Study<'_>, fitted: &Fitted, of_exponential: OfExponential) -> Vec<Vec<Estimate>> {
     let covariance = study.covariance(fitted);
     let mut first = study.own();
     let mut all = Vec::new();
     for (placement, values) in &fitted.model.effects {
-        all.push(estimates_of(placement, values, &covariance, first));
+        all.push(estimates_of(placement, values, &covariance, first, of_exponential));
         first += values.len();
     }
     all
@@ -38,6 +47,7 @@ fn estimates_of(
     values: &[f64],
     covariance: &Covariance,
     first: usize,
+    of_exponential: OfExponential,
 ) -> Vec<Estimate> {
     placement
         .effect
@@ -48,16 +58,16 @@ fn estimates_of(
             let scale = placement.scales[i];
             let (low, high) = p.search;
             let (ends, room) = if p.is_logarithmic() {
-                (covariance.interval_of_exponential(first + i, values[i]), (high / low).ln())
+                (of_exponential(covariance, first + i, values[i]), (high / low).ln())
             } else {
-                (covariance.interval(first + i, values[i]), high - low)
+                (Some(covariance.interval(first + i, values[i])), high - low)
             };
-            let known = covariance.is_within(first + i, room);
+            let ends = ends.filter(|_| covariance.is_within(first + i, room));
             Estimate {
                 name: p.name.into(),
                 value: values[i] * scale,
-                low: known.then_some(ends[0].max(low) * scale),
-                high: known.then_some(ends[1].min(high) * scale),
+                low: ends.map(|ends| ends[0].max(low) * scale),
+                high: ends.map(|ends| ends[1].min(high) * scale),
                 unit: placement.units[i].clone().unwrap_or_else(|| "1".into()),
             }
         })

@@ -148,10 +148,21 @@ impl Covariance {
         [x - half, x + half]
     }
 
-    /// The 95 % interval of a number whose logarithm is the unknown, and that was found to be `value`.
+    /// The 95 % interval of a number whose logarithm is the unknown, and that was found to be `value`, if residuals are linear in it.
     pub fn interval_of_exponential(&self, unknown: usize, value: f64) -> [f64; 2] {
         let half = self.half_width(unknown);
         [value * (-half).exp(), value * half.exp()]
+    }
+
+    /// The 95 % interval of a number that was found to be `value` and whose logarithm is the unknown, whatever it is that residuals are
+    /// linear in over the width of the interval: the number, as of a short lag, its logarithm, or its reciprocal, as of a time that
+    /// is long beside the recordings. None where an end is open, as these differ too much.
+    ///
+    /// With the half width h of the logarithm these say `value` (1 ± h), `value` exp(±h) and `value` / (1 ± h); the widest ends are
+    /// those of the first and the last. Where h is small all are the same.
+    pub fn interval_however_counted(&self, unknown: usize, value: f64) -> Option<[f64; 2]> {
+        let half = self.half_width(unknown);
+        (half < 1.0).then(|| [value * (1.0 - half), value / (1.0 - half)])
     }
 
     /// Whether the 95 % interval of an unknown is narrower than `room`, such as the range of its search.
@@ -300,6 +311,64 @@ mod tests {
         let [low, high] = covariance.interval_of_exponential(0, 5.0);
         near(low, 5.0 * (-0.2_f64).exp());
         near(high, 5.0 * 0.2_f64.exp());
+    }
+
+    /// Of what warms up at a constant power, seen for `length` seconds, the loss and the time in which heat leaves: how often the interval of
+    /// the time has the true one in it, by the logarithm and however counted, and the share of those that are open.
+    fn coverage_of_a_time(length: f64, noise: f64) -> [f64; 3] {
+        const TRIALS: usize = 600;
+        const TIME: f64 = 40.0;
+        struct Warms {
+            t: Vec<f64>,
+            y: Vec<f64>,
+        }
+        impl Warms {
+            fn at(&self, loss: f64, time: f64) -> impl Iterator<Item = f64> {
+                let length = self.t.last().copied().unwrap_or(1.0);
+                self.t.iter().map(move |t| loss * time * (1.0 - (-t / time).exp()) / length)
+            }
+        }
+        impl Problem for Warms {
+            fn residuals(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+                let of = |x: &Vec<f64>| {
+                    Some(self.at(x[0], TIME * x[1].exp()).zip(&self.y).map(|(a, b)| a - b).collect())
+                };
+                points.iter().map(of).collect()
+            }
+        }
+        let unknowns =
+            [1.0, 0.0].map(|start| Unknown { start, mean: start, low: -9.0, high: 9.0, ..open()[0] });
+        let mut random = SplitMix64::new(5);
+        let t: Vec<f64> = (1..=200).map(|i| length * f64::from(i) / 200.0).collect();
+        let (mut by_logarithm, mut however, mut open) = (0, 0, 0);
+        for _ in 0..TRIALS {
+            let mut warms = Warms { t: t.clone(), y: Vec::new() };
+            warms.y = warms.at(1.0, TIME).map(|y| y + noise * random.normal()).collect();
+            let fit = least_squares(&warms, &unknowns, Options::default()).unwrap();
+            let covariance = fit.covariance(&unknowns, 1.0);
+            let value = TIME * fit.x[1].exp();
+            let [low, high] = covariance.interval_of_exponential(1, value);
+            by_logarithm += usize::from((low..=high).contains(&TIME));
+            match covariance.interval_however_counted(1, value) {
+                Some([low, high]) => however += usize::from((low..=high).contains(&TIME)),
+                None => open += 1,
+            }
+        }
+        [by_logarithm, however + open, open].map(|count| count as f64 / TRIALS as f64)
+    }
+
+    #[test]
+    fn intervals_of_times_hold_whatever_they_are_long_beside() {
+        // as long as the time itself, and well seen: all the same
+        let [by_logarithm, however, open] = coverage_of_a_time(40.0, 0.03);
+        assert!(
+            (by_logarithm - 0.95).abs() < 0.027 && (0.923..0.99).contains(&however),
+            "{by_logarithm} {however}"
+        );
+        assert_eq!(open, 0.0);
+        // an eighth of it, and seen badly: often far too short a time with a narrow interval of its logarithm
+        let [by_logarithm, however, open] = coverage_of_a_time(5.0, 0.1);
+        assert!(by_logarithm < 0.93 && however > 0.95 && open > 0.5, "{by_logarithm} {however} {open}");
     }
 
     /// How often the 95 % interval of a slope has the true one in it, with noise of this memory and this redundancy.
