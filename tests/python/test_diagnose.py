@@ -235,12 +235,14 @@ def test_what_is_warm_stays_warm_from_run_to_run(study, tmp_path, pause):
     found = json.loads((tmp_path / "output" / "diagnosis.json").read_text())
     [finding] = found["findings"]
     assert (found["verdict"], finding["effect"], finding["place"]) == ("effect", "thermal-softening", "parameter friction"), found["summary"]
-    loss, _, kept = finding["parameters"]
+    loss, time, kept = finding["parameters"]
     assert loss["value"] == pytest.approx(4e-6, rel=0.1)
     assert kept["value"] == pytest.approx(np.exp(-pause / 40.0), abs=0.05)
-    # a cold run of 5 s says little of 40 s, and says so
-    for estimate, truth in zip(finding["parameters"], [4e-6, 40.0, np.exp(-pause / 40.0)], strict=True):
+    for estimate, truth in zip([loss, kept], [4e-6, np.exp(-pause / 40.0)]):
         assert estimate["low"] <= truth <= estimate["high"]
+    # a run of 5 s says little of 40 s, and says so: the interval is wide, or there is none
+    low, high = time["low"], time["high"]
+    assert (low is None and high is None) or (low <= 40.0 <= high and high > 3 * low)
     # one run does not follow another one
     corrected = fmpy.read_model_description(tmp_path / "output" / "corrected.fmu")
     assert [v.name for v in corrected.modelVariables if v.name.startswith("effect.")] == [
