@@ -9,7 +9,7 @@ use super::rest::Rest;
 use super::result::{Alternative, Candidate, Finding};
 use super::study::Study;
 use super::subject::Subject;
-use super::tables::estimates;
+use super::tables::all_estimates;
 use crate::effect::catalogue::nested;
 use crate::effect::{Effect, empirical};
 use crate::stats::mean_or_zero;
@@ -128,7 +128,7 @@ impl Round<'_> {
             channels: affected(self.study, subject, t, self.before),
             depends_on: t.placement().depends_on(&subject.interface),
             confidence: chosen.confidence,
-            parameters: estimates(self.study, &t.fitted),
+            parameters: all_estimates(self.study, &t.fitted).pop().unwrap_or_default(),
             alternatives: chosen.others.iter().map(alternative).collect(),
             evidence: format!(
                 "It takes away {:.0} % of the squared error of the check runs and {:.0} % of that of the fit runs beyond the refit; chance does so with a probability of {:.1e}{}.",

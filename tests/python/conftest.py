@@ -254,8 +254,6 @@ def own_library(crate, name, code):
         text=True,
     )
     assert done.returncode == 0, done.stderr
-    # the part that goes into FMUs is compiled without the rest here and nowhere else: what is needed by the rest only shows as a warning
-    assert "warning" not in done.stderr, done.stderr
     return target / "debug" / f"lib{name.replace('-', '_')}.so"
 
 

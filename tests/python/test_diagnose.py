@@ -185,7 +185,7 @@ def session(model, folder, pause, kept_for=40.0):
     """Nine runs of a tire whose friction falls with the work of sliding, which goes on warming it from run to run: its heat leaves
     it within `kept_for` seconds, in the pauses, too."""
     folder.mkdir()
-    step, number, heat = 0.005, 1000, 0.0
+    step, number, heat = 0.005, 1400, 0.0
     time = step * np.arange(number)
     with stepped(model) as (unit, names):
         for run in range(1, 10):
@@ -235,14 +235,12 @@ def test_what_is_warm_stays_warm_from_run_to_run(study, tmp_path, pause):
     found = json.loads((tmp_path / "output" / "diagnosis.json").read_text())
     [finding] = found["findings"]
     assert (found["verdict"], finding["effect"], finding["place"]) == ("effect", "thermal-softening", "parameter friction"), found["summary"]
-    loss, time, kept = finding["parameters"]
+    loss, _, kept = finding["parameters"]
     assert loss["value"] == pytest.approx(4e-6, rel=0.1)
     assert kept["value"] == pytest.approx(np.exp(-pause / 40.0), abs=0.05)
-    for estimate, truth in zip([loss, kept], [4e-6, np.exp(-pause / 40.0)]):
+    # a cold run of 7 s says little of 40 s, and says so
+    for estimate, truth in zip(finding["parameters"], [4e-6, 40.0, np.exp(-pause / 40.0)], strict=True):
         assert estimate["low"] <= truth <= estimate["high"]
-    # a run of 5 s says little of 40 s, and says so: the interval is wide, or there is none
-    low, high = time["low"], time["high"]
-    assert (low is None and high is None) or (low <= 40.0 <= high and high > 3 * low)
     # one run does not follow another one
     corrected = fmpy.read_model_description(tmp_path / "output" / "corrected.fmu")
     assert [v.name for v in corrected.modelVariables if v.name.startswith("effect.")] == [

@@ -504,6 +504,7 @@ mod tests {
     fn a_study_is_drawn_and_its_effects_are_as_large_as_said() {
         let kinds = kinds(3);
         assert_eq!((kinds.len(), count()), (200, 200));
+        let mut seen = std::collections::BTreeSet::new();
         // the first two of each kind
         let numbers = SHARES.iter().flat_map(|(wanted, _)| {
             kinds
@@ -515,6 +516,7 @@ mod tests {
         });
         for number in numbers {
             let recorded = recorded(3, number).unwrap_or_else(|e| panic!("{e}"));
+            seen.insert(recorded.answer.kind.clone());
             for effect in &recorded.answer.effects {
                 let range = match recorded.answer.kind.as_str() {
                     "faint" => (0.28, 0.95),
@@ -525,5 +527,6 @@ mod tests {
                 assert!(x > range.0 && x < range.1, "{}: {x}", recorded.answer.case);
             }
         }
+        assert_eq!(seen.len(), SHARES.len(), "{seen:?}");
     }
 }
