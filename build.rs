@@ -71,13 +71,13 @@ fn build() -> Result<PathBuf, String> {
             .and_then(|()| fs::write(&path, text))
             .map_err(|e| format!("{}: {e}", path.display()))
     };
-    // a path may hold what TOML would escape; a literal string takes it as it is
-    let path = sources.display();
+    // in a basic string of TOML, which unlike a literal one takes an apostrophe too
+    let path = sources.display().to_string().replace('\\', "\\\\").replace('"', "\\\"");
     write(
         "Cargo.toml",
         &format!(
             "[package]\nname = \"latsch-fmu\"\nversion = \"{}\"\nedition = \"2024\"\n\n[lib]\ncrate-type = [\"cdylib\"]\n\n\
-            [dependencies]\nlatsch = {{ path = '{path}', default-features = false }}\n\n{PROFILES}\n[workspace]\n",
+            [dependencies]\nlatsch = {{ path = \"{path}\", default-features = false }}\n\n{PROFILES}\n[workspace]\n",
             variable("CARGO_PKG_VERSION")?
         ),
     )?;

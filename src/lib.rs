@@ -89,7 +89,7 @@ pub mod tire_function;
 pub use error::{Error, ErrorKind, Result};
 #[cfg(feature = "host")]
 pub use file::{ending, read_text, write_file};
-pub use shown::{one_line, printable, printable_json};
+pub use shown::{one_line, printable, printable_json, with_unit};
 
 /// The version of the library: part of every FMU's GUID.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -5,7 +5,7 @@
 //! they show through here, so that no place that builds a message has to think of it.
 
 use std::borrow::Cow;
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 /// Messages of more bytes than this are shortened: some 25 lines of a terminal, more than any message of our own.
 const LONGEST: usize = 2000;
@@ -66,6 +66,14 @@ pub(crate) fn visible(c: char) -> char {
         '\t' => ' ',
         c if acts(c) => '\u{fffd}',
         c => c,
+    }
+}
+
+/// A number and its unit as people read them: the unit 1 is not said.
+pub fn with_unit(number: impl Display, unit: &str) -> String {
+    match unit {
+        "1" => number.to_string(),
+        unit => format!("{number} {unit}"),
     }
 }
 

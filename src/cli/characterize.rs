@@ -12,7 +12,7 @@ use latsch::model::{Settings, Slave};
 use latsch::recording::{Names, read_names, write_tydex};
 use latsch::report::{curves_report, write_html};
 use latsch::shipped::MODELS;
-use latsch::{Error, Result, write_file};
+use latsch::{Error, Result, with_unit, write_file};
 use std::path::{Path, PathBuf};
 
 /// What a flat track's name ends with.
@@ -190,8 +190,7 @@ fn told(tire: &Tire, load: f64) -> String {
     ] {
         if let Some(value) = tire.reading(measure, load) {
             let [_, title, unit] = measure.words();
-            let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-            text += &format!("\n  {title:36} {value:10.4}{unit}");
+            text += &format!("\n  {title:36} {}", with_unit(format_args!("{value:10.4}"), unit));
         }
     }
     text

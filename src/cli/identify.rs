@@ -11,7 +11,7 @@ use latsch::identify::{Plan, Stand, ring_brush};
 use latsch::model::Interface;
 use latsch::recording::recording_endings;
 use latsch::report::{identification_report, write_html};
-use latsch::{Error, Result};
+use latsch::{Error, Result, with_unit};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -197,7 +197,7 @@ fn told(answer: &Answer, interface: &Interface) -> String {
         );
     }
     for (name, offset) in answer.offsets.iter().chain(&answer.zeros) {
-        let _ = writeln!(text, "offset of {name}: {} {}", short(*offset, 4), unit(name));
+        let _ = writeln!(text, "offset of {name}: {}", with_unit(short(*offset, 4), unit(name)));
     }
     for misfit in &answer.misfits {
         let _ = writeln!(text, "contradiction: {}", misfit.words());

@@ -10,6 +10,7 @@ use super::subject::{FreeParameter, Subject};
 use crate::Result;
 use crate::fit::{Problem, side_by_side};
 use crate::page::number;
+use crate::shown::with_unit;
 use crate::stats::sign_flip;
 use nalgebra::{DMatrix, DVector};
 
@@ -46,9 +47,9 @@ pub(super) fn in_words(fitted: &super::result::Fitted) -> String {
 }
 
 fn is_off(name: &str, given: f64, (value, [low, high]): (f64, [f64; 2]), unit: &str) -> String {
-    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
     let [given, value, low, high] = [given, value, low, high].map(number);
-    format!("{name} is off, not {given}{unit} but {value} ({low} to {high}){unit}")
+    let value = format!("{value} ({low} to {high})");
+    format!("{name} is off, not {} but {}", with_unit(given, unit), with_unit(value, unit))
 }
 
 /// The values that explain as much as a fitted model with all that was found, the best first: with one of them fitted in place of that, what

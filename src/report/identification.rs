@@ -7,8 +7,9 @@ use std::fmt::Write;
 
 const STYLE: &str = "\
 .light { display: inline-block; width: .8rem; height: .8rem; margin-right: .5rem; border-radius: 50%; vertical-align: -.05rem; }
+td:has(> .light) { white-space: nowrap; }
 .light.green { background: #2e9e5b; } .light.yellow { background: #e9b82c; } .light.red { background: #cf4332; }
-td.why { max-width: 26rem; font-size: .87rem; color: #46525c; }
+td.why { min-width: 24rem; max-width: 26rem; font-size: .87rem; color: #46525c; }
 ";
 
 /// The page of what recordings told of a tire; `plan` is what was followed, `units` are those of the model's parameters by name.

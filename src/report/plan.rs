@@ -11,7 +11,7 @@ const STYLE: &str = "\
 .standing { display: inline-block; padding: 0 .5rem; border-radius: .7rem; font-size: .85rem; white-space: nowrap; }
 .standing.refuted { background: #f9d9cd; color: #8c2f00; } .standing.passed { background: #d9efe2; color: #14603a; }
 .standing.open { background: #fbeec4; color: #6b5200; }
-td.answer { max-width: 24rem; } td.targets { min-width: 15rem; } td.found { min-width: 13rem; }
+td.answer { min-width: 13rem; max-width: 24rem; } td.targets { min-width: 15rem; } td.found { min-width: 13rem; }
 td.differs { font-weight: 650; }
 ";
 /// More orthants than these are told by their least margins only.

@@ -312,6 +312,8 @@ impl Plot {
                 .margin_top(letters)
                 .margin_right(letters)
                 .margin_left(letters / 3)
+                // the title of the axis stands on the lowest line: what hangs below it, as brackets of units do, would be cut off
+                .margin_bottom(letters / 4)
                 .x_label_area_size(letters * 12 / 5)
                 .y_label_area_size(room_for_labels)
                 .build_cartesian_2d(x.clone(), y.clone())?;

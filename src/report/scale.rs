@@ -1,6 +1,7 @@
 //! The scale of a plot's axis: what it spans, and its labels.
 
 use super::plot::Axis;
+use crate::shown::with_unit;
 use crate::stats::extent;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use std::ops::Range;
@@ -118,8 +119,7 @@ pub fn title(quantity: &str, unit: &str, exponent: i32) -> String {
         c => char::from_u32('⁰' as u32 + c as u32 - '0' as u32).unwrap_or(c),
     };
     let power: String = exponent.to_string().chars().map(digit).collect();
-    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-    format!("{quantity} [10{power}{unit}]")
+    format!("{quantity} [{}]", with_unit(format_args!("10{power}"), unit))
 }
 
 impl Ranged for Scale {

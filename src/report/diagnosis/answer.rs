@@ -3,6 +3,7 @@
 use super::tables::interval;
 use crate::diagnose::{ChannelCheck, Diagnosis, Finding, Verdict};
 use crate::page::{Html, Section, Table, escape, number};
+use crate::shown::with_unit;
 use std::fmt::Write;
 
 /// The answer in a few words.
@@ -134,14 +135,8 @@ fn found(finding: &Finding) -> String {
     row("seen in", &finding.channels.join(", "));
     row("depends on", &finding.depends_on.join(", "));
     for p in &finding.parameters {
-        let unit = if p.unit == "1" { "" } else { &p.unit };
-        let text = format!(
-            "{} = {} {unit} ({})",
-            words(&p.name).replace('_', " "),
-            number(p.value),
-            interval(p.low, p.high)
-        );
-        row("with", &text.replace("  ", " "));
+        let value = with_unit(number(p.value), &p.unit);
+        row("with", &format!("{} = {value} ({})", words(&p.name).replace('_', " "), interval(p.low, p.high)));
     }
     html.push_str("</tbody></table>\n");
     if !finding.evidence.is_empty() {

@@ -3,6 +3,7 @@
 //! [`FIELDS`] is the only list of names, sections, defaults, units and meanings. Reading `.tir` files, writing them and a
 //! table of model variables are derived from it, so that they cannot disagree.
 
+use crate::shown::with_unit;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 
@@ -371,14 +372,13 @@ impl Coefficients {
 
 /// The sentence about a value that is out of its bound.
 pub(crate) fn out_of_bound(field: &Field, value: f64) -> String {
-    let unit = if field.unit == "1" { String::new() } else { format!(" {}", field.unit) };
     let hint = match field.bound {
         Bound::Negative => {
             "; a file with the other sign is not written in ISO-W axes, which this model needs: convert it first"
         }
         _ => "",
     };
-    format!("{} is {value}{unit}; it must be {}{hint}", field.name, field.bound.words())
+    format!("{} is {}; it must be {}{hint}", field.name, with_unit(value, field.unit), field.bound.words())
 }
 
 /// Fields that describe the tire and stand in no equation.
