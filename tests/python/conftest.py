@@ -1,6 +1,7 @@
 """What the tests from outside share: the program, exported FMUs, a slave driven by hand."""
 
 import csv
+import fcntl
 import os
 import pathlib
 import re
@@ -70,6 +71,29 @@ MODELS = {
 
 def pytest_configure(config):
     config.addinivalue_line("markers", "quick: part of scripts/test --quick; takes no more than a few seconds")
+
+
+@pytest.fixture(scope="session")
+def made_once(tmp_path_factory):
+    """Folders of what takes long to make: where tests run in several processes, one of them makes it, and the others wait and share it.
+    To be called with a name and with what fills the folder."""
+    shared = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        shared = shared.parent
+
+    def folder(name, make):
+        path, stamp = shared / name, shared / f"{name}.made"
+        with open(shared / f"{name}.lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not stamp.exists():
+                # what a process that failed has left
+                shutil.rmtree(path, ignore_errors=True)
+                path.mkdir()
+                make(path)
+                stamp.touch()
+        return path
+
+    return folder
 
 
 def latsch(*arguments, cwd=None):
@@ -201,6 +225,22 @@ def exported(tmp_path_factory):
         path = folder / f"{model}.fmu"
         if not path.exists():
             done = latsch("export", model, "--output", path)
+            assert done.returncode == 0, done.stderr
+        return path
+
+    return export
+
+
+@pytest.fixture(scope="session")
+def base_model(tmp_path_factory):
+    """Exports base models of the blind study, each once."""
+    folder = tmp_path_factory.mktemp("base")
+    subprocess.run(["cargo", "build", "--quiet", "--locked", "--workspace"], cwd=ROOT, check=True)
+
+    def export(model):
+        path = folder / f"{model}.fmu"
+        if not path.exists():
+            done = latsch("export", model, "--library", TARGET / "debug" / "libbase_models.so", "--output", path)
             assert done.returncode == 0, done.stderr
         return path
 

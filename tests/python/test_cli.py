@@ -355,11 +355,12 @@ def test_progress_shows_on_a_terminal_and_nowhere_else(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def demo(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("demo") / "demo"
-    done = latsch("demo", "--output", folder)
-    assert done.returncode == 0, done.stderr
-    return folder
+def demo(made_once):
+    def make(folder):
+        done = latsch("demo", "--output", folder / "demo")
+        assert done.returncode == 0, done.stderr
+
+    return made_once("demo", make) / "demo"
 
 
 def test_demo_makes_pages_that_need_nothing_else(demo):

@@ -104,9 +104,9 @@ def write(path, header, *columns):
 
 
 @pytest.mark.parametrize("repeats, verdict", [(True, "unknown"), (False, "parameters")])
-def test_repeats_of_a_run_tell_what_is_no_noise(study, tmp_path, repeats, verdict):
+def test_repeats_of_a_run_tell_what_is_no_noise(base_model, tmp_path, repeats, verdict):
     """An error that follows no signal comes again if a run is repeated: without repeats it looks like noise."""
-    model, recordings, number = study / "models" / "oscillator.fmu", tmp_path / "recordings", 2000
+    model, recordings, number = base_model("oscillator"), tmp_path / "recordings", 2000
     time = 0.005 * np.arange(number)
     recordings.mkdir()
     for run, programme in enumerate([0, 1, 2, 0, 1, 2, 3, 4] if repeats else range(8)):
@@ -168,10 +168,10 @@ def made(folder, force, start=0.0, clock=0.0, *, number):
         write(folder / f"{run}.csv", "time [s],force [N],position [m],velocity [m/s]", times, inputs, *states[:, :, run].T)
 
 
-def test_what_touches_has_its_own_name_and_no_other(study, tmp_path):
+def test_what_touches_has_its_own_name_and_no_other(base_model, tmp_path):
     """As what sticks, which is beside another clock below."""
     made(tmp_path / "recordings", lambda x, v: 3800.0 * np.clip(x, -0.003, 0.003), 0.003, number=1200)
-    model = study / "models" / "oscillator.fmu"
+    model = base_model("oscillator")
     done = latsch("diagnose", model, "--recordings", tmp_path / "recordings", "--output", tmp_path / "output")
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "output" / "diagnosis.json").read_text())
@@ -227,8 +227,8 @@ def stepped(model):
 
 
 @pytest.mark.parametrize("pause", [15.0, np.inf])
-def test_what_is_warm_stays_warm_from_run_to_run(study, tmp_path, pause):
-    model = study / "models" / "steady-tire.fmu"
+def test_what_is_warm_stays_warm_from_run_to_run(base_model, tmp_path, pause):
+    model = base_model("steady-tire")
     session(model, tmp_path / "recordings", pause)
     done = latsch("diagnose", model, "--recordings", tmp_path / "recordings", "--output", tmp_path / "output")
     assert done.returncode == 0, done.stderr
@@ -254,10 +254,10 @@ def test_what_is_warm_stays_warm_from_run_to_run(study, tmp_path, pause):
 
 
 @pytest.mark.parametrize("clock", [0.006, -0.009])
-def test_a_clock_is_the_recordings_fault_and_what_is_missing_beside_it_is_found(study, tmp_path, clock):
+def test_a_clock_is_the_recordings_fault_and_what_is_missing_beside_it_is_found(base_model, tmp_path, clock):
     # sharper than any range of the velocity: Stribeck's peak would be zero
     made(tmp_path / "recordings", lambda x, v: -4.0 * np.tanh(v / 0.002), clock=clock, number=900)
-    model, output = study / "models" / "oscillator.fmu", tmp_path / "output"
+    model, output = base_model("oscillator"), tmp_path / "output"
     done = latsch("diagnose", model, "--recordings", tmp_path / "recordings", "--output", output)
     assert done.returncode == 0, done.stderr
     found = json.loads((output / "diagnosis.json").read_text())
@@ -540,8 +540,8 @@ def test_the_way_of_inputs_between_samples_is_no_physics(tmp_path, course):
     assert (found["verdict"], found["findings"]) == ("nothing", []), found["summary"]
 
 
-def test_what_cannot_be_diagnosed_is_said(study, tmp_path):
-    model = study / "models" / "oscillator.fmu"
+def test_what_cannot_be_diagnosed_is_said(base_model, tmp_path):
+    model = base_model("oscillator")
     done = latsch("diagnose", model, "--recordings", tmp_path, "--output", tmp_path / "out")
     assert done.returncode == 2 and "no recording" in done.stderr
     (tmp_path / "a.csv").write_text("time [s],force [N],position [m]\n0,0,0\n0.01,1,0\n0.02,1,0\n")

@@ -2,6 +2,7 @@
 here."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -46,10 +47,8 @@ def truth(force, friction):
     return np.array(rows)
 
 
-@pytest.fixture(scope="module")
-def diagnosed(system, tmp_path_factory):
-    """A diagnosis with the friction, and what it wrote."""
-    folder = tmp_path_factory.mktemp("diagnosed")
+def diagnose(system, folder):
+    """Runs with the friction, what a system without it is told of them, and the noise of each run."""
     random = np.random.default_rng(7)
     time = STEP * 4 * np.arange(SAMPLES)
     fine = STEP * np.arange(4 * SAMPLES)
@@ -65,23 +64,34 @@ def diagnosed(system, tmp_path_factory):
         lines = [",".join(["time [s]", *CHANNELS])]
         lines += [",".join(f"{v:.9g}" for v in [t, *row]) for t, row in zip(time, rows + noise)]
         (folder / "recordings" / f"run-{run}.csv").write_text("\n".join(lines) + "\n")
+    shutil.copy(system / "coupled-oscillator.fmu", folder)
     description = (system / "system.toml").read_text().replace(", start_position = 0.1", "")
-    (system / "coupled.toml").write_text(description)
+    (folder / "coupled.toml").write_text(description)
     (folder / "parameters.toml").write_text("[fit]\n" + "".join(f'"{n}" = true\n' for n in FITTED))
-    done = latsch("diagnose", system / "coupled.toml", "--recordings", folder / "recordings", "--parameters",
+    done = latsch("diagnose", folder / "coupled.toml", "--recordings", folder / "recordings", "--parameters",
                   folder / "parameters.toml", "--output", folder / "out")
     assert done.returncode == 0, done.stderr
+    (folder / "said.txt").write_text(done.stdout)
+    (folder / "noises.json").write_text(json.dumps({name: list(noise) for name, noise in noises.items()}))
+
+
+@pytest.fixture(scope="module")
+def diagnosed(system, made_once):
+    """A folder with that, the answer, and the noise of the samples that it was checked with."""
+    folder = made_once("coupled", lambda folder: diagnose(system, folder))
     found = json.loads((folder / "out" / "diagnosis.json").read_text())
+    noises = {name: np.array(noise) for name, noise in json.loads((folder / "noises.json").read_text()).items()}
+    time = STEP * 4 * np.arange(SAMPLES)
     # of a run that was cut its end is for checking
     ends = {r["name"]: 0.0 if r["use"] == "check" else r["check_from"] for r in found["runs"]}
     samples = {name: np.sum(time >= end) for name, end in ends.items() if end is not None}
     squares = sum(n * noises[name] ** 2 for name, n in samples.items()) / sum(samples.values())
     noise = dict(zip([name.split(" [")[0] for name in CHANNELS], np.sqrt(squares)))
-    return folder, found, done, noise
+    return folder, found, noise
 
 
 def test_what_is_missing_inside_the_loop_is_named(diagnosed):
-    _, found, _, noise = diagnosed
+    _, found, noise = diagnosed
     assert found["verdict"] == "effect", found["summary"]
     finding = found["findings"][0]
     assert (finding["effect"], finding["place"]) == ("guide-friction", "output left.reaction"), finding
@@ -97,14 +107,15 @@ def test_what_is_missing_inside_the_loop_is_named(diagnosed):
 
 
 def test_the_opened_loop_tells_the_part(diagnosed):
-    folder, found, done, _ = diagnosed
+    folder, found, _ = diagnosed
+    said = (folder / "said.txt").read_text()
     made = {c["channel"]: c["made_here"] for part in found["parts"] for c in part["channels"]}
     assert {part["part"] for part in found["parts"]} == {"left", "right"}
     assert all(part["closed"] is None for part in found["parts"])
     assert made["left.reaction"] is True, found["parts"]
     assert made["right.position"] is False and made["right.velocity"] is False, found["parts"]
-    assert "left differs by itself" in done.stdout
-    assert "right does not differ by itself" in done.stdout
+    assert "left differs by itself" in said
+    assert "right does not differ by itself" in said
     assert "In which part" in (folder / "out" / "report.html").read_text()
 
 
@@ -128,7 +139,7 @@ def test_the_corrected_system_runs_as_said(diagnosed):
         assert error < 1.3 * check[channel]["after"], (channel, error, check[channel])
 
 
-def test_a_part_whose_inputs_were_not_recorded_is_said(system, diagnosed, tmp_path):
+def test_a_part_whose_inputs_were_not_recorded_is_said(diagnosed, tmp_path):
     folder, *_ = diagnosed
     (tmp_path / "recordings").mkdir()
     # which parts can be told by themselves is a matter of the channels that there are: little of two runs is enough
@@ -137,7 +148,7 @@ def test_a_part_whose_inputs_were_not_recorded_is_said(system, diagnosed, tmp_pa
         keep = [i for i, name in enumerate(rows[0]) if not name.startswith("right.position")]
         text = "\n".join(",".join(row[i] for i in keep) for row in rows) + "\n"
         (tmp_path / "recordings" / file.name).write_text(text)
-    done = latsch("diagnose", system / "coupled.toml", "--recordings", tmp_path / "recordings", "--parameters",
+    done = latsch("diagnose", folder / "coupled.toml", "--recordings", tmp_path / "recordings", "--parameters",
                   folder / "parameters.toml", "--output", tmp_path / "out", "--format", "json")
     assert done.returncode == 0, done.stderr
     parts = {p["part"]: p for p in json.loads(done.stdout)["parts"]}

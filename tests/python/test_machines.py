@@ -160,22 +160,8 @@ def write(path, header, *columns):
     np.savetxt(path, np.transpose(columns), delimiter=",", header=header, comments="")
 
 
-@pytest.fixture(scope="module")
-def oscillator():
-    """The oscillator of the base models, exported."""
-    folder = TARGET / "prove-machines"
-    done = subprocess.run(
-        [sys.executable, ROOT / "scripts" / "prove", "--only", "case-005", "--output", folder / "models-only"],
-        capture_output=True,
-        text=True,
-        timeout=900,
-    )
-    assert done.returncode == 0, done.stderr
-    return folder / "models-only" / "models" / "oscillator.fmu"
-
-
 @pytest.mark.parametrize("slower", [0.2, 1.0, 8.0])
-def test_a_machine_that_is_slower_has_the_same_name_and_a_slower_lag(oscillator, tmp_path, slower):
+def test_a_machine_that_is_slower_has_the_same_name_and_a_slower_lag(base_model, tmp_path, slower):
     """The same dimensionless machine: stiffness by 1/t^2, damping by 1/t; the lag of its position sensor by t."""
     recordings = tmp_path / "recordings"
     recordings.mkdir()
@@ -191,7 +177,7 @@ def test_a_machine_that_is_slower_has_the_same_name_and_a_slower_lag(oscillator,
         write(path, "time [s],force [N]", slower * time, force)
         results = tmp_path / "results.csv"
         sets = [word for name, value in scaled(true).items() for word in ("--set", f"{name}={value!r}")]
-        done = latsch("simulate", oscillator, "--inputs", path, "--step", repr(slower * 0.0025), *sets, "--output", results)
+        done = latsch("simulate", base_model("oscillator"), "--inputs", path, "--step", repr(slower * 0.0025), *sets, "--output", results)
         assert done.returncode == 0, done.stderr
         simulated = {name: np.array(values) for name, values in read_results(results).items()}
         lag, fine, at = 0.02, simulated["time"] / slower, [simulated["position"][0]]
@@ -206,7 +192,7 @@ def test_a_machine_that_is_slower_has_the_same_name_and_a_slower_lag(oscillator,
     parameters = tmp_path / "parameters.toml"
     parameters.write_text("[parameters]\n" + "".join(f"{k} = {v!r}\n" for k, v in scaled(believed).items()))
     output = tmp_path / "output"
-    done = latsch("diagnose", oscillator, "--recordings", recordings, "--parameters", parameters, "--output", output)
+    done = latsch("diagnose", base_model("oscillator"), "--recordings", recordings, "--parameters", parameters, "--output", output)
     assert done.returncode == 0, done.stderr
     found = json.loads((output / "diagnosis.json").read_text())
     assert [(f["effect"], f["place"]) for f in found["findings"]] == [("sensor-lag", "output position")], found["summary"]

@@ -52,16 +52,17 @@ print(json.dumps(names))
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("package")
-    library = TARGET / "debug" / "liblatsch_fmu.so"
-    made = subprocess.run(
-        [sys.executable, ROOT / "scripts" / "wheel", "--program", PROGRAM, "--library", library, "--output", folder],
-        check=True, capture_output=True, text=True,
-    )
-    install = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--no-index"]
-    subprocess.run([*install, "--target", folder / "site", made.stdout.strip()], check=True)
-    return folder / "site"
+def installed(made_once):
+    def make(folder):
+        library = TARGET / "debug" / "liblatsch_fmu.so"
+        made = subprocess.run(
+            [sys.executable, ROOT / "scripts" / "wheel", "--program", PROGRAM, "--library", library, "--output", folder],
+            check=True, capture_output=True, text=True,
+        )
+        install = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--no-index"]
+        subprocess.run([*install, "--target", folder / "site", made.stdout.strip()], check=True)
+
+    return made_once("package", make) / "site"
 
 
 def test_functions_do_what_the_program_does(installed, tmp_path):

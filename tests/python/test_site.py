@@ -50,11 +50,13 @@ class Page(html.parser.HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory):
-    output = tmp_path_factory.mktemp("site") / "site"
-    command = [sys.executable, ROOT / "scripts" / "site", "--programs", PROGRAM.parent, "--output", output]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+def site(made_once):
+    def make(folder):
+        command = [sys.executable, ROOT / "scripts" / "site", "--programs", PROGRAM.parent, "--output", folder / "site"]
+        done = subprocess.run(command, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+
+    output = made_once("site", make) / "site"
     return {page: Page(page.read_text()) for page in output.rglob("*.html")}
 
 
