@@ -3,7 +3,9 @@
 use crate::model::{Causality, Interface, Slave, Value};
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector};
-use std::cell::{Cell, RefCell};
+use std::cell::{Cell, RefCell, RefMut};
+use std::collections::HashMap;
+use std::rc::Rc;
 
 /// The parameter with which a rig refuses a start that is not stationary.
 const ONLY_STATIONARY: &str = "only_stationary_start";
@@ -12,6 +14,9 @@ const ONLY_STATIONARY: &str = "only_stationary_start";
 const DIFFERENCE: f64 = 1e-5;
 /// if that is no wider than this: beyond, it says nothing of the input's size.
 const LARGEST_RANGE: f64 = 10.0;
+
+/// Numbers that are remembered at most, 8 MB, and with the questions some four times that; then all are forgotten.
+const MOST_REMEMBERED: usize = 1_000_000;
 
 /// The number that a variable starts with, if it is one.
 pub fn number(value: Option<&Value>) -> Option<f64> {
@@ -26,15 +31,38 @@ pub fn number(value: Option<&Value>) -> Option<f64> {
 /// Values of a slave's variables, by number.
 pub type Values = [(usize, f64)];
 
+/// What a slave can be asked, to the last bit.
+#[derive(PartialEq, Eq, Hash)]
+enum Question {
+    /// All outputs in the stationary state of these values.
+    State(Bits),
+    /// How outputs change with inputs there: values, outputs, inputs.
+    Slopes(Bits, Vec<usize>, Vec<usize>),
+    /// Outputs along a motion from there: values, rates, duration, steps, outputs.
+    Along(Bits, Bits, u64, usize, Vec<usize>),
+}
+
+type Bits = Vec<(usize, u64)>;
+
+fn bits(values: &Values) -> Bits {
+    values.iter().map(|(variable, value)| (*variable, value.to_bits())).collect()
+}
+
 /// A slave that starts in the stationary state of its inputs, as all rigs of this library do.
+///
+/// It remembers what it has answered: a search comes back to the same conditions with the same parameters, in an identification with two
+/// of five of its questions.
 pub struct Stand {
     slave: RefCell<Box<dyn Slave>>,
     interface: Interface,
+    /// Its outputs that are real numbers.
+    outputs: Vec<usize>,
     /// What every start is given first.
     fixed: Vec<(usize, f64)>,
     starts: Cell<usize>,
-    /// The values in whose stationary state the slave is: a condition is often asked twice, and searched once.
-    state_of: RefCell<Option<Vec<(usize, f64)>>>,
+    answers: RefCell<HashMap<Question, Rc<[f64]>>>,
+    /// How many numbers these are.
+    remembered: Cell<usize>,
 }
 
 impl Stand {
@@ -43,7 +71,10 @@ impl Stand {
         let interface = slave.interface().clone();
         let mut fixed = fixed.to_vec();
         fixed.extend(interface.index(ONLY_STATIONARY).map(|v| (v, 1.0)));
-        Self { slave: slave.into(), interface, fixed, starts: 0.into(), state_of: None.into() }
+        let outputs =
+            interface.with(Causality::Output).filter(|v| interface.variables[*v].is_real()).collect();
+        let (starts, answers, remembered) = Default::default();
+        Self { slave: slave.into(), interface, outputs, fixed, starts, answers, remembered }
     }
 
     /// What the slave's variables are.
@@ -77,12 +108,42 @@ impl Stand {
     /// # Errors
     /// There is no such state, or a value is refused.
     pub fn stationary(&self, values: &Values, outputs: &[usize]) -> Result<Vec<f64>> {
-        if self.state_of.borrow().as_deref() != Some(values) {
-            self.begin(values)?.finish_start()?;
-            self.state_of.replace(Some(values.to_vec()));
+        let state = match self.remembered(&Question::State(bits(values))) {
+            Some(state) => state,
+            None => self.settled(values, &mut **self.begin(values)?)?,
+        };
+        let known =
+            |v: &usize| Some(state[self.outputs.iter().position(|o| o == v)?]).filter(|x| !x.is_nan());
+        if let Some(known) = outputs.iter().map(known).collect() {
+            return Ok(known);
         }
-        let mut slave = self.slave.borrow_mut();
+        // what is no output, or no number: the slave says what it is
+        let mut slave = self.begin(values)?;
+        slave.finish_start()?;
         outputs.iter().map(|v| slave.get(*v)).collect()
+    }
+
+    /// All outputs of a slave that has begun with these values, at rest.
+    fn settled(&self, values: &Values, slave: &mut dyn Slave) -> Result<Rc<[f64]>> {
+        slave.finish_start()?;
+        let outputs = self.outputs.iter().map(|v| slave.get(*v).unwrap_or(f64::NAN)).collect();
+        Ok(self.remember(Question::State(bits(values)), outputs))
+    }
+
+    fn remembered(&self, question: &Question) -> Option<Rc<[f64]>> {
+        self.answers.borrow().get(question).cloned()
+    }
+
+    fn remember(&self, question: Question, answer: Vec<f64>) -> Rc<[f64]> {
+        let answer: Rc<[f64]> = answer.into();
+        let mut answers = self.answers.borrow_mut();
+        if self.remembered.get() + answer.len() > MOST_REMEMBERED {
+            answers.clear();
+            self.remembered.set(0);
+        }
+        self.remembered.set(self.remembered.get() + answer.len());
+        answers.insert(question, Rc::clone(&answer));
+        answer
     }
 
     /// Outputs in that state, and how they (rows) change with inputs (columns): by the slave's own derivatives, or by
@@ -108,14 +169,18 @@ impl Stand {
             }
             return Ok((self.stationary(values, outputs)?, slopes));
         }
-        let mut slave = self.begin(values)?;
-        for (k, input) in inputs.iter().enumerate() {
-            let column = slave.directional_derivatives(outputs, &[*input], &[1.0])?;
-            slopes.column_mut(k).copy_from_slice(&column);
+        let question = Question::Slopes(bits(values), outputs.to_vec(), inputs.to_vec());
+        if let Some(known) = self.remembered(&question) {
+            slopes.copy_from_slice(&known);
+        } else {
+            let mut slave = self.begin(values)?;
+            for (k, input) in inputs.iter().enumerate() {
+                let column = slave.directional_derivatives(outputs, &[*input], &[1.0])?;
+                slopes.column_mut(k).copy_from_slice(&column);
+            }
+            self.settled(values, &mut **slave)?;
+            self.remember(question, slopes.as_slice().to_vec());
         }
-        slave.finish_start()?;
-        drop(slave);
-        self.state_of.replace(Some(values.to_vec()));
         Ok((self.stationary(values, outputs)?, slopes))
     }
 
@@ -159,10 +224,34 @@ impl Stand {
         steps: usize,
         outputs: &[usize],
     ) -> Result<Vec<Vec<f64>>> {
+        let (time_bits, asked) = (time.to_bits(), outputs.to_vec());
+        let question = Question::Along(bits(values), bits(rates), time_bits, steps, asked);
+        let rows = match self.remembered(&question) {
+            Some(rows) => rows,
+            None => self.remember(question, self.driven(values, rates, time, steps, outputs)?),
+        };
+        Ok((0..=steps).map(|k| rows[k * outputs.len()..][..outputs.len()].to_vec()).collect())
+    }
+
+    /// The same, one row behind the other.
+    fn driven(
+        &self,
+        values: &Values,
+        rates: &Values,
+        time: f64,
+        steps: usize,
+        outputs: &[usize],
+    ) -> Result<Vec<f64>> {
         let mut slave = self.begin(values)?;
         slave.finish_start()?;
-        let read = |slave: &mut dyn Slave| outputs.iter().map(|v| slave.get(*v)).collect::<Result<_>>();
-        let mut rows = vec![read(&mut **slave)?];
+        let mut rows = Vec::with_capacity((steps + 1) * outputs.len());
+        let mut read = |slave: &mut dyn Slave| -> Result<()> {
+            for output in outputs {
+                rows.push(slave.get(*output)?);
+            }
+            Ok(())
+        };
+        read(&mut **slave)?;
         let moving: Vec<usize> = rates.iter().map(|(v, _)| *v).collect();
         let speeds: Vec<f64> = rates.iter().map(|(_, rate)| *rate).collect();
         let at = |k: usize| time * k as f64 / steps as f64;
@@ -171,14 +260,13 @@ impl Stand {
                 rates.iter().map(|(v, rate)| self.value(values, *v) + rate * at(k)).collect();
             slave.set_all(&moving, &places, &speeds)?;
             slave.step(at(k), at(k + 1) - at(k))?;
-            rows.push(read(&mut **slave)?);
+            read(&mut **slave)?;
         }
         Ok(rows)
     }
 
-    fn begin(&self, values: &Values) -> Result<std::cell::RefMut<'_, Box<dyn Slave>>> {
+    fn begin(&self, values: &Values) -> Result<RefMut<'_, Box<dyn Slave>>> {
         self.starts.set(self.starts.get() + 1);
-        self.state_of.replace(None);
         let mut slave = self.slave.borrow_mut();
         slave.reset()?;
         for (variable, value) in self.fixed.iter().chain(values) {

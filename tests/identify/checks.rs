@@ -547,3 +547,32 @@ fn the_plan_of_the_ring_and_brush_tire_is_checked() {
     let chosen: Vec<Option<usize>> = chosen(&report).concat();
     assert_eq!(chosen[..8], [1, 3, 2, 4, 5, 6, 7, 8].map(Some), "{report}");
 }
+
+#[test]
+fn what_a_stand_was_asked_it_remembers_and_says_as_a_new_one() {
+    let model = "magic-formula-flat-track";
+    let old = stand(model);
+    let find = |name: &str| old.interface().find(name).unwrap();
+    let (angle, outputs) = (find("slip_angle"), ["force_y", "moment_z"].map(find));
+    let values = |at: f64| [(find("deflection"), 0.02), (find("path_speed"), 15.0), (find("slip_angle"), at)];
+    let asked = |stand: &Stand, at: f64| {
+        let still = stand.stationary(&values(at), &outputs).unwrap();
+        let (same, slopes) = stand.state(&values(at), &outputs, &[angle]).unwrap();
+        assert_eq!(still, same);
+        (still, slopes, stand.along(&values(at), &[(angle, 0.1)], 0.1, 5, &outputs).unwrap())
+    };
+    let (small, large) = (asked(&old, 0.01), asked(&old, 0.03));
+    assert!(small.0 != large.0 && small.1 != large.1 && small.2 != large.2);
+    assert_ne!(small.2[0], small.2[5]);
+    let starts = old.starts();
+    assert!(asked(&old, 0.03) == large && asked(&old, 0.01) == small);
+    let force = old.stationary(&values(0.01), &[find("force_z")]).unwrap();
+    assert_eq!(old.starts(), starts);
+    let new = stand(model);
+    assert_eq!(new.stationary(&values(0.01), &[find("force_z")]).unwrap(), force);
+    assert!(asked(&new, 0.03) == large && asked(&new, 0.01) == small);
+    // what is no output, and what is refused
+    assert_eq!(old.stationary(&values(0.01), &[angle, outputs[0]]).unwrap(), [0.01, small.0[0]]);
+    let refused = || old.stationary(&values(f64::NAN), &outputs).unwrap_err().to_string();
+    assert_eq!(refused(), refused());
+}
