@@ -1,7 +1,7 @@
 //! Which stretches of which recordings meet which condition of a plan.
 
 use super::estimate::Point;
-use super::stretches::{Noise, Watched, piece_length, sections, stretches};
+use super::stretches::{Sampled, Watched, sections, stretches};
 use crate::Result;
 use crate::identify::plan::{Condition, Plan, Ramp};
 use crate::model::Interface;
@@ -94,8 +94,8 @@ pub struct Moved {
 pub struct Track<'a> {
     /// The recording.
     pub recording: &'a Recording,
-    inputs: Vec<Vec<f64>>,
-    outputs: Vec<Vec<f64>>,
+    inputs: Vec<Sampled>,
+    outputs: Vec<Sampled>,
     /// The output that an input is measured by.
     measured_by: Vec<Option<usize>>,
     /// Inputs that are not recorded, for which the plan's value is taken.
@@ -121,18 +121,21 @@ impl<'a> Track<'a> {
             let actual = format!("actual_{name}");
             let names = [measured.map_or(name.as_str(), String::as_str), &actual];
             let found = names.iter().rev().find(|n| recording.has(n));
-            inputs.push(match found {
+            let values = match found {
                 Some(channel) => recording.channel_in(channel, unit(*variable))?,
                 None => {
                     assumed.push(name.clone());
                     vec![plan.set.get(name).copied().unwrap_or(0.0); recording.time.len()]
                 }
-            });
+            };
+            inputs.push(Sampled::new(values, &recording.time));
         }
         let outputs = signals
             .outputs
             .iter()
-            .map(|(name, variable)| recording.channel_in(name, unit(*variable)))
+            .map(|(name, variable)| {
+                Ok(Sampled::new(recording.channel_in(name, unit(*variable))?, &recording.time))
+            })
             .collect::<Result<_>>()?;
         let measured_by = signals.measured_by(plan);
         Ok(Self { recording, inputs, outputs, measured_by, assumed })
@@ -146,13 +149,17 @@ impl<'a> Track<'a> {
             .inputs
             .iter()
             .zip(motions)
-            .map(|(values, within)| {
+            .map(|(channel, within)| {
                 let held_within = Some(within.unwrap_or(f64::INFINITY));
-                Watched { values, held_within, range: 0.0 }
+                Watched { channel, held_within, range: 0.0 }
             })
             .collect();
         let responses = self.outputs.iter().zip(ranges);
-        watched.extend(responses.map(|(values, range)| Watched { values, held_within: None, range: *range }));
+        watched.extend(responses.map(|(channel, range)| Watched {
+            channel,
+            held_within: None,
+            range: *range,
+        }));
         let n = self.inputs.len();
         let time = &self.recording.time;
         stretches(time, &watched)
@@ -175,21 +182,18 @@ impl<'a> Track<'a> {
             return Vec::new();
         };
         let time = &self.recording.time;
-        let noise =
-            |all: &[Vec<f64>]| all.iter().map(|v| Noise::of(v, piece_length(time))).collect::<Vec<_>>();
-        let noise = [noise(&self.inputs), noise(&self.outputs)];
         let mut found = Vec::new();
         for section in sections(time) {
             self.ramps_within(section, input, (ramp.rate, window), touch, |samples, moved| {
-                let means = |all: &[Vec<f64>]| all.iter().map(|v| mean(&v[samples.clone()])).collect();
-                let [errors, noise] =
-                    [0, 1].map(|k| noise[k].iter().map(|n| n.error(samples.len())).collect::<Vec<_>>());
+                let means =
+                    |all: &[Sampled]| all.iter().map(|c| mean(&c.values()[samples.clone()])).collect();
+                let errors = |all: &[Sampled]| all.iter().map(|c| c.noise().error(samples.len())).collect();
                 found.push(Reading {
                     recording: number,
                     time: [time[samples.start], time[samples.end - 1]],
                     point: Point { inputs: means(&self.inputs), outputs: means(&self.outputs) },
-                    errors,
-                    noise,
+                    errors: errors(&self.inputs),
+                    noise: errors(&self.outputs),
                     moved: Some(moved),
                     moving: None,
                 });
@@ -208,7 +212,7 @@ impl<'a> Track<'a> {
         mut found: impl FnMut(Range<usize>, Moved),
     ) {
         let step = median_interval(&self.recording.time);
-        let values = &self.inputs[input];
+        let values = self.inputs[input].values();
         // the window as it is at the plan's rate, and where its middle is passed
         let length = (to - from) / usual.abs();
         let half = ((0.5 * length / step).round() as usize).max(2);
@@ -249,9 +253,9 @@ impl<'a> Track<'a> {
     /// The same with an input, and the output that measures it, times a factor.
     pub fn with_scaled(&self, input: usize, factor: f64) -> Self {
         let mut scaled = self.clone();
-        scaled.inputs[input].iter_mut().for_each(|v| *v *= factor);
+        scaled.inputs[input].change(|v| v * factor);
         if let Some(output) = self.measured_by[input] {
-            scaled.outputs[output].iter_mut().for_each(|v| *v *= factor);
+            scaled.outputs[output].change(|v| v * factor);
         }
         scaled
     }
@@ -259,17 +263,17 @@ impl<'a> Track<'a> {
     /// Least and largest value of each output.
     pub fn ends(&self) -> impl Iterator<Item = [f64; 2]> {
         let wider = |[low, high]: [f64; 2], v: &f64| [low.min(*v), high.max(*v)];
-        self.outputs.iter().map(move |values| values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], wider))
+        self.outputs.iter().map(move |c| c.values().iter().fold([f64::INFINITY, f64::NEG_INFINITY], wider))
     }
 
     /// Takes offsets off the outputs, and off inputs that are what an output measures.
     pub fn correct(&mut self, offsets: &[f64]) {
-        for (values, offset) in self.outputs.iter_mut().zip(offsets) {
-            values.iter_mut().for_each(|v| *v -= offset);
+        for (channel, offset) in self.outputs.iter_mut().zip(offsets) {
+            channel.change(|v| v - offset);
         }
-        for (values, output) in self.inputs.iter_mut().zip(&self.measured_by) {
+        for (channel, output) in self.inputs.iter_mut().zip(&self.measured_by) {
             if let Some(measured) = output.and_then(|o| self.outputs.get(o)) {
-                values.clone_from(measured);
+                channel.clone_from(measured);
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::stats::{even_line, mean, median, median_interval, redundancy};
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// Recordings are looked at in pieces of this length \[s\]: a tire at walking pace and above settles within a few of them.
 const PIECE: f64 = 0.1;
@@ -19,7 +20,7 @@ const STEADY: f64 = 5e-4;
 const GAP: f64 = 5.0;
 
 /// So many samples are a piece.
-pub fn piece_length(time: &[f64]) -> usize {
+fn piece_length(time: &[f64]) -> usize {
     ((PIECE / median_interval(time)).round() as usize).max(LEAST)
 }
 
@@ -31,10 +32,42 @@ pub fn sections(time: &[f64]) -> Vec<Range<usize>> {
     ends.map(|to| std::mem::replace(&mut from, to)..to).collect()
 }
 
+/// A channel of a recording, and what scatters in it, which is found once, when it is asked for.
+#[derive(Clone)]
+pub struct Sampled {
+    values: Vec<f64>,
+    /// So many samples are a piece.
+    piece: usize,
+    noise: OnceLock<Noise>,
+}
+
+impl Sampled {
+    /// One with these values at these times.
+    pub fn new(values: Vec<f64>, time: &[f64]) -> Self {
+        Self { values, piece: piece_length(time), noise: OnceLock::new() }
+    }
+
+    /// Its values.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// What scatters in it.
+    pub fn noise(&self) -> &Noise {
+        self.noise.get_or_init(|| Noise::of(&self.values, self.piece))
+    }
+
+    /// Makes something else of each value.
+    pub fn change(&mut self, of: impl Fn(f64) -> f64) {
+        self.values.iter_mut().for_each(|value| *value = of(*value));
+        self.noise.take();
+    }
+}
+
 /// A channel that tells whether something moves.
 pub struct Watched<'a> {
-    /// Its values.
-    pub values: &'a [f64],
+    /// It.
+    pub channel: &'a Sampled,
     /// By how much it may change while it is held; `None` for a response.
     pub held_within: Option<f64>,
     /// Its range in all recordings.
@@ -60,30 +93,24 @@ pub fn stretches(time: &[f64], channels: &[Watched<'_>]) -> Vec<Stretch> {
         return Vec::new();
     }
     let length = piece_length(time);
-    let noise: Vec<Noise> = channels.iter().map(|c| Noise::of(c.values, length)).collect();
-    let within = |section: Range<usize>| between_gaps(section, length, channels, &noise);
+    let within = |section: Range<usize>| between_gaps(section, length, channels);
     sections(time).into_iter().flat_map(within).collect()
 }
 
 /// The stretches of samples between two gaps, with pieces of `length` samples.
-fn between_gaps(
-    section: Range<usize>,
-    length: usize,
-    channels: &[Watched<'_>],
-    noise: &[Noise],
-) -> Vec<Stretch> {
+fn between_gaps(section: Range<usize>, length: usize, channels: &[Watched<'_>]) -> Vec<Stretch> {
     let pieces = section.len() / length;
     let sample = |piece: usize| section.start + piece * length;
-    let of = |values: &[f64], piece: usize| mean(&values[sample(piece)..sample(piece + 1)]);
+    let of = |channel: &Sampled, piece: usize| mean(&channel.values[sample(piece)..sample(piece + 1)]);
     let mut found = Vec::new();
     let mut from = 0;
     while from < pieces {
         // as long as all that is held stays within its tolerance of where it was
         let stays = |piece: usize| {
-            channels.iter().zip(noise).all(|(channel, noise)| {
-                channel.held_within.is_none_or(|tolerance| {
-                    let change = of(channel.values, piece) - of(channel.values, from);
-                    change.abs() <= tolerance + SIDE * 2f64.sqrt() * noise.error(length)
+            channels.iter().all(|Watched { channel, held_within, .. }| {
+                held_within.is_none_or(|tolerance| {
+                    let change = of(channel, piece) - of(channel, from);
+                    change.abs() <= tolerance + SIDE * 2f64.sqrt() * channel.noise().error(length)
                 })
             })
         };
@@ -91,33 +118,34 @@ fn between_gaps(
         // a move that begins in a piece may not show in its mean
         let end = if to < pieces { to - 1 } else { to };
         if end - from >= PIECES {
-            found.push(second_half(sample(from), sample(end), channels, noise));
+            found.push(second_half(sample(from), sample(end), channels));
         }
         from = to.max(from + 1);
     }
     found
 }
 
-fn second_half(from: usize, to: usize, channels: &[Watched<'_>], noise: &[Noise]) -> Stretch {
+fn second_half(from: usize, to: usize, channels: &[Watched<'_>]) -> Stretch {
     let from = from + (to - from) / 2;
     let middle = from + (to - from) / 2;
     let (mut moving, mut most) = (None, 1.0);
-    for (number, (channel, noise)) in channels.iter().zip(noise).enumerate() {
+    for (number, Watched { channel, held_within, range }) in channels.iter().enumerate() {
         let change = mean(&channel.values[middle..to]) - mean(&channel.values[from..middle]);
-        let allowed = STEADY * channel.range + SIDE * 2f64.sqrt() * noise.error(to - middle);
-        if channel.held_within.is_none() && change.abs() > most * allowed {
+        let allowed = STEADY * range + SIDE * 2f64.sqrt() * channel.noise().error(to - middle);
+        if held_within.is_none() && change.abs() > most * allowed {
             (moving, most) = (Some(number), change.abs() / allowed);
         }
     }
     Stretch {
         samples: [from, to],
-        means: channels.iter().map(|c| mean(&c.values[from..to])).collect(),
-        errors: noise.iter().map(|n| n.error(to - from)).collect(),
+        means: channels.iter().map(|c| mean(&c.channel.values[from..to])).collect(),
+        errors: channels.iter().map(|c| c.channel.noise().error(to - from)).collect(),
         moving,
     }
 }
 
 /// What scatters within pieces of a channel.
+#[derive(Clone)]
 pub struct Noise {
     deviation: f64,
     /// So many samples tell as much as one.
@@ -126,7 +154,7 @@ pub struct Noise {
 
 impl Noise {
     /// Of a channel, in pieces of so many samples.
-    pub fn of(values: &[f64], length: usize) -> Self {
+    fn of(values: &[f64], length: usize) -> Self {
         let pieces: Vec<Vec<f64>> = values.chunks_exact(length).map(about_line).collect();
         let size = |piece: &Vec<f64>| (piece.iter().map(|v| v * v).sum::<f64>() / (length - 2) as f64).sqrt();
         let deviation = median(&pieces.iter().map(size).collect::<Vec<_>>());
