@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
 
-from conftest import ROOT, TARGET, latsch, read_results
+from conftest import PATIENCE, ROOT, TARGET, latsch, read_results
 
 # number, verdict, what is to be found first and where
 CASES = {
@@ -29,8 +29,9 @@ CASES = {
 
 def prove(folder, numbers, seed=1):
     only = ",".join(f"case-{number:03}" for number in numbers)
-    command = [sys.executable, ROOT / "scripts" / "prove", "--only", only, "--seed", str(seed), "--output", folder]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=900)
+    command = [sys.executable, ROOT / "scripts" / "prove", "--only", only, "--seed", str(seed)]
+    command += ["--output", folder, "--limit", str(PATIENCE)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 0, done.stderr
     return folder
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import test_files
 import test_tire
-from conftest import MODEL, PROGRAM, ROOT, TWO_MASSES, latsch
+from conftest import MODEL, PATIENCE, PROGRAM, ROOT, TWO_MASSES, latsch
 
 PAGES = {f"{path.parent.name}/README" if path.name == "README.md" and path.parent != ROOT else path.stem: path for path in [
     ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *(ROOT / place / "README.md" for place in ("examples", "python", "fmu-template"))
@@ -210,7 +210,7 @@ def test_a_block_of_commands_runs(page, block, tmp_path, request):
     (tools / "latsch").symlink_to(PROGRAM)
     script = "set -e\n" + "\n".join(lines_of(block))
     environment = dict(os.environ, PATH=f"{tools}:{os.environ['PATH']}")
-    ran = subprocess.run(["bash", "-c", script], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
+    ran = subprocess.run(["bash", "-c", script], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=PATIENCE)
     assert ran.returncode == 0, f"{script}\n{ran.stdout}\n{ran.stderr}"
     # what is written is where the command says
     for name in re.findall(r"(?:--output|--report|--table|-o) (\S+)", "\n".join(block)):

@@ -9,7 +9,7 @@ import fmpy
 import numpy as np
 import pytest
 
-from conftest import ROOT, TARGET, latsch, read_results
+from conftest import PATIENCE, ROOT, TARGET, latsch, read_results
 
 SEED = 2
 # of the study of random machines: number, verdict, names that are right. In 6 the gain of one force sensor is, with other
@@ -27,8 +27,9 @@ CASES = {
 def study():
     folder = TARGET / "prove-machines"
     only = ",".join(f"case-{number:03}" for number in CASES)
-    command = [sys.executable, ROOT / "scripts" / "prove", "--machines", "--only", only, "--seed", str(SEED), "--output", folder]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=900)
+    command = [sys.executable, ROOT / "scripts" / "prove", "--machines", "--only", only, "--seed", str(SEED)]
+    command += ["--output", folder, "--limit", str(PATIENCE)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 0, done.stderr
     return folder
 
@@ -47,7 +48,7 @@ def test_the_same_machine_told_differently_gets_the_same_answer(study):
     views = ["larger", "faster", "spoilt"]
     command = [sys.executable, ROOT / "scripts" / "prove-views", "--only", "2", "--seed", str(SEED), "--views", ",".join(views)]
     command += ["--programs", study / "bin", "--output", TARGET / "prove-views"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=900)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 0, done.stderr
     assert "| larger | 1 of 1 | 0.0" in done.stdout and "| faster | 1 of 1 | 0.0" in done.stdout, done.stdout
     assert "| spoilt | 1 of 1 |" in done.stdout, done.stdout
@@ -62,7 +63,7 @@ COUNTED = {(11, "turned"): ("coulomb-friction", "-rate(position_frame)"), (18, "
 def test_a_force_is_driven_by_the_motion_of_its_own_body(study, case, tmp_path):
     (number, view), (name, driver) = case, COUNTED[case]
     command = [study / "bin" / "latsch-truth", "case", str(number), "--machines", "--seed", "9", "--view", view]
-    subprocess.run([*command, "--output", tmp_path], check=True, timeout=300)
+    subprocess.run([*command, "--output", tmp_path], check=True, timeout=PATIENCE)
     out = tmp_path / "diagnosis"
     found = latsch("diagnose", tmp_path / "machine.fmu", "--recordings", tmp_path / "recordings", "--output", out)
     assert found.returncode == 0, found.stderr

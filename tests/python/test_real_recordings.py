@@ -15,7 +15,7 @@ import tomllib
 
 import pytest
 
-from conftest import ROOT, TARGET, latsch, read_results
+from conftest import PATIENCE, ROOT, TARGET, latsch, read_results
 
 SCRIPT = ROOT / "scripts" / "real-recordings"
 DATA = pathlib.Path(os.environ.get("LATSCH_DATA", ROOT.parent / "shared" / "data"))
@@ -45,7 +45,7 @@ def runs(data, tmp_path_factory):
 
     def convert(name):
         if not (folder / name).exists():
-            done = subprocess.run([SCRIPT, data, folder, name], capture_output=True, text=True, timeout=300)
+            done = subprocess.run([SCRIPT, data, folder, name], capture_output=True, text=True, timeout=PATIENCE)
             assert done.returncode == 0, done.stderr
         return folder / name
 

@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow.parquet
 import pytest
 
-from conftest import PROGRAM, ROOT, latsch, read_results
+from conftest import PATIENCE, PROGRAM, ROOT, latsch, read_results
 
 SWEEP = ROOT / "scripts" / "sweep.py"
 SYSTEM = """
@@ -56,7 +56,7 @@ def study(tmp_path):
 
 def sweep(study, *arguments, program=PROGRAM):
     command = [sys.executable, SWEEP, study, "--latsch", program, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=300)
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
 
 
 def table(path):
@@ -177,10 +177,10 @@ def test_an_interrupted_study_goes_on_with_what_is_missing(study, tmp_path):
                 # it waits for the run that waits
                 go.touch()
                 running.kill()
-                pytest.fail(f"it has not come to the fourth run: {running.communicate(timeout=60)}")
+                pytest.fail(f"it has not come to the fourth run: {running.communicate(timeout=PATIENCE)}")
             time.sleep(0.05)
         running.send_signal(signal.SIGINT)
-        _, errors = running.communicate(timeout=120)
+        _, errors = running.communicate(timeout=PATIENCE)
     finally:
         go.touch()
         running.kill()
