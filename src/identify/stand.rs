@@ -108,10 +108,8 @@ impl Stand {
     /// # Errors
     /// There is no such state, or a value is refused.
     pub fn stationary(&self, values: &Values, outputs: &[usize]) -> Result<Vec<f64>> {
-        let state = match self.remembered(&Question::State(bits(values))) {
-            Some(state) => state,
-            None => self.settled(values, &mut **self.begin(values)?)?,
-        };
+        let state =
+            self.answered(Question::State(bits(values)), || self.settled(&mut **self.begin(values)?))?;
         let known =
             |v: &usize| Some(state[self.outputs.iter().position(|o| o == v)?]).filter(|x| !x.is_nan());
         if let Some(known) = outputs.iter().map(known).collect() {
@@ -123,15 +121,16 @@ impl Stand {
         outputs.iter().map(|v| slave.get(*v)).collect()
     }
 
-    /// All outputs of a slave that has begun with these values, at rest.
-    fn settled(&self, values: &Values, slave: &mut dyn Slave) -> Result<Rc<[f64]>> {
+    /// All outputs of a slave that has begun, at rest.
+    fn settled(&self, slave: &mut dyn Slave) -> Result<Vec<f64>> {
         slave.finish_start()?;
-        let outputs = self.outputs.iter().map(|v| slave.get(*v).unwrap_or(f64::NAN)).collect();
-        Ok(self.remember(Question::State(bits(values)), outputs))
+        Ok(self.outputs.iter().map(|v| slave.get(*v).unwrap_or(f64::NAN)).collect())
     }
 
-    fn remembered(&self, question: &Question) -> Option<Rc<[f64]>> {
-        self.answers.borrow().get(question).cloned()
+    /// What is remembered of a question, or what `find` finds.
+    fn answered(&self, question: Question, find: impl FnOnce() -> Result<Vec<f64>>) -> Result<Rc<[f64]>> {
+        let known = self.answers.borrow().get(&question).cloned();
+        known.map_or_else(|| Ok(self.remember(question, find()?)), Ok)
     }
 
     fn remember(&self, question: Question, answer: Vec<f64>) -> Rc<[f64]> {
@@ -170,17 +169,16 @@ impl Stand {
             return Ok((self.stationary(values, outputs)?, slopes));
         }
         let question = Question::Slopes(bits(values), outputs.to_vec(), inputs.to_vec());
-        if let Some(known) = self.remembered(&question) {
-            slopes.copy_from_slice(&known);
-        } else {
+        let found = self.answered(question, || {
             let mut slave = self.begin(values)?;
-            for (k, input) in inputs.iter().enumerate() {
-                let column = slave.directional_derivatives(outputs, &[*input], &[1.0])?;
-                slopes.column_mut(k).copy_from_slice(&column);
+            let mut columns = Vec::with_capacity(slopes.len());
+            for input in inputs {
+                columns.extend(slave.directional_derivatives(outputs, &[*input], &[1.0])?);
             }
-            self.settled(values, &mut **slave)?;
-            self.remember(question, slopes.as_slice().to_vec());
-        }
+            self.remember(Question::State(bits(values)), self.settled(&mut **slave)?);
+            Ok(columns)
+        })?;
+        slopes.copy_from_slice(&found);
         Ok((self.stationary(values, outputs)?, slopes))
     }
 
@@ -224,45 +222,31 @@ impl Stand {
         steps: usize,
         outputs: &[usize],
     ) -> Result<Vec<Vec<f64>>> {
-        let (time_bits, asked) = (time.to_bits(), outputs.to_vec());
-        let question = Question::Along(bits(values), bits(rates), time_bits, steps, asked);
-        let rows = match self.remembered(&question) {
-            Some(rows) => rows,
-            None => self.remember(question, self.driven(values, rates, time, steps, outputs)?),
-        };
-        Ok((0..=steps).map(|k| rows[k * outputs.len()..][..outputs.len()].to_vec()).collect())
-    }
-
-    /// The same, one row behind the other.
-    fn driven(
-        &self,
-        values: &Values,
-        rates: &Values,
-        time: f64,
-        steps: usize,
-        outputs: &[usize],
-    ) -> Result<Vec<f64>> {
-        let mut slave = self.begin(values)?;
-        slave.finish_start()?;
-        let mut rows = Vec::with_capacity((steps + 1) * outputs.len());
-        let mut read = |slave: &mut dyn Slave| -> Result<()> {
-            for output in outputs {
-                rows.push(slave.get(*output)?);
-            }
-            Ok(())
-        };
-        read(&mut **slave)?;
-        let moving: Vec<usize> = rates.iter().map(|(v, _)| *v).collect();
-        let speeds: Vec<f64> = rates.iter().map(|(_, rate)| *rate).collect();
-        let at = |k: usize| time * k as f64 / steps as f64;
-        for k in 0..steps {
-            let places: Vec<f64> =
-                rates.iter().map(|(v, rate)| self.value(values, *v) + rate * at(k)).collect();
-            slave.set_all(&moving, &places, &speeds)?;
-            slave.step(at(k), at(k + 1) - at(k))?;
+        let question = Question::Along(bits(values), bits(rates), time.to_bits(), steps, outputs.to_vec());
+        let rows = self.answered(question, || {
+            let mut slave = self.begin(values)?;
+            slave.finish_start()?;
+            let mut rows = Vec::with_capacity((steps + 1) * outputs.len());
+            let mut read = |slave: &mut dyn Slave| -> Result<()> {
+                for output in outputs {
+                    rows.push(slave.get(*output)?);
+                }
+                Ok(())
+            };
             read(&mut **slave)?;
-        }
-        Ok(rows)
+            let moving: Vec<usize> = rates.iter().map(|(v, _)| *v).collect();
+            let speeds: Vec<f64> = rates.iter().map(|(_, rate)| *rate).collect();
+            let at = |k: usize| time * k as f64 / steps as f64;
+            for k in 0..steps {
+                let places: Vec<f64> =
+                    rates.iter().map(|(v, rate)| self.value(values, *v) + rate * at(k)).collect();
+                slave.set_all(&moving, &places, &speeds)?;
+                slave.step(at(k), at(k + 1) - at(k))?;
+                read(&mut **slave)?;
+            }
+            Ok(rows)
+        })?;
+        Ok((0..=steps).map(|k| rows[k * outputs.len()..][..outputs.len()].to_vec()).collect())
     }
 
     fn begin(&self, values: &Values) -> Result<RefMut<'_, Box<dyn Slave>>> {

@@ -169,8 +169,7 @@ def test_an_interrupted_study_goes_on_with_what_is_missing(study, tmp_path):
     running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
     journal = tmp_path / "study.parquet.journal"
-    # against hanging for ever, and far above what a busy machine takes
-    end = time.monotonic() + 600
+    end = time.monotonic() + PATIENCE
     try:
         while not journal.exists() or journal.read_text().count("\n") < 4:
             if running.poll() is not None or time.monotonic() > end:

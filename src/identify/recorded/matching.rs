@@ -1,7 +1,7 @@
 //! Which stretches of which recordings meet which condition of a plan.
 
 use super::estimate::Point;
-use super::stretches::{Sampled, Watched, sections, stretches};
+use super::stretches::{Sampled, Watched, piece_length, sections, stretches};
 use crate::Result;
 use crate::identify::plan::{Condition, Plan, Ramp};
 use crate::model::Interface;
@@ -114,6 +114,7 @@ impl<'a> Track<'a> {
         interface: &Interface,
     ) -> Result<Self> {
         let mut assumed = Vec::new();
+        let piece = piece_length(&recording.time);
         let unit = |variable: usize| interface.variables[variable].unit.as_deref().unwrap_or("1");
         let mut inputs = Vec::new();
         for (name, variable) in &signals.inputs {
@@ -128,14 +129,12 @@ impl<'a> Track<'a> {
                     vec![plan.set.get(name).copied().unwrap_or(0.0); recording.time.len()]
                 }
             };
-            inputs.push(Sampled::new(values, &recording.time));
+            inputs.push(Sampled::new(values, piece));
         }
         let outputs = signals
             .outputs
             .iter()
-            .map(|(name, variable)| {
-                Ok(Sampled::new(recording.channel_in(name, unit(*variable))?, &recording.time))
-            })
+            .map(|(name, variable)| Ok(Sampled::new(recording.channel_in(name, unit(*variable))?, piece)))
             .collect::<Result<_>>()?;
         let measured_by = signals.measured_by(plan);
         Ok(Self { recording, inputs, outputs, measured_by, assumed })

@@ -20,7 +20,7 @@ const STEADY: f64 = 5e-4;
 const GAP: f64 = 5.0;
 
 /// So many samples are a piece.
-fn piece_length(time: &[f64]) -> usize {
+pub fn piece_length(time: &[f64]) -> usize {
     ((PIECE / median_interval(time)).round() as usize).max(LEAST)
 }
 
@@ -42,9 +42,9 @@ pub struct Sampled {
 }
 
 impl Sampled {
-    /// One with these values at these times.
-    pub fn new(values: Vec<f64>, time: &[f64]) -> Self {
-        Self { values, piece: piece_length(time), noise: OnceLock::new() }
+    /// One with these values, of which so many are a piece.
+    pub fn new(values: Vec<f64>, piece: usize) -> Self {
+        Self { values, piece, noise: OnceLock::new() }
     }
 
     /// Its values.
@@ -57,7 +57,7 @@ impl Sampled {
         self.noise.get_or_init(|| Noise::of(&self.values, self.piece))
     }
 
-    /// Makes something else of each value.
+    /// Replaces each value, and forgets what scattered.
     pub fn change(&mut self, of: impl Fn(f64) -> f64) {
         self.values.iter_mut().for_each(|value| *value = of(*value));
         self.noise.take();
