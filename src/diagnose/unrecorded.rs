@@ -4,6 +4,7 @@ use super::roles::Roles;
 use super::subject::{Subject, value_of};
 use crate::effect::Role;
 use crate::model::{Causality, VariableInfo};
+use crate::shown::with_unit;
 
 /// Inputs that are listed at most.
 const MOST_LISTED: usize = 12;
@@ -27,10 +28,9 @@ impl Subject {
             return None;
         }
         let named = |(variable, info): &(usize, &VariableInfo)| match value_of(info, *variable, &[]) {
-            Some(value) => match info.unit.as_deref().filter(|unit| *unit != "1") {
-                Some(unit) => format!("{} = {value} {unit}", info.name),
-                None => format!("{} = {value}", info.name),
-            },
+            Some(value) => {
+                format!("{} = {}", info.name, with_unit(value, info.unit.as_deref().unwrap_or("1")))
+            }
             None => info.name.clone(),
         };
         let mut list: Vec<String> = stay.iter().take(MOST_LISTED).map(named).collect();
