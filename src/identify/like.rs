@@ -40,7 +40,7 @@ pub(super) fn parse(text: &str) -> Result<Plan> {
     };
     let base = shipped_plan(&like).map_err(|e| e.at("like"))?;
     let mut whole: Table = base.parse().map_err(wrong)?;
-    put(&mut whole, own);
+    put(&mut whole, own)?;
     let before: Plan = toml::from_str(base).map_err(wrong)?;
     let plan = Plan::deserialize(whole).map_err(wrong)?;
     let is_new = |name: &str| before.conditions.iter().all(|c| c.name != name);
@@ -58,19 +58,17 @@ pub(super) fn parse(text: &str) -> Result<Plan> {
     }
 }
 
-/// Puts entries in the place of those of the same name: of tables one by one, of lists of tables by their `name`.
-fn put(whole: &mut Table, own: Table) {
+/// Puts entries in the place of those of the same name: of tables one by one, of lists of tables by their `name`. What has a new
+/// name comes behind the entry that its `after` names, or last.
+fn put(whole: &mut Table, own: Table) -> Result<()> {
     for (key, value) in own {
         match (whole.get_mut(&key), value) {
-            (Some(Value::Table(into)), Value::Table(own)) => put(into, own),
+            (Some(Value::Table(into)), Value::Table(own)) => put(into, own)?,
             (Some(Value::Array(into)), Value::Array(own))
                 if own.iter().chain(into.iter()).all(|v| name(v).is_some()) =>
             {
                 for entry in own {
-                    match into.iter_mut().find(|other| name(other) == name(&entry)) {
-                        Some(place) => *place = entry,
-                        None => into.push(entry),
-                    }
+                    put_one(into, entry).map_err(|e| e.at(&key))?;
                 }
             }
             (_, value) => {
@@ -78,6 +76,31 @@ fn put(whole: &mut Table, own: Table) {
             }
         }
     }
+    Ok(())
+}
+
+fn put_one(into: &mut Vec<Value>, mut entry: Value) -> Result<()> {
+    let after = entry.as_table_mut().and_then(|entry| entry.remove("after"));
+    let place_of = |wanted: Option<&str>| into.iter().position(|other| name(other) == wanted);
+    let Some(after) = after else {
+        match place_of(name(&entry)) {
+            Some(place) => into[place] = entry,
+            None => into.push(entry),
+        }
+        return Ok(());
+    };
+    let own = name(&entry).unwrap_or_default();
+    if place_of(Some(own)).is_some() {
+        return Err(Error::file(format!(
+            "{own}: it is in the place of the shipped one, and cannot have `after`"
+        )));
+    }
+    let Some(place) = after.as_str().and_then(|after| place_of(Some(after))) else {
+        let hint = did_you_mean(after.as_str().unwrap_or_default(), into.iter().filter_map(name));
+        return Err(Error::file(format!("{own}: after = {after}: there is none of this name{hint}")));
+    };
+    into.insert(place + 1, entry);
+    Ok(())
 }
 
 fn name(value: &Value) -> Option<&str> {

@@ -7,7 +7,7 @@ use crate::Error;
 /// All of it.
 pub const REGISTRY: Registry = Registry {
     functionals: &[CONTACT_FORCE, DRIFT, YAW_STIFFNESS],
-    transforms: &[SHEAR, LENGTH_FACTOR, SLIDING_FRICTION, STATIC_FRICTION],
+    transforms: &[SHEAR, LENGTH_FACTOR, SLIDING_FRICTION, STATIC_FRICTION, FALL_AND_STATIC_FRICTION],
     inversions: &[SPRINGS, IDENTITY],
 };
 
@@ -150,6 +150,23 @@ const STATIC_FRICTION: Transform = Transform {
             (at_zero - low) / (high - low),
             (at_highest - least) / (most - least),
         ]
+    },
+};
+
+/// The same behind how sliding friction falls with the speed, for tires of which it does.
+const FALL_AND_STATIC_FRICTION: Transform = Transform {
+    name: "fall over speed, and static friction in the unit square",
+    assumes: &[],
+    size: 4,
+    to_model: |sought, known| {
+        let mut values = vec![("friction_speed_falloff", sought[0])];
+        values.extend((STATIC_FRICTION.to_model)(&sought[1..], known));
+        values
+    },
+    from_model: |known| {
+        let mut sought = vec![value(known, "friction_speed_falloff")];
+        sought.extend((STATIC_FRICTION.from_model)(known));
+        sought
     },
 };
 

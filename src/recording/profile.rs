@@ -86,6 +86,13 @@ pub(crate) fn profile_file(name: &str, value: &Value, folder: &Path) -> Option<P
 /// A file that cannot be read, or that says something wrong; with its place.
 pub fn read_settings(path: Option<&Path>) -> Result<Settings> {
     let Some(path) = path else { return Ok(Settings::default()) };
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("tir")) {
+        let shown = path.display();
+        return Err(Error::file(format!(
+            "{shown}: this is a tire property file, and parameters are TOML: `latsch tire {shown} --output F.toml` makes them of it. Where there is an option --tire, it takes \
+             the file as it is"
+        )));
+    }
     let text =
         bounded::read_text(path, MAX_TEXT).map_err(|e| Error::file(format!("{}: {e}", path.display())))?;
     let mut settings = Settings::parse(&text, &path.display().to_string())?;

@@ -374,20 +374,35 @@ fn a_plan_like_another_differs_where_it_says() {
     let whole = Plan::read(ring_brush::PLAN).unwrap();
     let plan = Plan::read(include_str!("../../examples/plans/ring-brush-passenger-car.toml")).unwrap();
     assert_eq!((&plan.recordings, &plan.set), (&whole.recordings, &whole.set));
-    assert_eq!((plan.groups.len(), &plan.groups[2..]), (9, &whole.groups[2..]));
-    assert_eq!((plan.groups[0].parameters.len(), whole.groups[0].parameters.len()), (2, 3));
-    let other: Vec<&str> = plan
-        .conditions
-        .iter()
-        .zip(&whole.conditions)
-        .filter(|(own, other)| own != other)
-        .map(|(own, _)| own.name.as_str())
-        .collect();
-    assert_eq!(other, ["driven at 6000 N", "braked at 4000 N", "driven at 2000 N"]);
+    let sizes = |plan: &Plan| plan.groups.iter().map(|group| group.parameters.len()).collect::<Vec<_>>();
+    assert_eq!(
+        (sizes(&plan), sizes(&whole)),
+        (vec![2, 2, 1, 1, 1, 1, 2, 4, 1], vec![3, 2, 1, 1, 1, 1, 2, 3, 1])
+    );
+    assert_eq!((&plan.groups[2..7], &plan.groups[8]), (&whole.groups[2..7], &whole.groups[8]));
+    let new = plan.conditions.iter().filter(|own| !whole.conditions.contains(own));
+    let own: Vec<&str> = new.map(|c| c.name.as_str()).collect();
+    assert_eq!(
+        own,
+        [
+            "dragged sideways at 3000 N",
+            "dragged sideways at 5000 N",
+            "driven at 6000 N",
+            "braked at 4000 N",
+            "driven at 2000 N",
+            "locked at 4000 N"
+        ]
+    );
     assert_eq!(plan.condition("braked at 4000 N").unwrap().hold["slip"], -0.05);
-    let [own, other] = [&plan, &whole].map(|p| &p.programme.as_ref().unwrap().runs);
-    let changed: Vec<usize> = (0..other.len()).filter(|k| own[*k] != other[*k]).collect();
-    assert_eq!((own.len(), changed), (other.len(), vec![6]));
+    let runs = |plan: &Plan| plan.programme.as_ref().unwrap().runs.clone();
+    let names = |plan: &Plan| runs(plan).iter().map(|run| run.name.clone()).collect::<Vec<_>>();
+    let (driven, mut expected) = (6, names(&whole));
+    assert_eq!(expected[driven], "driven-and-braked");
+    expected.insert(driven + 1, "locked".to_owned());
+    assert_eq!(names(&plan), expected);
+    let own: Vec<String> =
+        runs(&plan).iter().filter(|run| !runs(&whole).contains(run)).map(|run| run.name.clone()).collect();
+    assert_eq!(own, ["driven-and-braked", "locked"]);
 }
 
 #[test]
@@ -400,6 +415,11 @@ fn a_plan_like_another_says_what_is_wrong() {
         &["driven at 6001 N", "no target", "driven at 6000 N"],
     );
     like("[[condition]]\nname = \"driven at 6000 N\"\nholds = {}", &["unknown field `holds`"]);
+    like(
+        "[[group]]\nname = \"more\"\nafter = \"sliding fricton\"",
+        &["group", "more", "after", "\"sliding fricton\"", "did you mean \"sliding friction\""],
+    );
+    like("[[group]]\nname = \"sliding friction\"\nafter = 3", &["sliding friction", "cannot have `after`"]);
     is_refused(
         "like = \"ring-brush\"",
         ring_brush::REGISTRY,

@@ -6,12 +6,13 @@ import pty
 import re
 import shutil
 import subprocess
+import tomllib
 import zipfile
 
 import numpy as np
 import pytest
 
-from conftest import INPUTS, MODEL, MODELS, PROGRAM, latsch, read_results, rewrite
+from conftest import INPUTS, MODEL, MODELS, PROGRAM, ROOT, latsch, read_results, rewrite
 
 
 @pytest.mark.quick
@@ -368,7 +369,7 @@ def test_demo_makes_pages_that_need_nothing_else(demo):
         text = (demo / page).read_text().replace('xmlns="http://www.w3.org/2000/svg"', "")
         for outside in ("src=", "@import", "url(", "http://", "https://", 'href="h'):
             assert outside not in text, f"{page}: {outside}"
-    assert (demo / "index.html").stat().st_size < 3.5e6
+    assert (demo / "index.html").stat().st_size < 4e6
     results = read_results(demo / "flat-track" / "results.csv")
     # a triangle of the slip angle at each of three loads, then slip: the tire answers with its limits
     assert 4500 < max(results["force_y"]) < 6000
@@ -416,8 +417,22 @@ def test_demo_shows_the_numbers_of_its_results(demo, road):
     # the wheel keeps turning, and the brake makes the heat: of a slip s the contact has s/(1 - s) of it, and s is a third at most
     assert with_abs[2] < 0.3 < 2 < without[2]
     assert with_abs[3] < 0.5 * with_abs[4] and without[3] > 5 * without[4]
-    # sliding friction falls with the sliding speed here, so that a locked wheel loses
-    assert 0.85 < with_abs[0] / without[0] < 1
+    # sliding friction falls with the sliding speed here, so that a locked wheel loses; at most what one loses that keeps to the peak of 0.96
+    assert 0.6 < with_abs[0] / without[0] < 0.9
+
+
+def test_demo_shows_a_locked_wheel_that_slides_as_its_tire_says(demo):
+    tire = tomllib.loads((ROOT / "examples" / "tires" / "ring-brush-205-60-r15.toml").read_text())["parameters"]
+    r = read_results(demo / "runs" / "dry-no-abs.csv")
+    locked = [k for k, slip in enumerate(r["corner.slip"]) if slip == -1 and 3 < r["corner.vehicle_speed"][k] < 25]
+    time, speed = (np.array([r[name][k] for k in locked]) for name in ("time", "corner.vehicle_speed"))
+    assert speed[0] > 24.9 and speed[-1] < 3.1
+    # m dv/dt = -F_0 / (1 + a v), solved for the time from one speed to another
+    fallen = speed[0] - speed + tire["friction_speed_falloff"] / 2 * (speed[0] ** 2 - speed**2)
+    braked = fallen[1:] / (time[1:] - time[0])
+    assert braked == pytest.approx(np.full(len(braked), braked[-1]), rel=2e-3)
+    # the curves from which it is have 0.626 of the load at 60 km/h
+    assert braked[-1] / 9.81 == pytest.approx(0.626 * (1 + tire["friction_speed_falloff"] * 60 / 3.6), rel=0.03)
 
 
 def test_demo_shows_the_forces_of_the_car_of_its_results(demo, tmp_path):
@@ -437,7 +452,7 @@ def test_demo_shows_the_forces_of_the_car_of_its_results(demo, tmp_path):
                 values = [1e-3 * f for f in r[f"car.front_left.{force}_force"][start:slow]]
                 assert f"{min(values):.2f} to {max(values):.2f}".replace("-", "−") in row, force
     # sliding friction falls with the sliding speed here; a wheel leaves the road behind a slab, and then falls on it
-    assert all(0.9 < distances[road, "abs"] / distances[road, "no-abs"] < 1 for road in ("slabs", "level"))
+    assert all(0.7 < distances[road, "abs"] / distances[road, "no-abs"] < 0.9 for road in ("slabs", "level"))
     # what is written runs again with the same numbers
     done = latsch("cosimulate", demo / "car" / "level-abs.toml", "--output", tmp_path / "again.csv")
     assert done.returncode == 0, done.stderr

@@ -53,6 +53,13 @@ def tire(tmp_path):
 
 
 @pytest.mark.quick
+def test_a_tire_property_file_is_no_parameters(tire, tmp_path):
+    done = latsch("simulate", "magic-formula-flat-track", "--parameters", tire, "--output", tmp_path / "x.csv")
+    assert done.returncode == 2 and not (tmp_path / "x.csv").exists()
+    assert f"latsch tire {tire} --output F.toml" in done.stderr and "--tire" in done.stderr, done.stderr
+
+
+@pytest.mark.quick
 def test_a_tire_property_file_becomes_an_fmu(tire, tmp_path):
     fmu = tmp_path / "tire.fmu"
     done = latsch("export", "magic-formula-flat-track", "--tire", tire, "-o", fmu)

@@ -1,6 +1,5 @@
 //! The same braking with and without ABS on several roads: three FMUs wired to each other.
 
-use super::FALLOFF;
 use super::stop::{StopFigures, StopRun, StopScene, stop_page};
 use super::twin::Replay;
 use latsch::control::{AbsController, BrakeHydraulics};
@@ -39,7 +38,7 @@ const SCENARIOS: [Scenario; 4] = [
         text: "A flat road, friction as the tire has it.",
         friction: &[(0.0, 1.0)],
         road: "",
-        stop: 4.5,
+        stop: 5.0,
     },
     Scenario {
         id: "wet",
@@ -47,7 +46,7 @@ const SCENARIOS: [Scenario; 4] = [
         text: "A flat road with a friction factor of 0.5: half of the tire's friction on a dry road. A film of water is not modelled.",
         friction: &[(0.0, 0.5)],
         road: "",
-        stop: 8.0,
+        stop: 9.2,
     },
     Scenario {
         id: "split",
@@ -63,7 +62,7 @@ const SCENARIOS: [Scenario; 4] = [
         text: "Even slabs of 15 m that rise by 50 mm and end in a vertical drop, where the wheel leaves the ground for a moment (Mack 2009, figure 6.33; the height is a placeholder, because the source does not give it).",
         friction: &[(0.0, 1.0)],
         road: ", road_kind = \"slabs\", road_start = 5.0, road_length = 15.0, road_height = \"50 mm\"",
-        stop: 4.5,
+        stop: 5.0,
     },
 ];
 
@@ -118,8 +117,8 @@ fn about(scenes: &[StopScene]) -> Section {
          tire of Kaden (TU München, 2015) with parameters of a passenger car's tire, 205/60 R15; no load transfer, no aerodynamics. The friction factor \
          scales the tire's dry friction, static and sliding alike. Masses and suspension are of sports-car size and placeholders.",
         "The source's friction does not depend on the sliding speed: with it a locked wheel brakes as hard as a controlled one or harder. \
-         Here the sliding friction is divided by 1 + v · 0.01 s/m (friction_speed_falloff), a placeholder: how much shorter the stops with ABS are \
-         follows from that number. Set it to 0 in a run's file to see the source's tire.",
+         Here the sliding friction is divided by 1 + v · friction_speed_falloff, which is identified from the braking force of a locked wheel at 60 km/h in \
+         the published curves: how much shorter the stops with ABS are follows from it. Set it to 0 in a run's file to see the source's friction.",
         "Brake (brake-hydraulics): valves, line, lag of the caliper, pads whose friction builds up after first contact (Mack 2009, \
          6.32 to 6.34). Controller (abs-controller): a rule-based stand-in that knows wheel speed and driver's pressure only. The sources \
          give neither sizes, rates nor thresholds: all parameters of brake and controller are placeholders. It is no product's ABS.",
@@ -184,11 +183,10 @@ record_every = {EVERY}
 # One after the other, each with what those before it have at the end of the interval.
 order = [{order}]
 
-# Body, suspension, wheel, tire and road. The tire's source knows no fall of the sliding friction with the speed
-# (friction_speed_falloff = 0), and without it a locked wheel brakes about as hard as a controlled one.
+# Body, suspension, wheel, tire and road.
 [component.corner]
 fmu = \"{fmus}ring-brush-corner.fmu\"
-set = {{ initial_speed = \"100 km/h\", friction_speed_falloff = {FALLOFF}{road} }}
+set = {{ initial_speed = \"100 km/h\"{road} }}
 
 # Valves, line and pads.
 [component.brake]

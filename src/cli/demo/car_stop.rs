@@ -103,7 +103,8 @@ fn about() -> Section {
         "The system is that of the documentation (examples/car-abs-stop): a car with a body that moves in six directions, McPherson suspension and rack in \
          front, five links behind, four brakes and a controller with four channels of which those behind have one pressure. After Mack (TU München, 2009) \
          and Kaden (2015); the first prints no data, so all sizes of car, brakes and controller are placeholders. It is no product's ABS.",
-        "Sliding friction is divided by 1 + v · 0.01 s/m (friction_speed_falloff), a placeholder: the tire's source does not let it depend on the sliding speed.",
+        "Tires are a passenger car's, 205/60 R15, identified from published curves. Their sliding friction falls with the speed, which the tire's source does not have: \
+         it is divided by 1 + v · friction_speed_falloff.",
         "Without ABS the same pressure goes to the same brakes, whose inlet valves stay open. Forces of links and tie rods are positive where they pull, those of struts where they push.",
         "The patches come from the same car in this program, driven along the recorded brake torques; it has to end at the same place, to the last bit. \
          They are drawn closer to each other than they are.",
@@ -155,7 +156,6 @@ impl Road {
         let mut values: Vec<(String, Value)> = Vec::new();
         for axle in ["front_tire", "rear_tire"] {
             values.extend(tire.values.iter().map(|s| (format!("{axle}.{}", s.name), s.value.clone())));
-            values.push((format!("{axle}.friction_speed_falloff"), Value::Real(super::FALLOFF)));
         }
         for (variable, value) in self.values {
             let is_kind = *variable == "road_kind";

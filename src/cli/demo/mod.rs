@@ -13,9 +13,6 @@ use latsch::shipped::MODELS;
 use latsch::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// How the sliding friction falls with the sliding speed \[s/m\]: a placeholder, as the pages say.
-const FALLOFF: f64 = 0.01;
-
 /// The tire of the demo: a passenger car's.
 const TIRE: &str = include_str!("../../../examples/tires/ring-brush-205-60-r15.toml");
 

@@ -51,14 +51,14 @@ impl Search<'_> {
         for group in &plan.groups {
             let own = from..from + group.parameters.len();
             from = own.end;
-            let is_on_bound = |k: &usize| {
-                let [low, high] = model.bounds()[*k];
-                (at[*k] - low).min(high - at[*k]) <= ON_BOUND * (high - low)
-            };
             let on_bound: Vec<String> = own
                 .clone()
-                .filter(is_on_bound)
-                .map(|k| format!("{} = {:.4e}", group.parameters[k - own.start].name, at[k]))
+                .filter_map(|k| {
+                    let [low, high] = model.bounds()[k];
+                    let bound = if at[k] - low < high - at[k] { low } else { high };
+                    ((at[k] - bound).abs() <= ON_BOUND * (high - low))
+                        .then(|| format!("{} = {bound:.4e}", group.parameters[k - own.start].name))
+                })
                 .collect();
             for k in own {
                 let (measured, half) =
