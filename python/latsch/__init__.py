@@ -15,11 +15,13 @@ import re
 import subprocess
 import sys
 import tempfile
+import threading
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Union
 
 import numpy as np
+from tqdm.auto import tqdm
 
 __all__ = [
     "Characteristics", "Diagnosis", "Identification", "LatschError", "Page", "Recording",
@@ -150,14 +152,39 @@ def _environment() -> dict[str, str]:
 
 
 def _run(*arguments: object) -> tuple[str, list[str]]:
-    """What the program printed, and its notes and warnings."""
-    command = [program(), "--color", "never", *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", env=_environment())
-    said = [line for line in done.stderr.splitlines() if line]
-    if done.returncode != 0:
-        text = done.stderr.strip() or done.stdout.strip()
-        raise LatschError(text.removeprefix("error: "), done.returncode)
-    return done.stdout, said
+    """What the program printed, and its notes and warnings. How far it is shows in notebooks and on terminals, if it takes a second."""
+    command = [program(), "--color", "never", "--progress", "json", *map(str, arguments)]
+    printed, said = [], []
+    with (
+        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8", env=_environment()) as running,
+        tqdm(total=100, disable=not _is_watched(), delay=1, leave=False, bar_format="{desc} {percentage:.0f} %|{bar}| {elapsed}") as bar,
+    ):
+        reader = threading.Thread(target=lambda: printed.append(running.stdout.read()))
+        reader.start()
+        try:
+            for line in running.stderr:
+                if not line.startswith('{"progress":'):
+                    said.append(line.rstrip("\n"))
+                    continue
+                progress = json.loads(line)
+                bar.set_description_str(progress["what"], refresh=False)
+                bar.update(100 * (progress["progress"] or 0) - bar.n)
+        except BaseException:
+            # it tidies up
+            running.terminate()
+            raise
+        finally:
+            reader.join()
+    if running.returncode != 0:
+        text = "\n".join(said).strip() or printed[0].strip()
+        raise LatschError(text.removeprefix("error: "), running.returncode)
+    return printed[0], [line for line in said if line]
+
+
+def _is_watched() -> bool:
+    """Whether somebody sees what is written on the standard error: on a terminal, or in a notebook, which is none."""
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    return sys.stderr.isatty() or getattr(shell, "kernel", None) is not None
 
 
 def _text(value: Value) -> str:

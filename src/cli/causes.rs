@@ -1,6 +1,6 @@
 //! `latsch diagnose` of a wired vehicle from recordings that repeat each other.
 
-use super::console::spinner;
+use super::console::Bar;
 use super::diagnose::Args;
 use super::{Format, print, print_json};
 use latsch::causes::{Change, PartFindings, closed_loops, correct, find, read_runs};
@@ -10,7 +10,6 @@ use latsch::report::{causes_report, write_html};
 use latsch::{Error, Result, write_file};
 use serde_json::json;
 use std::path::Path;
-use std::time::Duration;
 
 pub fn run(args: &Args) -> Result<()> {
     for (given, name) in [
@@ -28,10 +27,9 @@ pub fn run(args: &Args) -> Result<()> {
     let runs = read_runs(&args.recordings)?;
     std::fs::create_dir_all(&args.output)
         .map_err(|e| Error::file(format!("{} cannot be made: {e}", args.output.display())))?;
-    let spinner = spinner();
-    spinner.enable_steady_tick(Duration::from_millis(200));
-    let findings = find(&file.plan, &runs, args.jobs, &mut |what| spinner.set_message(what.to_owned()))?;
-    spinner.finish_and_clear();
+    let spinner = Bar::spinner();
+    let findings = find(&file.plan, &runs, args.jobs, &mut |what| spinner.set_what(what))?;
+    drop(spinner);
     let mut plan = file.plan.clone();
     for change in findings.iter().flat_map(|part| &part.found).flat_map(|found| &found.changes) {
         if change.name.contains('.') {

@@ -1,6 +1,6 @@
 //! `latsch characterize`: the curves of tires.
 
-use super::console::bar;
+use super::console::Bar;
 use super::given::Given;
 use super::simulate::{is_file, parse_assignment};
 use super::{print, warn};
@@ -79,15 +79,15 @@ pub fn run(args: &Args) -> Result<()> {
     std::fs::create_dir_all(folder)
         .map_err(|e| Error::file(format!("{} cannot be made: {e}", folder.display())))?;
     let states: usize = rigs.iter().map(|(_, rig)| programme.states(rig)).sum();
-    let bar = bar(states as u64, "");
+    let bar = Bar::of_steps(states as u64, "");
     let measured: Result<Vec<Tire>> = rigs
         .iter_mut()
         .map(|(name, rig)| {
-            bar.set_message(name.clone());
-            measure(name, rig, &programme, &|| bar.inc(1))
+            bar.set_what(name);
+            measure(name, rig, &programme, &|| bar.step())
         })
         .collect();
-    bar.finish_and_clear();
+    drop(bar);
     let tires = measured?;
     for tire in &tires {
         tire.notes.iter().for_each(|note| warn(&format!("{}: {note}", tire.name)));

@@ -1,7 +1,7 @@
 //! `latsch cosimulate`: a wired system of models and FMUs.
 
 use super::compared::{Compared, sides};
-use super::console::bar;
+use super::console::Bar;
 use super::mapped::Mapped;
 use super::{check_outputs, print, warn};
 use latsch::cosimulate::{
@@ -291,10 +291,8 @@ fn run_with_progress(
     until: Option<Until>,
     path: &Path,
 ) -> Result<Outcome> {
-    let bar = bar(experiment.schedule()?.steps as u64, &path.display().to_string());
-    let outcome = cosimulate_until(system, experiment, until, |k| bar.set_position(k as u64));
-    bar.finish_and_clear();
-    outcome
+    let bar = Bar::of_steps(experiment.schedule()?.steps as u64, &path.display().to_string());
+    cosimulate_until(system, experiment, until, |k| bar.set(k as u64))
 }
 
 /// What a recording and this run have in common, without the inputs that follow the recording.

@@ -1,6 +1,6 @@
 //! `latsch diagnose`: what a model leaves out.
 
-use super::console::share_bar;
+use super::console::Bar;
 use super::digits::{digits, short};
 use super::{Format, print, print_json_text};
 use latsch::cosimulate::write_corrected;
@@ -69,12 +69,12 @@ pub fn run(args: &Args) -> Result<()> {
     };
     std::fs::create_dir_all(&args.output)
         .map_err(|e| Error::file(format!("{} cannot be made: {e}", args.output.display())))?;
-    let bar = share_bar();
+    let bar = Bar::of_share();
     let outcome = diagnose(&request, &mut |what, share| {
-        bar.set_message(what.to_owned());
-        bar.set_position((1000.0 * share) as u64);
+        bar.set_what(what);
+        bar.set_share(share);
     })?;
-    bar.finish_and_clear();
+    drop(bar);
     write(&args.output, &outcome, &library)?;
     match args.format {
         Format::Json => print_json_text(outcome.diagnosis.to_json()?.trim_end()),

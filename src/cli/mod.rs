@@ -49,6 +49,9 @@ struct Cli {
     /// When messages are colored; auto is on a terminal that shows colors, unless NO_COLOR is set
     #[arg(long, value_name = "WHEN", default_value_t = ColorChoice::Auto, global = true, help_heading = "Global options")]
     color: ColorChoice,
+    /// How progress is shown
+    #[arg(long, value_name = "HOW", default_value = "auto", global = true, help_heading = "Global options")]
+    progress: console::Progress,
     #[command(subcommand)]
     command: Command,
 }
@@ -91,8 +94,8 @@ enum Format {
 /// Reads the arguments, runs the subcommand and gives the exit code.
 pub fn run() -> ExitCode {
     let done = |()| ExitCode::SUCCESS;
-    let Cli { command, quiet, color } = Cli::parse();
-    console::set(quiet, color);
+    let Cli { command, quiet, color, progress } = Cli::parse();
+    console::set(quiet, color, progress);
     // a child of `check` runs foreign code and has nothing of its own to remove
     if !matches!(&command, Command::Check(args) if args.is_child())
         && let Err(e) = clean_up_on_signals()

@@ -1,7 +1,7 @@
 //! `latsch simulate`: a model or FMU along recorded inputs.
 
 use super::compared::{Compared, sides};
-use super::console::bar;
+use super::console::Bar;
 use super::given::Given;
 use super::mapped::Mapped;
 use super::{check_outputs, files_in, note, print, warn};
@@ -327,16 +327,16 @@ impl Subject {
                 schedule.start, schedule.stop, schedule.step
             )));
         }
-        let bar = bar(schedule.steps as u64, title);
+        let bar = Bar::of_steps(schedule.steps as u64, title);
         let outcome = simulate(self.slave.as_mut(), experiment, |k, slave| {
             if k == 0
                 && let Some(warning) = slave.warning()
             {
-                bar.suspend(|| warn(&warning));
+                bar.above(|| warn(&warning));
             }
-            bar.set_position(k as u64);
+            bar.set(k as u64);
         });
-        bar.finish_and_clear();
+        drop(bar);
         let texts: Vec<usize> = (0..self.slave.interface().variables.len())
             .filter(|&i| self.slave.interface().variables[i].kind == Kind::Text)
             .collect();

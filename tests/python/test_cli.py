@@ -354,6 +354,12 @@ def test_progress_shows_on_a_terminal_and_nowhere_else(tmp_path):
     os.close(master)
     assert b"%" in shown and b"left" in shown
 
+    told = latsch(*arguments, "--progress", "json")
+    assert told.returncode == 0 and told.stdout == done.stdout
+    progress = [json.loads(line)["progress"] for line in told.stderr.splitlines()]
+    assert len(progress) == 100 and progress == sorted(progress) and progress[-1] == 1
+    assert latsch(*arguments, "--progress", "json", "--quiet").stderr == ""
+
 
 @pytest.fixture(scope="module")
 def demo(made_once):

@@ -77,6 +77,10 @@ def test_functions_do_what_the_program_does(installed, tmp_path):
 def test_recordings_are_diagnosed_and_what_they_lack_is_said(installed, tmp_path):
     script = """
 import pathlib
+import sys
+import types
+# a notebook, as far as the package asks
+sys.modules["IPython"] = types.SimpleNamespace(get_ipython=lambda: types.SimpleNamespace(kernel=True, config={}))
 import latsch
 import numpy as np
 import scipy.io
@@ -113,6 +117,8 @@ else:
     environment = {**os.environ, "PYTHONPATH": str(installed)}
     done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+    # what takes longer than a second says what it does and how far it is
+    assert re.search(r"[a-z]+ \d+ %\|", done.stderr), done.stderr
 
 
 @pytest.mark.quick
