@@ -1,38 +1,10 @@
-// The figures of a page as a reader works with them: points, drags, hides lines, saves. A page without layout, so each drawing is as wide
-// as its own units: what a pointer is at is a place in the drawing.
+// The figures of a page as a reader works with them: points, drags, hides lines, saves.
 //
 //     node figures.mjs PAGE.html     prints what was read, as JSON
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import { join } from 'node:path';
+import { open } from './page.mjs';
 
-const { JSDOM, VirtualConsole } = createRequire(join(process.cwd(), 'here.js'))('jsdom');
-const errors = [], saved = [], drawn = [];
-const virtualConsole = new VirtualConsole();
-virtualConsole.on('jsdomError', (error) => errors.push(String(error)));
-const { window } = new JSDOM(readFileSync(process.argv[2], 'utf8'), {
-  runScripts: 'dangerously',
-  virtualConsole,
-  beforeParse(window) {
-    // what a browser has and this does not
-    Object.defineProperty(window.SVGElement.prototype, 'viewBox', {
-      get() {
-        const [x, y, width, height] = this.getAttribute('viewBox').split(' ').map(Number);
-        return { baseVal: { x, y, width, height } };
-      },
-    });
-    window.Element.prototype.getBoundingClientRect = function () {
-      return { left: 0, top: 0, width: this.viewBox?.baseVal.width ?? 0, height: this.viewBox?.baseVal.height ?? 0 };
-    };
-    window.Element.prototype.setPointerCapture = () => {};
-    window.URL.createObjectURL = (blob) => { saved.push({ blob }); return 'blob:drawing'; };
-    window.HTMLAnchorElement.prototype.click = function () { Object.assign(saved[saved.length - 1], { name: this.download, href: this.href }); };
-    window.HTMLCanvasElement.prototype.getContext = function () { return { drawImage: (_, x, y, width, height) => drawn.push([this.width, this.height, width, height]) }; };
-    window.HTMLCanvasElement.prototype.toDataURL = () => 'data:image/png;base64,';
-    window.Image = class { set src(_) { this.onload(); } };
-  },
-});
+const { window, errors, saved, drawn } = open(process.argv[2]);
 const { document } = window;
 assert.deepEqual(errors, []);
 const figures = [...document.querySelectorAll('figure')].filter((figure) => figure.querySelector(':scope > svg[data-x]'));

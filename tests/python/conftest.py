@@ -98,6 +98,16 @@ def made_once(tmp_path_factory):
     return folder
 
 
+@pytest.fixture(scope="session")
+def demo(made_once):
+    """What `latsch demo` writes."""
+    def make(folder):
+        done = latsch("demo", "--output", folder / "demo")
+        assert done.returncode == 0, done.stderr
+
+    return made_once("demo", make) / "demo"
+
+
 def latsch(*arguments, cwd=None):
     """Runs the program; returns the finished process with its texts."""
     return subprocess.run(

@@ -361,15 +361,6 @@ def test_progress_shows_on_a_terminal_and_nowhere_else(tmp_path):
     assert latsch(*arguments, "--progress", "json", "--quiet").stderr == ""
 
 
-@pytest.fixture(scope="module")
-def demo(made_once):
-    def make(folder):
-        done = latsch("demo", "--output", folder / "demo")
-        assert done.returncode == 0, done.stderr
-
-    return made_once("demo", make) / "demo"
-
-
 def test_demo_makes_pages_that_need_nothing_else(demo):
     for page in ("index.html", "car/index.html", "flat-track/index.html"):
         text = (demo / page).read_text().replace('xmlns="http://www.w3.org/2000/svg"', "")

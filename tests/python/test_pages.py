@@ -1,7 +1,8 @@
-"""What a reader does with the figures of a page, in a document that runs its script: tests/page/figures.mjs says what."""
+"""What a reader does with a page, in a document that runs its scripts: tests/page/figures.mjs and stop.mjs say what."""
 
 import json
 import pathlib
+import re
 import shutil
 import subprocess
 
@@ -52,3 +53,20 @@ def test_figures_are_read_zoomed_hidden_and_saved(document, tmp_path):
     assert list(said) == read["keys"]
     # the left edge of what was drawn over is where the drag began
     assert read["edge"] == read["lines"][0]
+
+
+@pytest.mark.parametrize(("page", "runs", "road", "time", "speed"), [
+    ("index.html", "runs", "slabs", 1.285, "corner.vehicle_speed"),
+    ("car/index.html", "car", "slabs", 1.6, "car.vehicle_speed"),
+])
+def test_a_film_shows_the_runs_at_the_time_that_is_chosen(demo, document, page, runs, road, time, speed):
+    said = json.loads(node(document, ROOT / "tests" / "page" / "stop.mjs", demo / page, road, str(time)))
+    assert len(said) == 2
+    for words, run in zip(said, ("abs", "no-abs")):
+        results = read_results(demo / runs / f"{road}-{run}.csv")
+        now = float(np.interp(time, results["time"], results[speed]))
+        assert float(words.split(" km/h")[0]) == pytest.approx(3.6 * now, abs=0.06), words
+        sliding, all_bristles = map(int, re.search(r"(\d+) of (\d+) bristles slide", words).groups())
+        assert 50 < all_bristles and (sliding == all_bristles if run == "no-abs" else 0 < sliding < all_bristles), words
+        if share := results.get("corner.sliding_share"):
+            assert sliding / all_bristles == pytest.approx(np.interp(time, results["time"], share), abs=0.1), words
