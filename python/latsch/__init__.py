@@ -16,12 +16,17 @@ import subprocess
 import sys
 import tempfile
 import threading
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Union
 
 import numpy as np
-from tqdm.auto import tqdm
+
+with warnings.catch_warnings():
+    # a notebook without widgets gets bars of text
+    warnings.simplefilter("ignore")
+    from tqdm.auto import tqdm
 
 __all__ = [
     "Characteristics", "Diagnosis", "Identification", "LatschError", "Page", "Recording",
@@ -87,7 +92,7 @@ class Recording(Mapping[str, np.ndarray]):
 class Page:
     """An HTML page that needs nothing else. A notebook shows it."""
 
-    html: str
+    html: str = field(repr=False)
 
     def save(self, path: PathLike) -> None:
         pathlib.Path(path).write_text(self.html, encoding="utf-8")
@@ -110,9 +115,15 @@ class Characteristics:
     def reading(self, name: str, load: float, tire: str | None = None) -> float:
         """The number called `name` at a load in N, of a tire, or of the only one."""
         found = [r["value"] for r in self.readings if r["reading"] == name and r["load"] == load and tire in (None, r["tire"])]
-        if len(found) != 1:
-            raise KeyError(f"{len(found)} readings {name!r} at {load} N")
+        if len(found) > 1:
+            raise KeyError(f"{name!r} is there of each tire: say which, of {self._all('tire')}")
+        if not found:
+            of = "" if tire is None else f" of {tire!r}"
+            raise KeyError(f"there is no {name!r} at {load} N{of}; readings are {self._all('reading')}, loads {self._all('load')}, tires {self._all('tire')}")
         return found[0]
+
+    def _all(self, key: str) -> str:
+        return ", ".join(map(str, dict.fromkeys(r[key] for r in self.readings)))
 
 
 @dataclass

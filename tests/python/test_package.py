@@ -37,6 +37,13 @@ with zipfile.ZipFile(latsch.export("linear-wheel", "three.fmu", fmi=3)) as three
 
 tires = latsch.characterize("magic-formula", fmu, loads=["2 kN", "4 kN"])
 assert tires.reading("vertical_stiffness", 4000.0, "tire") - 250 < 1e-6
+for asked, words in ((("locked", 4000), "magic-formula, tire"), (("grip", 4000, "tire"), "cornering_stiffness"), (("locked", 3000, "tire"), "2000.0, 4000.0")):
+    try:
+        tires.reading(*asked)
+    except KeyError as error:
+        assert words in str(error), error
+    else:
+        raise AssertionError("there is no such number")
 assert tires.curves["force_y"].shape == tires.curves["slip_angle"].shape and "<svg" in tires.page.html
 assert tires.page._repr_html_().startswith("<iframe")
 
