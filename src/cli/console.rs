@@ -148,18 +148,21 @@ impl Bar {
     }
 
     fn say_if_further(&self) {
+        if !is_json() {
+            return;
+        }
         let percent = self.share().map_or(0, |share| (100.0 * share) as u64);
-        if is_json() && self.said.fetch_max(percent, Ordering::Relaxed) < percent {
+        if self.said.fetch_max(percent, Ordering::Relaxed) < percent {
             self.say();
         }
     }
 
     fn say(&self) {
+        if !is_json() || is_quiet() {
+            return;
+        }
         let line = Line { progress: self.share(), what: &self.drawn.message() };
-        if is_json()
-            && !is_quiet()
-            && let Ok(line) = serde_json::to_string(&line)
-        {
+        if let Ok(line) = serde_json::to_string(&line) {
             anstream::eprintln!("{line}");
         }
     }
