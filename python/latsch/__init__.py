@@ -168,7 +168,7 @@ def _run(*arguments: object) -> tuple[str, list[str]]:
     printed, said = [], []
     with (
         subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8", env=_environment()) as running,
-        tqdm(total=100, disable=not _is_watched(), delay=1, leave=False, bar_format="{desc} {percentage:.0f} %|{bar}| {elapsed}") as bar,
+        tqdm(total=100, disable=not _is_watched(), delay=1, leave=False) as bar,
     ):
         reader = threading.Thread(target=lambda: printed.append(running.stdout.read()))
         reader.start()
@@ -177,9 +177,14 @@ def _run(*arguments: object) -> tuple[str, list[str]]:
                 if not line.startswith('{"progress":'):
                     said.append(line.rstrip("\n"))
                     continue
-                progress = json.loads(line)
-                bar.set_description_str(progress["what"], refresh=False)
-                bar.update(100 * (progress["progress"] or 0) - bar.n)
+                share, what = (json.loads(line)[key] for key in ("progress", "what"))
+                if share is None:
+                    # nothing more is said of it: it shows at once
+                    bar.delay, bar.bar_format = 0, "{desc} ..."
+                else:
+                    bar.bar_format = "{desc} {percentage:.0f} %|{bar}| {elapsed}"
+                bar.set_description_str(what, refresh=share is None)
+                bar.update(100 * (share or 0) - bar.n)
         except BaseException:
             # it tidies up
             running.terminate()

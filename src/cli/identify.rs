@@ -1,5 +1,6 @@
 //! `latsch identify`: sequential identification.
 
+use super::console::Bar;
 use super::digits::short;
 use super::mapped::Mapped;
 use super::planned::{numbers, plan, slave};
@@ -102,14 +103,10 @@ fn from_recordings(plan: &Plan, stand: &Stand, folder: &Path, args: &Args) -> Re
     let within = args.within.iter().map(|text| share(text)).collect::<Result<_>>()?;
     let beforehand = Beforehand { values, within };
     let unmet = if args.nearest { Unmet::Nearest } else { Unmet::Refused };
-    identify(
-        plan,
-        stand,
-        ring_brush::REGISTRY,
-        &beforehand,
-        unmet,
-        &args.map.recordings(&files_in(folder, &recording_endings())?)?,
-    )
+    let recordings = args.map.recordings(&files_in(folder, &recording_endings())?)?;
+    let spinner = Bar::spinner();
+    spinner.set_what("identifying");
+    identify(plan, stand, ring_brush::REGISTRY, &beforehand, unmet, &recordings)
 }
 
 /// `name=0.1`
